@@ -1,5 +1,5 @@
-//! Times to compute shapes from forces, on the paper's two meshes and finer ones. Compares the ladder solver with the sparse solver, and many loads one
-//! by one with a batch.
+//! Times to compute shapes from forces, on the paper's two meshes and finer ones. Compares the ladder solver with the sparse solver, and the solution
+//! of many loads one by one with their solution in a batch.
 //!
 //! The linear stiffness is constant, so its factors are stored after the first solution. `linear` and `mesh_size` include the factorisation, because each
 //! iteration starts from a new mesh or solver. `linear_kept` and `as_called` reuse the factors.

@@ -1,5 +1,5 @@
 //! Time in which a network computes forces from the displacements of one frame, on one core. Compared with forward passes of the same network in burn
-//! and in plain nalgebra. Those two start from scaled inputs; finray's time includes the scaling, in f64.
+//! and in plain nalgebra. The forward passes start from scaled inputs; finray's time includes the scaling, in f64.
 
 use burn_tensor::{Device, Tensor, TensorData, activation};
 use criterion::{Criterion, criterion_group, criterion_main};

@@ -1,5 +1,5 @@
-//! Times to estimate forces from shapes: least squares with preparation each time or once, Gauss-Newton on the co-rotational finger with cold or warm
-//! start, and batches of thousands of samples.
+//! Times to estimate forces from shapes. Least squares is prepared for each estimate or only once. Gauss-Newton on the co-rotational finger has a
+//! cold or a warm start. Batches have thousands of samples.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use finray_bench::{paper, push};

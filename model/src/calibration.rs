@@ -37,8 +37,8 @@ pub enum CalibrationError {
     NothingMoves,
     /// The measured nodes move against the loads.
     #[error(
-        "the measured nodes do not move with the loads: measured over computed displacement is {compliance_factor:.3e}, expected above zero; check \
-         signs, units and node numbers"
+        "the measured nodes do not move with the loads: the ratio of measured to computed displacement is {compliance_factor:.3e}, expected above \
+         zero; check signs, units and node numbers"
     )]
     WrongWay {
         /// Ratio of measured to computed displacement, dimensionless.
@@ -80,21 +80,21 @@ pub enum CalibrationError {
         /// Names of the parameters, separated by commas.
         parameters: String,
     },
-    /// Measured forces imply a friction angle of 90 degrees or more, or friction that builds up beyond the largest measured force.
+    /// The measured forces imply a friction angle of at least 90 degrees, or a build-up force of friction above the largest measured force.
     #[error(
-        "friction is not identifiable: it would build up over {build_up_n:.3} N to an angle of {angle_deg:.1} degrees from the normal, expected at \
-         most the largest measured force, {largest_n:.3} N, and less than 90 degrees; check signs, measure larger forces, or use --fit friction"
+        "friction is not identifiable: it would build up over {build_up_n:.3} N (expected at most the largest measured force, {largest_n:.3} N) to an \
+         angle of {angle_deg:.1} degrees from the normal (expected less than 90 degrees); check signs, measure larger forces, or use --fit friction"
     )]
     FrictionLimit {
         /// Angle between a sliding force and the normal (lean), degrees.
         angle_deg: f64,
-        /// Force over which friction builds up, N.
+        /// Build-up force of friction, N; see [`Lean::build_up_n`](crate::sensing::Lean).
         build_up_n: f64,
         /// Largest measured force, N.
         largest_n: f64,
     },
     /// The search finds no minimum.
-    #[error("the fit does not converge: check that loads, units and node numbers belong to the finger of the scene")]
+    #[error("the fit does not converge: check that loads, units and node numbers match the finger of the scene")]
     NoMinimum,
     /// A view cannot be used, or contradicts the others.
     #[error("{name}: {error}")]
@@ -104,7 +104,7 @@ pub enum CalibrationError {
         /// Reason for which the view is refused.
         error: ViewError,
     },
-    /// Measured forces differ by a large common factor from the forces that the scene's finger needs to bend as the images show.
+    /// All measured forces are too large or too small, by one large factor, for the bending of the scene's finger in the images.
     #[error(
         "measured forces are {times:.3} times (median) the forces that bend the scene's finger as the images show, expected about 1: a negative \
          ratio means a wrong sign or frame, any other ratio a wrong unit (N) or wrong moduli in the scene"
@@ -113,7 +113,7 @@ pub enum CalibrationError {
         /// Median ratio of measured forces to forces estimated from markers, dimensionless.
         times: f64,
     },
-    /// Measured forces and the forces that the views show point to opposite sides of the normal.
+    /// Measured forces and forces estimated from the views point to opposite sides of the normal.
     #[error(
         "measured forces scatter by {:.1} % about the forces that the images show, but only by {:.1} % with the opposite angle from the plate's \
          normal: check the sign of fx_n and fy_n, and that they refer to the frame of the camera's pose",
@@ -144,10 +144,10 @@ const BISECTIONS: usize = 1200;
 /// Young's modulus of the linear finger by eq. (11) of Xu et al. (2021). Finds the factor on all moduli that minimises the weighted sum, over all nodes and
 /// cases, of the distance between measured and computed position.
 ///
-/// Computed displacements v are proportional to c = 1 / factor, so the weighted sum of |m - c v| over measured displacements m is convex in c. Bisection
-/// finds the zero of its derivative. A sum of distances (not of squares) is robust to single bad markers. The standard deviation of c is the sandwich
-/// estimate of an M-estimator (Huber 1967): sqrt(n / (n - 1) sum g^2) / sum h for n nodes, with the first and second derivative g and h of each node's
-/// weighted distance.
+/// The computed displacements are c v, with c = 1 / factor and the displacements v for a factor of 1. The weighted sum of |m - c v| over measured
+/// displacements m is convex in c. Bisection finds the zero of its derivative. A sum of distances (not of squares) is robust to single bad markers.
+/// The standard deviation of c is the sandwich estimate of an M-estimator (Huber 1967): sqrt(n / (n - 1) sum g^2) / sum h for n nodes. Here g and h
+/// are the first and second derivatives of each node's weighted distance.
 ///
 /// # Errors
 /// [`CalibrationError`] if the statics fail, no load moves a measured node, or the nodes move against the loads.
@@ -190,7 +190,7 @@ pub fn youngs_modulus(finger: &Finger, cases: &[CalibrationCase]) -> Result<Modu
         let away = v * c - m;
         let distance = away.norm();
         distances += distance;
-        // A residual below rounding has no direction and counts as zero.
+        // A residual within rounding errors has no meaningful direction and counts as zero.
         if distance > 1e-14 * m.norm() {
             let gradient = weight * v.dot(&away) / distance;
             scatter += gradient * gradient;

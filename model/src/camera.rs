@@ -1,8 +1,8 @@
 //! The camera: from points of the finger frame to pixels and back.
 //!
-//! A point X (mm, finger frame, z = x cross y) has the camera coordinates X_camera = R X + t ([`Pose`]). The lens ([`Lens`]) projects the point to x = X/Z, y
-//! = Y/Z, applies its distortion, and scales the result to pixels. Pixel coordinates are u to the right and v down; the centre of the first pixel is (0, 0).
-//! One image does not determine the distance of a point. But a pixel determines a point on a known plane z = height.
+//! A point X (mm, finger frame, z = x cross y) has the camera coordinates X_camera = R X + t ([`Pose`]). The lens ([`Lens`]) projects the point to x
+//! = X/Z, y = Y/Z, applies its distortion, and scales the result to pixels. Pixel coordinates are u to the right and v down; the centre of the first
+//! pixel is (0, 0). One image does not determine the distance of a point. However, a pixel determines one point on a known plane z = height.
 
 mod lens;
 mod pose;
@@ -16,8 +16,8 @@ use nalgebra::{Matrix2, Matrix2x3, Vector2, Vector3};
 /// A position in an image, px: u to the right, v down.
 pub type Pixel = Vector2<f64>;
 
-/// Limit of the sine of the angle between a ray and a plane; below it, a pixel has no position on the plane. At the limit of 1 degree, an error of 0.01 px
-/// moves the position as far as about 0.5 px in a perpendicular view.
+/// A pixel has no position on a plane if the sine of the angle between its ray and the plane is below this limit. At the limit of 1 degree, an error
+/// of 0.01 px moves the position as far as an error of about 0.5 px does in a perpendicular view.
 const LEAST_SLOPE: f64 = 0.0175;
 
 /// A camera with its lens and its pose, both known.
@@ -61,7 +61,7 @@ impl Camera {
         Ok((pixel, by_camera * self.pose.rotation.matrix()))
     }
 
-    /// The point of the plane z = `height_mm` that a pixel shows, mm, finger frame.
+    /// Point (mm, finger frame) that a pixel shows on the plane z = `height_mm`.
     ///
     /// # Errors
     /// [`ViewError`] if the ray grazes or misses the plane, or the distortion folds the image at the pixel.
@@ -78,7 +78,7 @@ impl Camera {
         Ok((eye + ray * along).xy())
     }
 
-    /// The point of the plane z = `height_mm` that a pixel shows, mm, finger frame; and its 2 x 2 derivatives by the pixel, mm/px.
+    /// Point (mm, finger frame) that a pixel shows on the plane z = `height_mm`, and the 2 x 2 derivatives of this point by the pixel, mm/px.
     ///
     /// # Errors
     /// [`ViewError`] as for [`Camera::on_plane`].
@@ -93,9 +93,9 @@ impl Camera {
         Ok((point, in_plane.try_inverse().ok_or(ViewError::Grazing)?))
     }
 
-    /// Standard deviation per coordinate, mm, of the point that a pixel shows on the plane z = `height_mm`: the root mean square of the standard deviations of
-    /// x and y. Each coordinate of the pixel has the standard deviation `pixel_sd_px`. To first order, the covariance of the point is J J^T times the pixel's
-    /// variance. J holds the derivatives of the point by the pixel.
+    /// Standard deviation per coordinate, mm, of the point that a pixel shows on the plane z = `height_mm`: the root mean square of the standard
+    /// deviations of x and y. Each coordinate of the pixel has the standard deviation `pixel_sd_px`. To first order, the covariance of the point is J
+    /// J^T times the pixel's variance. J is the matrix of derivatives of the point by the pixel.
     ///
     /// # Errors
     /// [`ViewError`] as for [`Camera::on_plane`].

@@ -1,7 +1,7 @@
 //! Displacements of the markers under unit forces: the columns of the compliance matrix that sensing needs.
 //!
-//! The linear finger is exact at its key nodes with one element per member, so the coarsest mesh suffices. Only two kinds of members are approximated, by
-//! their mean compliances: members of tapered plates, and members within which a zone starts or ends.
+//! With one element per member, the solution of the linear finger is exact at the key nodes, so the coarsest mesh suffices. Only two kinds of members
+//! are approximated: members of tapered plates, and members within which a zone starts or ends. Their mean compliances are used.
 
 use crate::element::quarter_turn;
 use crate::finger::{Finger, NodeId};
@@ -46,8 +46,8 @@ impl Compliance {
 
 /// Compliance of the linear finger for forces and moments on its key nodes. Its solutions are reused for many loads.
 ///
-/// A load between two key nodes moves all key nodes like its consistent nodal loads on these two nodes (exact for the cubic beam). Each key node therefore
-/// needs only one solution, which is computed when a load first uses it.
+/// A load between two key nodes displaces all key nodes as its consistent nodal loads on these two nodes do (exact for the cubic beam). One solution
+/// per key node therefore suffices; it is computed when a load first needs it.
 #[derive(Debug, Clone)]
 pub struct NodalCompliance {
     mesh: Mesh,
@@ -60,7 +60,7 @@ pub struct NodalCompliance {
 /// node.
 type Blocks = Vec<Matrix3<f64>>;
 
-/// Index of a key node from 0, with the force x, y (N) and the moment (N mm) on it.
+/// Index of a key node, counted from 0, and the load on this node: force x, y (N) and moment (N mm).
 type NodalLoad = (usize, Vector3<f64>);
 
 impl NodalCompliance {
@@ -71,7 +71,7 @@ impl NodalCompliance {
         NodalCompliance { at_rest: FrameMotion::at_rest(mesh.frame()), mesh, nodes }
     }
 
-    /// The finger whose compliance this is.
+    /// The finger that has this compliance.
     pub fn finger(&self) -> &Finger {
         self.mesh.finger()
     }
@@ -90,7 +90,7 @@ impl NodalCompliance {
         Ok(sums)
     }
 
-    /// The compliance under several loads, equal to that of [`Compliance::new`] within rounding.
+    /// The compliance for several loads. Equals the result of [`Compliance::new`] within rounding.
     ///
     /// # Errors
     /// [`StaticsError`] as for [`Compliance::new`].

@@ -87,8 +87,8 @@ impl Finger {
         self.clamped_nodes().contains(&self.junction(node))
     }
 
-    /// Key nodes at the same point of a plate move and rotate together. Returns the node that represents them: the base node if it is among them, else the
-    /// node of the rib nearest to the base. Returns `node` if it shares its point with no other node.
+    /// The node that represents all key nodes at the point of `node`, which move and rotate together. It is the base node if the base is at this
+    /// point, otherwise the node of the rib nearest to the base. Returns `node` if no other key node is at this point.
     pub fn junction(&self, node: NodeId) -> NodeId {
         let last = self.key_node_count();
         if !(1..=last).contains(&node.0) {
@@ -159,9 +159,9 @@ impl Finger {
         }
     }
 
-    /// Lengths of the rigid arms at both ends of a plate member, mm. A plate member is the segment between two neighbouring key nodes of a plate; its arms
-    /// model rods, clips and rigid ends. Both lengths are zero for a member of zero length, between ribs that share a junction. Members are numbered from 0
-    /// at the base.
+    /// Lengths of the rigid arms at both ends of a plate member, mm. A plate member is the segment between two neighbouring key nodes of a plate; its
+    /// arms model rods, clips and rigid ends. A member between ribs that share a junction has zero length and no arms. Members are numbered from 0 at
+    /// the base.
     pub fn member_arms_mm(&self, part: Plate, member: usize) -> [f64; 2] {
         let [from_mm, to_mm] = [member, member + 1].map(|level| self.level_mm(part, level));
         if from_mm == to_mm {
@@ -273,7 +273,7 @@ impl Finger {
         }
     }
 
-    /// For drawings: points along the front plate, the back plate, and each rib with its brackets.
+    /// Points along the front plate, the back plate, and each rib with its brackets, for drawings.
     pub fn outline(&self) -> Vec<(Part, Vec<FingerPoint>)> {
         let plates = [Plate::Front, Plate::Back].map(|plate| {
             (Part::from(plate), self.plate_nodes(plate).into_iter().map(FingerPoint::Node).collect::<Vec<_>>())
@@ -329,9 +329,9 @@ impl Finger {
 /// One of the two side plates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Plate {
-    /// The plate on the contact side, on the side of positive y.
+    /// The plate on the contact side (positive y).
     Front,
-    /// The plate that faces away from the contact, on the side of negative y.
+    /// The plate that faces away from the contact (negative y).
     Back,
 }
 

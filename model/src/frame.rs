@@ -57,7 +57,7 @@ impl Section {
 pub struct BeamEnd<R = f64> {
     /// The node with which the end moves.
     pub node: NodeIndex,
-    /// Rotation slot to which the end is clamped: that of the node or of a pin.
+    /// Rotation slot to which the end is clamped: the slot of the node or of a pin.
     pub rotation: RotationSlot,
     /// Undeformed vector from the node to the end of the beam, mm; zero without an arm.
     pub arm: Vector2<R>,
@@ -108,19 +108,19 @@ impl PlaneFrame {
         self.rotation_fixed.len() - 1
     }
 
-    /// Fixes those of x, y and rotation of a node whose flag is `true`, and frees the others.
+    /// Fixes (`true`) or frees (`false`) each of x, y and rotation of a node.
     pub fn support(&mut self, node: NodeIndex, [x, y, rotation]: [bool; 3]) {
         let at = &mut self.nodes[node];
         at.fixed = [x, y];
         self.rotation_fixed[at.rotation] = rotation;
     }
 
-    /// The end of a beam that is clamped to a node, without an arm.
+    /// A beam end clamped to a node without an arm.
     pub fn clamped_end(&self, node: NodeIndex) -> BeamEnd {
         BeamEnd { node, rotation: self.nodes[node].rotation, arm: Vector::zeros() }
     }
 
-    /// Adds a beam between two ends and returns its index. Its direction and length follow from the positions of nodes and arms.
+    /// Adds a beam between two ends and returns the index of the beam. Direction and length of the beam follow from the positions of nodes and arms.
     pub fn add_member(&mut self, ends: [BeamEnd; 2], section: Section) -> usize {
         let between = self.position(ends[1].node) + ends[1].arm - self.position(ends[0].node) - ends[0].arm;
         let length_mm = between.norm();
@@ -201,7 +201,7 @@ impl<R: Number> FrameMotion<R> {
         }
     }
 
-    /// A motion of a frame without nodes and slots.
+    /// The motion of an empty frame: one without nodes and slots.
     pub(crate) fn empty() -> FrameMotion<R> {
         FrameMotion { displacements: Vec::new(), rotations: Vec::new() }
     }

@@ -13,7 +13,7 @@ use crate::{Finger, Vector};
 use nalgebra::Rotation2;
 use std::f64::consts::PI;
 
-/// Limit of the sine of the angle between rocker and link; below it, a pose counts as singular. Singular poses are the ends of the nut's reach.
+/// A pose counts as singular if the sine of the angle between rocker and link is below this limit. Singular poses are the ends of the nut's reach.
 const SINGULAR_SINE: f64 = 1e-6;
 
 /// Dimensions of the linkage.
@@ -34,13 +34,13 @@ pub struct GripperDescription {
     pub assembly: Assembly,
 }
 
-/// Assembly mode: the linkage can close in two ways, and keeps the way in which it closes at motor angle 0.
+/// Assembly mode: which of its two possible closures the linkage has at motor angle 0. The linkage keeps this closure at all other angles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Assembly {
-    /// The joint between rocker and link takes the possible position farther from the screw's axis.
+    /// The joint between rocker and link is at the possible position farther from the screw's axis.
     #[default]
     Outer,
-    /// The joint between rocker and link takes the possible position nearer to the screw's axis.
+    /// The joint between rocker and link is at the possible position nearer to the screw's axis.
     Inner,
 }
 
@@ -89,7 +89,7 @@ impl LinkagePose {
         (self.phi1_rad + self.phi2_rad).sin().abs() < SINGULAR_SINE
     }
 
-    /// Transforms a point of the finger frame to the mechanism frame; mm. Eq. (9) takes the coordinates in the order y, x.
+    /// Transforms a point (mm) from the finger frame to the mechanism frame. Eq. (9) expects the coordinates in the order y, x.
     pub fn in_mechanism(&self, point: Vector) -> Vector {
         self.base + Rotation2::new(self.phi2_rad) * point.yx()
     }

@@ -104,7 +104,7 @@ pub enum Occurs {
     Once,
     /// A scene contains the table at most once.
     Optional,
-    /// Any number of times, as in `[[finger.zone]]`.
+    /// A scene contains the table any number of times, as in `[[finger.zone]]`.
     Many,
 }
 
@@ -139,7 +139,7 @@ pub trait SceneTable: Sync {
         self.with(&required.collect::<Vec<_>>())
     }
 
-    /// Text for messages that names the table with some of its keys: `[grasp] with motor_deg`.
+    /// Text that messages print for the table and some of its keys: `[grasp] with motor_deg`.
     fn with(&self, names: &[&str]) -> String {
         match names {
             [] => format!("[{}]", self.path()),

@@ -1,8 +1,8 @@
 //! Beam model of a compliant fin-ray finger, and estimation of contact forces from its deformation.
 //!
 //! # Entry points
-//! - From an observation to a force: [`sensor::Sensor`] estimates the forces of an [`observation::Observation`]. `finray-imaging` makes observations
-//!   from images; its example `force_from_image` goes from an image file to a force.
+//! - From an observation to a force: [`sensor::Sensor`] estimates the forces of an [`observation::Observation`]. `finray-imaging` extracts
+//!   observations from images; its example `force_from_image` computes a force from an image file.
 //! - From a force to a shape: [`statics::solve`].
 //! - From measured forces to a calibrated finger: [`calibration::factors`] (moduli), [`calibration::calibrate_rig`] (finger, camera and friction from
 //!   images).
@@ -14,10 +14,11 @@
 //! deviation.
 //!
 //! Data flows one way. A [`Scene`] describes a [`Finger`], a [`Mesh`] divides it into beam elements, and [`statics`] solves for its equilibrium under
-//! [`Load`]s. An [`observation`] holds the measured positions or displacements of markers. [`estimators`] and the [`sensor`] estimate the contact forces
-//! from an observation.
+//! [`Load`]s. An [`observation`] contains the measured positions or displacements of markers. [`estimators`] and the [`sensor`] estimate the contact
+//! forces from an observation.
 //!
-//! The crate is pure: it reads no files, prints nothing, uses no clock, and draws no random numbers. Functions that need them take a generator.
+//! The crate is pure: it reads no files, prints nothing, uses no clock, and draws no random numbers. Functions that need random numbers accept a
+//! generator.
 //!
 //! nalgebra provides vectors, small fixed-size matrices and small dense systems. sprs assembles the sparse stiffness of a mesh, and faer factors it.
 //!

@@ -19,7 +19,7 @@ pub struct Marker {
     pub weight: f64,
 }
 
-/// Uncertainty of the base to which displacements refer: an error of its pose, which all markers share, and its turn under force.
+/// Uncertainty of the base to which displacements refer: the error of the base's pose, which all markers share, and the base's rotation under force.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BaseUncertainty {
     /// Standard deviation of each coordinate of the base's origin, mm.
@@ -81,7 +81,7 @@ pub enum MeasurementError {
     },
     /// Nodes at one point of a plate have different displacements.
     #[error(
-        "node {node} shares its point of the plate with another listed node, but has another displacement: list one of the two"
+        "node {node} shares its point of the plate with another listed node, but has another displacement: list only one of these nodes"
     )]
     SharedMoves {
         /// The second of the two nodes.
@@ -98,7 +98,8 @@ pub enum MeasurementError {
 /// Errors of a finger's markers relative to their stated standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MarkerErrors {
-    /// Ratio of actual to stated marker noise, dimensionless. Below 1 if part of the stated noise is common to all images and absorbed by calibration.
+    /// Ratio of actual to stated marker noise, dimensionless. The ratio is below 1 if part of the stated noise is common to all images and absorbed
+    /// by calibration.
     pub noise_factor: f64,
     /// Error of the finger model, mm: standard deviation of one coordinate.
     pub model_mm: f64,
@@ -122,8 +123,8 @@ impl Measurement {
     /// Checks markers against a finger. Omits clamped nodes with zero displacement.
     ///
     /// # Errors
-    /// [`MeasurementError`] for the first marker with an unknown or repeated node, values that are not finite, or a weight of zero or less. Also for a clamped
-    /// marker that moves, and for different displacements at one point.
+    /// [`MeasurementError`] for the first marker with an unknown or repeated node, values that are not finite, or a weight of zero or less. A clamped
+    /// marker that moves, and different displacements at one point, are errors as well.
     pub fn new(finger: &Finger, markers: impl IntoIterator<Item = Marker>) -> Result<Measurement, MeasurementError> {
         let mut measurement = Measurement::empty();
         for marker in markers {
@@ -183,8 +184,8 @@ impl Measurement {
         Measurement { markers: finger.marked_nodes().map(marker).collect(), ..Measurement::empty() }
     }
 
-    /// This measurement with another uncertainty of the base. `None` if the base is known exactly. The nonlinear estimator estimates the error of the base with
-    /// the forces; other estimators ignore this error.
+    /// This measurement with another uncertainty of the base. `base` is `None` if the base is known exactly. The nonlinear estimator estimates the
+    /// error of the base with the forces; other estimators ignore this error.
     pub fn with_base(mut self, base: impl Into<Option<BaseUncertainty>>) -> Measurement {
         self.base = base.into();
         self
@@ -195,14 +196,14 @@ impl Measurement {
         self.base
     }
 
-    /// This measurement with further errors that all markers share, independent of each other. The nonlinear estimator estimates these errors with the forces;
-    /// other estimators ignore them.
+    /// This measurement with further independent errors, each shared by all markers. The nonlinear estimator estimates these errors with the forces;
+    /// other estimators ignore the errors.
     pub fn with_shared_errors(mut self, errors: Vec<SharedError>) -> Measurement {
         self.shared_errors = errors;
         self
     }
 
-    /// Errors that all markers share, beside that of the base.
+    /// Errors that all markers share, except the error of the base.
     pub fn shared_errors(&self) -> &[SharedError] {
         &self.shared_errors
     }

@@ -1,7 +1,8 @@
 //! A finger divided into beam elements.
 //!
-//! Members are the segments of the plates between key nodes, and the ribs. The length of each member between its rigid arms is divided into equal elements.
-//! Key node `n` of the finger is node `n - 1` of the frame. The frame nodes of the joints between ribs and brackets follow, then those inside members.
+//! Members are the segments of the plates between key nodes, and the ribs. The length of each member between its rigid arms is divided into equal
+//! elements. Key node `n` of the finger is node `n - 1` of the frame. The next frame nodes are the joints between ribs and brackets, and the last are
+//! the nodes inside members.
 
 mod apportion;
 mod build;
@@ -40,7 +41,7 @@ const MOST_NODES: usize = 200_000;
 pub struct Line {
     /// The part of the finger that the member belongs to.
     pub part: Part,
-    /// Frame nodes along the member from one key node to the other, both included. For a rib on brackets, they run from joint to joint.
+    /// Frame nodes along the member from one key node to the other, both included. For a rib on brackets, these nodes run from joint to joint.
     pub nodes: Vec<NodeIndex>,
     /// Indices of the member's elements in the frame, in the order of the nodes. Empty for an undeformable rib, and for a plate member between ribs that
     /// share a junction.
@@ -79,8 +80,8 @@ impl Mesh {
         Mesh::build(finger, &vec![1; line_lengths(finger).len()])
     }
 
-    /// A mesh of `nodes` nodes. Members and base line share `nodes - key nodes + lines` elements in proportion to their lengths (largest remainder), at least
-    /// one per line. The base line lies between two clamps, so its elements are counted but not built.
+    /// A mesh of `nodes` nodes. Members and base line share `nodes - key nodes + lines` elements in proportion to their lengths (largest remainder).
+    /// Each line has at least one element. The base line lies between two clamps, so its elements are counted but not built.
     ///
     /// # Errors
     /// [`MeshSizeError`] for fewer nodes than the finger has key nodes, or for more than 200 000.
@@ -166,8 +167,9 @@ impl Mesh {
         undeformed + motion.displacements[self.marker_node(node)] - motion.displacements[self.frame_node(node)]
     }
 
-    /// Rotation of the front plate's normal at a load, rad: the mean over points of a plate segment of length `over_mm` (mm) with the load at its middle.
-    /// Points beyond an end of the plate are moved to that end. For zero length, or a load on the back plate, it is the rotation at the load alone.
+    /// Rotation of the front plate's normal at a load, rad: the mean over points of a plate segment of length `over_mm` (mm) with the load at its
+    /// middle. Points beyond an end of the plate are moved to that end. If the length is zero or the load is on the back plate, returns the rotation
+    /// at the load alone.
     ///
     /// # Errors
     /// [`LoadError`] as for [`frame_load`](Mesh::frame_load).

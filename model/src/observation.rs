@@ -1,7 +1,7 @@
 //! Observations of a finger in an image, a table or a simulation, and their conversion to measurements.
 //!
-//! An [`Observation`] is independent of the scene: it has positions or displacements of markers, their standard deviations, and the pose of the base.
-//! [`Observation::for_sensing`] and [`Observation::for_calibration`] convert it to a [`Measurement`] of a scene's finger.
+//! An [`Observation`] is independent of the scene: it contains positions or displacements of markers, the standard deviations of the markers, and the
+//! pose of the base. [`Observation::for_sensing`] and [`Observation::for_calibration`] convert it to a [`Measurement`] of a scene's finger.
 
 mod clamped;
 
@@ -18,9 +18,9 @@ use nalgebra::{Isometry2, Point2};
 /// Observed markers and base of a finger in one image.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Observation {
-    /// Name of the image. Empty if there is none.
+    /// Name of the image; empty if the image has no name.
     pub image: String,
-    /// The observed markers, without those of hidden nodes.
+    /// The observed markers; markers of hidden nodes are omitted.
     pub markers: Vec<ObservedMarker>,
     /// Pose of the base. `None` if the base coincides exactly with the reference frame of the camera's pose.
     pub base: Option<ObservedBase>,
@@ -151,9 +151,9 @@ impl Observation {
         Observation { markers, ..Observation::default() }
     }
 
-    /// Converts the observation to a measurement for sensing forces. If the observation states no standard deviations, the largest accepted motion of clamped
-    /// markers follows from `noise_mm`, in mm. `base_is_sought` states whether the base is estimated with the forces; its uncertainty is then separate from
-    /// that of the markers.
+    /// Converts the observation to a measurement for sensing forces. If the observation states no standard deviations, the largest accepted motion of
+    /// clamped markers follows from `noise_mm`, in mm. `base_is_sought` states whether the base is estimated with the forces; the uncertainty of the
+    /// base is then separate from the uncertainty of the markers.
     ///
     /// # Errors
     /// [`ObservationError`] for the first marker that does not fit the finger, or for a base with negative standard deviations.
@@ -166,8 +166,9 @@ impl Observation {
         Reading { errors: scene.marker_errors, base_is_sought, by_position: false, noise_mm }.of(self, scene)
     }
 
-    /// Converts the observation to a measurement for calibrating the scene. Uses the markers' positions, which do not depend on the scene with which they were
-    /// located, and the standard deviations as stated. Also returns the uncertainty of the base relative to its pose in the image.
+    /// Converts the observation to a measurement for calibrating the scene. Uses the stated standard deviations and the positions of the markers,
+    /// because positions do not depend on the scene with which markers were located. Also returns the uncertainty of the base relative to its pose in
+    /// the image.
     ///
     /// # Errors
     /// [`ObservationError`] for the first marker that does not fit the finger, or if no standard deviation is known.
@@ -180,8 +181,8 @@ impl Observation {
         Ok((ObservedMeasurement { noise_mm: Some(noise_mm), ..found }, base))
     }
 
-    /// Whether displacements refer to an image of the unloaded finger. They do if their reference positions differ from the unloaded marker positions of
-    /// `finger`.
+    /// Whether displacements refer to an image of the unloaded finger. This is so if the reference positions of the displacements differ from the
+    /// unloaded marker positions of `finger`.
     pub(crate) fn counts_from_rest(&self, finger: &Finger) -> bool {
         let from = |marker: &ObservedMarker| Some(marker.position? - marker.displacement?);
         let is_elsewhere = |marker: &ObservedMarker| {
@@ -191,8 +192,9 @@ impl Observation {
         self.markers.iter().any(is_elsewhere)
     }
 
-    /// Transformation from the frame in which forces are sensed to the reference frame of the camera's pose, mm and rad. It is the observed pose of the base.
-    /// If the scene states an uncertainty but no reference marks for the base, the base is near the reference frame, and the transformation is the identity.
+    /// Transformation from the frame in which forces are sensed to the reference frame of the camera's pose, mm and rad. The transformation is the
+    /// observed pose of the base. If the scene states an uncertainty but no reference marks for the base, the base is near the reference frame, and
+    /// the transformation is the identity.
     pub fn frame(&self, scene: &Scene) -> Isometry2<f64> {
         match scene.base.as_ref().is_some_and(Base::is_of_pose) {
             true => Isometry2::identity(),
@@ -267,7 +269,7 @@ impl Reading {
         displacement.ok_or(MarkerError::NoCoordinates { node: marker.node })
     }
 
-    /// Total standard deviation of a marker's coordinate, mm. `None` if none is stated.
+    /// Total standard deviation of a marker's coordinate, mm. `None` if no standard deviation is stated.
     fn sd_mm(&self, marker: &ObservedMarker, is_own: bool) -> Result<Option<f64>, MarkerError> {
         let stated = if is_own { marker.own_sd_mm } else { marker.sd_mm };
         match stated {
@@ -302,7 +304,7 @@ impl Reading {
         }
         let of_scene = scene.base.as_ref().and_then(|base| base.uncertainty);
         let base = match (stated.filter(|base| base.sd_mm > 0.0 || base.sd_rad > 0.0), of_scene) {
-            // The base references show the turn of the base under force, so its expected value is zero.
+            // The base references show the rotation of the base under force, so the expected rotation is zero.
             (Some(one), Some(other)) => Some(BaseUncertainty {
                 sd_mm: one.sd_mm.hypot(other.sd_mm),
                 sd_rad: one.sd_rad.hypot(other.sd_rad),

@@ -175,7 +175,7 @@ fn read_ribs(table: &TableReader) -> Result<RibDescription, SceneError> {
     };
     let rigid = table.is_true(&RIBS.rigid)?;
     let none = positions == RibPositions::Count(0) || positions == RibPositions::Positions(Vec::new());
-    // The keys for the material are also checked for rigid ribs, which do not use them.
+    // Rigid ribs do not use the keys for the material, but the values of these keys are checked nevertheless.
     let thickness_mm = table.optional(&RIBS.thickness_mm)?;
     let (strip, thicknesses_mm) = match (&thickness_mm, table.optional(&RIBS.youngs_modulus_mpa)?) {
         _ if rigid => (None, None),

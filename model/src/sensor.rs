@@ -32,7 +32,7 @@ const ELEMENTS_UNDER_OBJECTS: usize = 8;
 /// Contacts whose forces are estimated.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SensorContacts {
-    /// Contacts whose positions and directions are known exactly, or estimated with the forces.
+    /// Contacts whose positions and directions are either known exactly or estimated together with the forces.
     Asked(Vec<ContactQuestion>),
     /// Contacts whose positions and directions are measured with standard deviations. The forces follow by least squares with errors in all variables.
     Measured {
@@ -106,9 +106,9 @@ pub struct SensedForces {
     pub contacts: Vec<Contact>,
     /// Force of each contact along its direction, N.
     pub forces_n: Vec<f64>,
-    /// Standard deviation of each force, N. Includes the noise and the known error of the model.
+    /// Standard deviation of each force, N, including the noise and the known error of the model.
     pub sigmas_n: Vec<f64>,
-    /// Reasons to trust the forces less than their standard deviations suggest, or to state the noise. Empty if there is no such reason.
+    /// Reasons why the forces may be less accurate than their standard deviations, or requests to state the noise. Empty without warnings.
     pub warnings: Vec<SensorWarning>,
     /// Forces along and across the direction of each contact. `None` unless the contacts were measured.
     measured: Option<MeasuredContactForces>,
@@ -118,7 +118,7 @@ pub struct SensedForces {
 /// correct contacts, the residual of a real finger is below the first limit. A camera's noise is below the second limit.
 const LARGE_RESIDUAL: [f64; 2] = [0.1, 0.002];
 
-/// A reason to trust the forces less than their standard deviations suggest, or to state the noise.
+/// A reason why the forces may be less accurate than their standard deviations, or a request to state the noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SensorWarning {
     /// The measurement contradicts the model, or the error of the model exceeds the noise.
@@ -145,15 +145,15 @@ impl std::fmt::Display for SensorWarning {
             SensorWarning::Model { warning, is_linear } => (warning, is_linear),
             SensorWarning::NoResidual => {
                 return f.write_str(
-                    "sigma_n is infinite: the noise is not stated, and as many unknowns as measured coordinates leave no residual to estimate it; state \
-                     the noise (--noise-mm)",
+                    "sigma_n is infinite: no noise is stated, and as many unknowns as measured coordinates leave no residual to estimate the noise; \
+                     state the noise (--noise-mm)",
                 );
             }
             SensorWarning::LargeResidual { residual_rms_mm, moved_rms_mm } => {
                 return write!(
                     f,
-                    "the residual is {residual_rms_mm:.3} mm rms, the displacement {moved_rms_mm:.3} mm rms, and no noise is stated: unless markers err by as \
-                     much, sigma_n is too small; check the contacts and the finger, or state the noise (--noise-mm)"
+                    "the residual is {residual_rms_mm:.3} mm rms, the displacement {moved_rms_mm:.3} mm rms, and no noise is stated: unless the \
+                     noise is as large as the residual, sigma_n is too small; check the contacts and the finger, or state the noise (--noise-mm)"
                 );
             }
         };
@@ -176,7 +176,7 @@ pub enum Refusal {
     /// The observation does not fit the finger of the scene.
     #[error(transparent)]
     Observation(#[from] ObservationError),
-    /// The estimator gives no answer.
+    /// The estimator returns no forces.
     #[error(transparent)]
     Estimator(#[from] EstimatorError),
     /// A force is infinite or not a number.
@@ -188,7 +188,7 @@ pub enum Refusal {
         contact: usize,
     },
     /// The markers contradict the sensed forces, for every number of contacts that was tried.
-    #[error("no number of contacts explains the markers; with {contacts}: {warning}")]
+    #[error("no number of contacts explains the markers; with {contacts} contact(s), {warning}")]
     Contradicted {
         /// Number of contacts to which `warning` applies.
         contacts: usize,
@@ -210,7 +210,7 @@ impl<'s> Sensor<'s> {
     /// Combines a scene with contacts and options.
     ///
     /// # Errors
-    /// [`Refusal`] if the estimator does not support the contacts. It would then refuse every observation.
+    /// [`Refusal`] if the estimator does not support the contacts, because it would refuse every observation.
     pub fn new(scene: &'s Scene, contacts: SensorContacts, options: SensorOptions<'s>) -> Result<Sensor<'s>, Refusal> {
         match &contacts {
             SensorContacts::Asked(questions) => options.estimator.admits(&scene.finger, questions, options.networks)?,
@@ -231,13 +231,14 @@ impl<'s> Sensor<'s> {
     /// Estimates the forces of one observation. The result does not depend on earlier observations.
     ///
     /// # Errors
-    /// [`Refusal`] if the observation does not fit the finger, the estimator gives no answer, or a force is not finite.
+    /// [`Refusal`] if the observation does not fit the finger, the estimator returns no forces, or a force is not finite.
     pub fn sense(&self, seen: &Observation) -> Result<SensedForces, Refusal> {
         self.sense_near(seen, None)
     }
 
-    /// Estimates the forces of one observation as [`sense`](Sensor::sense). The search starts from `near`, the forces of an earlier observation, if they are
-    /// given and the observation has so many markers that the minimum near them is unique. If this minimum explains the observation, no other is sought.
+    /// Estimates the forces of one observation like [`sense`](Sensor::sense). `near` contains the forces of an earlier observation. The search starts
+    /// from these forces if the observation has enough markers for a unique minimum near the forces. If this minimum explains the observation, no
+    /// other minimum is sought.
     ///
     /// # Errors
     /// [`Refusal`] as for `sense`.
@@ -287,7 +288,7 @@ impl<'s> Sensor<'s> {
         let estimator = self.options.estimator;
         let at_once = question.unloaded.and_then(|unloaded| self.all_at_once(question, unloaded));
         let (contacts, mut estimate) = at_once.unwrap_or_else(|| estimator.answer(&self.scene.finger, question))?;
-        // The residual of a linear model also contains its known error of linearisation, which the standard deviations include.
+        // The residual of a linear model also contains the known error of linearisation, which the standard deviations already include.
         if estimator.searches() {
             estimate.widen_for_misfit();
         }

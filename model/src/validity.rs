@@ -25,11 +25,12 @@ pub const LARGEST_STRAIN: f64 = 0.05;
 /// Number of elements per member when an equilibrium is solved only for examination. Shapes are then accurate to 0.04 % under a force of 3 N.
 const ELEMENTS: usize = 4;
 
-/// Limit of the share of shear in the strain energy, dimensionless; beyond it, Euler-Bernoulli beams count as invalid.
+/// Euler-Bernoulli beams count as invalid if the share of shear in the strain energy exceeds this dimensionless limit.
 ///
-/// At this share, the loads move the finger by up to 5 % more than computed (see [`Validity::shear_share`]). If the largest strain is also at its limit, the
-/// error of a force stays within 10 %. The paper's Table I shades its cells from this error on (Xu et al. 2021, sec. V-A). A cantilever with a load at its end
-/// has this share at a length of 3.5 thicknesses. A member that is clamped at both ends and sways has this share at a length of 7 thicknesses.
+/// At this share, the loads move the finger by up to 5 % more than computed (see [`Validity::shear_share`]). If the largest strain is also at its
+/// limit, the error of a force stays within 10 %. Table I of the paper shades cells with at least this error (Xu et al. 2021, sec. V-A). A cantilever
+/// with a load at its end has this share at a length of 3.5 thicknesses. A member that is clamped at both ends and sways has this share at a length
+/// of 7 thicknesses.
 pub const LARGEST_SHEAR_SHARE: f64 = 0.05;
 
 /// Shear correction factor of a rectangular section, dimensionless, from the energy of the parabolic shear stress (Timoshenko and Goodier, Theory of
@@ -70,7 +71,8 @@ pub struct FingerMember {
     pub part: Part,
     /// Key nodes at the member's ends.
     pub nodes: [NodeId; 2],
-    /// Free length (without rigid arms) divided by thickness, dimensionless. For a tapered plate, the thickness is that of the member's thickest element.
+    /// Free length (without rigid arms) divided by thickness, dimensionless. For a tapered plate, the thickness of the member's thickest element is
+    /// used.
     pub slenderness: f64,
 }
 
@@ -79,9 +81,9 @@ pub struct FingerMember {
 pub struct FibreStrain {
     /// Fibre strain |axial strain| + |curvature| thickness / 2, dimensionless. In one of the two outer fibres, axial and bending strain have the same sign.
     pub strain: f64,
-    /// Axial strain at the same position, dimensionless; positive in tension.
+    /// Axial strain at the position of the largest fibre strain, dimensionless; positive in tension.
     pub axial_strain: f64,
-    /// Member that contains the position.
+    /// Member that contains the position of the largest fibre strain.
     pub member: FingerMember,
     /// Position of the largest strain, mm: along a plate from its base, along a rib from the back plate.
     pub at_mm: f64,
@@ -95,8 +97,8 @@ pub struct Validity {
     /// Shear energy divided by the strain energy of elongation and bending, dimensionless; zero at rest. The shear energy is V^2 l / (2 kappa G A), summed
     /// over the members, with kappa = [`SHEAR_CORRECTION`] and G = E / (2 (1 + nu)).
     ///
-    /// If shear is included, the work of the loads on a linear finger grows by at most this share. The reason: section forces with shear minimise the
-    /// complementary energy, and the section forces of Euler-Bernoulli beams are admissible in this minimum.
+    /// If shear is included, the work of the loads on a linear finger grows by at most this share. The reason: the section forces of beams with shear
+    /// minimise the complementary energy, and the section forces of Euler-Bernoulli beams are admissible in this minimisation.
     pub shear_share: f64,
     /// Member with the largest shear energy; `None` without shear.
     pub shear_at: Option<FingerMember>,
@@ -105,7 +107,7 @@ pub struct Validity {
 }
 
 impl Validity {
-    /// Examines a motion of a mesh in equilibrium with loads. `kinematics` must be those of the solution.
+    /// Examines a motion of a mesh in equilibrium with loads. `kinematics` must be the kinematics with which the motion was solved.
     pub fn of(mesh: &Mesh, motion: &FrameMotion, kinematics: Kinematics, loads: &[FrameLoad]) -> Validity {
         let finger = mesh.finger();
         let examined = |line| examine(mesh, line, motion, kinematics, loads);
@@ -139,7 +141,7 @@ impl Validity {
         Ok(Validity::of(&mesh, &found.motion, Kinematics::Corotational, &loads))
     }
 
-    /// Largest fibre strain of the part whose strain has the largest ratio to its limit.
+    /// Largest fibre strain of the part that has the largest ratio of strain to limit.
     pub fn largest_strain(&self, limits: &StrainLimits) -> Option<&FibreStrain> {
         let share = |strain: &FibreStrain| strain.strain / limits.of(strain.member.part);
         self.strains.iter().max_by(|a, b| share(a).total_cmp(&share(b)))
@@ -210,7 +212,7 @@ fn examine(
             strain_energy += 0.5 * length_mm * (axial * from.axial_strain.powi(2) + bending * mean_square(&from, &to));
             if length_mm > 0.0 {
                 let shear_n = bending * (to.curvature_per_mm - from.curvature_per_mm) / length_mm;
-                // The axial rigidity is E A / (1 - nu^2), so G A is (1 - nu) / 2 times it.
+                // The axial rigidity is E A / (1 - nu^2), so G A is (1 - nu) / 2 times the axial rigidity.
                 shear_energy += 0.5 * length_mm * shear_n.powi(2) / (shear_rigidity * axial);
             }
         }

@@ -1,4 +1,4 @@
-//! Calibration of Young's modulus: of random fingers, and from noisy shapes.
+//! Calibration of Young's modulus, for random fingers and from noisy shapes.
 
 mod factors;
 mod modulus;
@@ -16,16 +16,16 @@ use rand_distr::{Distribution, StandardNormal};
 /// Repetitions of the experiment.
 const COUNT: usize = 1000;
 
-/// Two solutions of fingers that differ in their modulus alone round differently: thin plates stretch up to 1e5 times
-/// less than they bend, and a chain of them adds another 1e4 to the condition of the stiffness.
+/// Rounding error between solutions of two fingers that differ only in modulus. Thin plates stretch up to 1e5 times less than they bend, and a chain
+/// of plates multiplies the condition number of the stiffness by another 1e4.
 const ROUNDING: f64 = 1e-6;
-/// Coordinates' noise, mm.
+/// Noise of a coordinate, mm.
 const NOISE_MM: f64 = 0.2;
 
 proptest! {
     #![proptest_config(cases(128))]
 
-    /// The calibrated modulus is the finger's own, whatever the scene says; one marker that is wildly off hardly counts.
+    /// The calibrated modulus equals the true modulus for any modulus of the scene. One grossly wrong marker hardly changes the result.
     #[test]
     fn modulus_comes_back(finger in finger_with_zones(), factor in 0.2..5.0, at in [0.0..1.0, 0.0..1.0]) {
         let stiffer = finger.with_modulus_factor(factor).expect("a positive modulus");
@@ -43,7 +43,7 @@ proptest! {
         markers[0].displacement *= 3.0;
         spoiled[0].measurement = Measurement::new(&finger, markers.clone()).expect("the same markers");
         let forgiven = youngs_modulus(&finger, &spoiled).expect("loads move the nodes");
-        // Eq. (11) sums distances: as long as other nodes outweigh it, one bad node moves nothing at all.
+        // Eq. (11) sums distances, so one bad node has no effect at all while the other nodes outweigh it.
         if markers.len() > 8 {
             prop_assert!((forgiven.factor / factor - 1.0).abs() <= ROUNDING, "{}", forgiven.factor);
         }
@@ -51,8 +51,7 @@ proptest! {
     }
 }
 
-/// The stated standard deviation is that of the factor over many noisy experiments, with the paper's weights on its
-/// three nodes.
+/// The stated standard deviation equals the scatter of the factor over many noisy experiments, with the paper's weights on three nodes.
 #[test]
 fn sigma_is_the_scatter_of_the_factor() {
     let finger = paper();
@@ -78,6 +77,6 @@ fn sigma_is_the_scatter_of_the_factor() {
     }
     let scatter = (squares / COUNT as f64).sqrt();
     let stated = sigmas / COUNT as f64;
-    // Four standard errors of a standard deviation from 1000 samples are 9 %; the estimate is itself good to first order.
+    // Four standard errors of a standard deviation from 1000 samples are 9 %. The stated standard deviation is itself accurate to first order only.
     assert!((stated / scatter - 1.0).abs() < 0.1, "stated {stated}, found {scatter}");
 }

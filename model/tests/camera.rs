@@ -5,9 +5,10 @@ use finray_tests::{camera, cases};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 
-/// Largest error of a pixel that was projected to the plane and back, px, as the camera was asked to have it.
+/// Largest allowed error of a pixel after projection to the plane and back, px.
 const IDENTITY_PX: f64 = 1e-10;
-/// Central differences with steps of 1e-5 mm of pixels of size 1e3: rounding 1e3 * 2e-16 / 1e-5 px/mm, of derivatives of 5 px/mm.
+/// Step of central differences, mm. Pixel coordinates of about 1e3 px cause a rounding error of 1e3 * 2e-16 / 1e-5 px/mm; derivatives are about 5
+/// px/mm.
 const DIFFERENCE_STEP_MM: f64 = 1e-5;
 const DIFFERENCE: f64 = 1e-6;
 
@@ -47,26 +48,26 @@ proptest! {
     }
 }
 
-/// The camera of the interface's example: 170 mm before the finger, 8 px a mm.
+/// The paper's camera: 170 mm from the finger, 8 px per mm.
 fn paper_camera(distortion: [f64; 5]) -> Camera {
     let lens = Lens::new([1600, 1400], [1360.0, 1360.0], [799.5, 699.5], Distortion::from_opencv(distortion));
     Camera { lens: lens.expect("a lens"), pose: Pose::new([std::f64::consts::PI, 0.0, 0.0], [-75.0, 0.0, 170.0]) }
 }
 
-/// By hand: the front plate (+y) is at the top of the image, x to the right, 8 px a mm.
+/// Compared with values by hand: the front plate (+y) is at the top of the image, x points to the right, and 1 mm is 8 px.
 #[test]
 fn the_finger_stands_upright_in_the_image() {
     let camera = paper_camera([0.0; 5]);
     let pixel = camera.project(&Vector3::new(85.0, 10.0, 0.0)).expect("seen");
     assert!((pixel - Pixel::new(799.5 + 80.0, 699.5 - 80.0)).norm() < 1e-9, "{pixel}");
-    // 10 mm nearer, 160 mm away: 8.5 px a mm.
+    // A point 10 mm nearer to the camera, at a distance of 160 mm: 8.5 px per mm.
     let pixel = camera.project(&Vector3::new(85.0, 10.0, 10.0)).expect("seen");
     assert!((pixel - Pixel::new(799.5 + 85.0, 699.5 - 85.0)).norm() < 1e-9, "{pixel}");
     let sd_mm = camera.position_sd_mm(&pixel, 10.0, 0.1).expect("seen");
     assert!((sd_mm - 0.1 / 8.5).abs() < 1e-12, "{sd_mm}");
 }
 
-/// OpenCV's distortion, by its own formulas with numbers for every coefficient: at x = 0.3, y = -0.2, r^2 = 0.13.
+/// OpenCV's distortion equals its formulas with a nonzero value of every coefficient, at x = 0.3, y = -0.2, r^2 = 0.13.
 #[test]
 fn distortion_is_in_the_order_of_opencv() {
     let [k1, k2, p1, p2, k3] = [-0.2, 0.05, 0.01, -0.02, 0.03];
@@ -89,7 +90,7 @@ fn what_cannot_be_seen_is_refused() {
     // A camera in the plane of the finger.
     let along = Camera { pose: Pose::new([std::f64::consts::FRAC_PI_2, 0.0, 0.0], [-75.0, 0.0, 170.0]), ..camera };
     assert_eq!(along.on_plane(&Pixel::new(800.0, 699.5), 0.0), Err(ViewError::Grazing));
-    // One that looks away from it.
+    // A camera that looks away from the finger.
     let away = Camera { pose: Pose::new([0.0, 0.0, 0.0], [-75.0, 0.0, -170.0]), ..camera };
     assert_eq!(away.on_plane(&Pixel::new(800.0, 700.0), 0.0), Err(ViewError::Behind));
     assert!(!camera.lens.contains(&Pixel::new(1600.0, 0.0)) && camera.lens.contains(&Pixel::new(1599.4, -0.4)));
@@ -113,7 +114,7 @@ fn a_lens_that_folds_the_image_is_refused() {
     assert!(lens(0.999 * just).is_ok());
     let Err(ImpossibleLens { key, expected }) = lens(1.001 * just) else { panic!("the corner is beyond the fold") };
     assert!(key == "distortion" && expected.contains("fold"), "{expected}");
-    // The point of the fold itself is not projected beyond it.
+    // A point just beyond the fold has no pixel.
     let camera = Camera { lens: lens(-0.2).expect("a lens"), pose: Pose::new([0.0; 3], [0.0; 3]) };
     let fold = 1.0 / 0.6_f64.sqrt();
     assert!(camera.project(&Vector3::new(0.999 * fold, 0.0, 1.0)).is_ok());

@@ -3,10 +3,10 @@
 use finray_model::finger::{BracketLengths, Plate};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, statics};
 
-/// Rounding of coordinates of a finger of some hundred mm.
+/// Rounding error of coordinates of a finger of some hundred mm.
 const ROUNDING: f64 = 1e-12;
 
-/// Three ribs whose ends lie at other positions along the front than along the back plate; the triangle has no symmetry.
+/// Three ribs that end at different positions on front and back plate. The triangle has no symmetry.
 const LOPSIDED: &str = r#"
 name = "lopsided"
 [finger]
@@ -31,7 +31,7 @@ fn lopsided(zones: &str) -> Finger {
     Scene::from_toml(&format!("{LOPSIDED}{zones}")).expect("a sound scene").finger
 }
 
-/// Rib by rib, how much stiffer than without the zone.
+/// Stiffness of each rib divided by the stiffness without the zone.
 fn rib_factors(zones: &str) -> Vec<f64> {
     let rigidities = |finger: &Finger| -> Vec<f64> {
         let mesh = Mesh::key_nodes(finger);
@@ -42,7 +42,7 @@ fn rib_factors(zones: &str) -> Vec<f64> {
     rigidities(&lopsided(zones)).iter().zip(&plain).map(|(a, b)| a / b).collect()
 }
 
-/// A zone of the ribs takes those whose front end lies in it, whatever their back ends do.
+/// A zone of the ribs covers the ribs with a front end in the zone, wherever the back ends are.
 #[test]
 fn zones_of_ribs_go_by_their_front_ends() {
     let zone = |from: f64, to: f64| {
@@ -51,12 +51,12 @@ fn zones_of_ribs_go_by_their_front_ends() {
         ))
     };
     assert_eq!(zone(40.0, 55.0), [1.0, 0.25, 1.0]);
-    // By the back ends this would be the first rib.
+    // If back ends counted, this zone would cover the first rib.
     assert_eq!(zone(55.0, 85.0), [1.0, 1.0, 0.25]);
 }
 
-/// A rib k times as thick has k times the axial and k^3 times the bending stiffness; the others are as they were. A hinged rib does not bend, so it
-/// is as one of k times the modulus.
+/// A rib k times as thick has k times the axial and k^3 times the bending stiffness; the other ribs do not change. A hinged rib does not bend, so it
+/// behaves like a rib with k times the modulus.
 #[test]
 fn each_rib_may_have_its_own_thickness() {
     let with = |thickness_mm: &str, joints: &str, zones: &str| {
@@ -98,7 +98,7 @@ fn angles_are_counted_from_the_inward_normal_towards_the_tip() {
     assert!((finger.direction(30.0).dot(&normal) - 0.75_f64.sqrt()).abs() < ROUNDING);
 }
 
-/// A bracket stands at right angles to its plate, on the side of the other one; tip and clamped nodes have none.
+/// A bracket is perpendicular to its plate, on the side of the other plate. The tip and the clamped nodes have no brackets.
 #[test]
 fn brackets_stand_off_the_plates_into_the_finger() {
     let mut description = lopsided("").description().clone();
@@ -120,7 +120,7 @@ fn brackets_stand_off_the_plates_into_the_finger() {
     }
 }
 
-/// The front plate is the one with positive y, node numbers run from the back base over the tip to the front base.
+/// The front plate has positive y. Node numbers run from the back base over the tip to the front base.
 #[test]
 fn numbering_goes_over_the_tip() {
     let finger = lopsided("");

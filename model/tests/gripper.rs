@@ -11,7 +11,7 @@ fn finger() -> Finger {
 }
 
 prop_compose! {
-    /// Linkages that close at motor angle 0, in both assemblies, on both sides of the fixed joint's height.
+    /// Linkages that close at motor angle 0, in both assembly modes, with the nut above or below the fixed joint.
     fn linkages()(
         rocker in 5.0..80.0,
         link in 5.0..80.0,
@@ -35,13 +35,13 @@ prop_compose! {
     }
 }
 
-/// A motor angle at a share of the reach.
+/// The motor angle at a given share of the reach.
 fn within(gripper: &Gripper, share: f64) -> f64 {
     let [from_deg, to_deg] = gripper.reach_deg();
     from_deg + share * (to_deg - from_deg)
 }
 
-/// The joint of rocker and link, from the rocker and from the link.
+/// Position of the joint between rocker and link, computed from the rocker and from the link.
 fn joints(description: &GripperDescription, pose: &LinkagePose) -> [Vector; 2] {
     let [rocker, link] = description.link_mm;
     let nut = Vector::new(description.fixed_joint_mm, pose.slider_mm);
@@ -52,7 +52,7 @@ fn joints(description: &GripperDescription, pose: &LinkagePose) -> [Vector; 2] {
 }
 
 proptest! {
-    /// Eqs (6)-(9), to rounding.
+    /// Poses satisfy eqs (6)-(9) to rounding.
     #[test]
     fn the_papers_equations_hold(description in linkages(), share in 0.001..0.999) {
         let gripper = Gripper::new(description).unwrap();
@@ -69,7 +69,8 @@ proptest! {
         }
     }
 
-    /// The joint is the further from the screw's axis in the one assembly, the nearer in the other, and stays on its side of the line to the nut.
+    /// The joint is farther from the screw's axis in the outer assembly than in the inner assembly. It stays on its side of the line from fixed joint
+    /// to nut.
     #[test]
     fn the_assembly_is_kept(description in linkages(), share in 0.001..0.999) {
         let [outer, inner] = [Assembly::Outer, Assembly::Inner]
@@ -82,8 +83,8 @@ proptest! {
         }
     }
 
-    /// The derivative of the opening against central differences over a hundred-thousandth of the reach and half of it, whose errors of second order cancel
-    /// (Richardson); away from its ends, where the curvature is infinite.
+    /// The derivative of the opening equals central differences. Two steps, a hundred-thousandth of the reach and half of that, cancel errors of
+    /// second order (Richardson). The ends of the reach are excluded, because the curvature is infinite there.
     #[test]
     fn the_opening_has_the_derivative_of_differences(description in linkages(), share in 0.05..0.95) {
         let (gripper, finger) = (Gripper::new(description).unwrap(), finger());
@@ -94,13 +95,13 @@ proptest! {
         let over = |step_deg: f64| (opening(motor_deg + step_deg) - opening(motor_deg - step_deg)) / (2.0 * step_deg) * 360.0;
         let differences = (4.0 * over(0.5 * step_deg) - over(step_deg)) / 3.0;
         let derivative = gripper.opening_per_turn_mm(&finger, &gripper.pose(motor_deg).unwrap()).unwrap();
-        // Openings of some 100 mm lose 1e-14 of them by rounding, over 1e-5 of the reach.
+        // Rounding changes openings of some 100 mm by a share of 1e-14, over a step of 1e-5 of the reach.
         let rounding = 3e-12 / step_deg * 360.0;
         prop_assert!((differences - derivative).abs() <= 1e-6 * derivative.abs() + 1e-7 * description.screw_pitch_mm + rounding,
             "{differences} and {derivative}");
     }
 
-    /// The motor angle for an opening opens the gripper that far, and is no further from 0 than the one that the opening is from.
+    /// The motor angle for an opening leads to this opening, and is no farther from 0 than the angle from which the opening was computed.
     #[test]
     fn an_opening_leads_back_to_its_motor_angle(description in linkages(), share in 0.001..0.999) {
         let (gripper, finger) = (Gripper::new(description).unwrap(), finger());
@@ -108,11 +109,11 @@ proptest! {
         let opening = |motor_deg: f64| gripper.opening_mm(&finger, &gripper.pose(motor_deg).unwrap());
         let back_deg = gripper.motor_deg_for_opening(&finger, opening(motor_deg)).unwrap();
         prop_assert!((opening(back_deg) - opening(motor_deg)).abs() <= 1e-9 * (1.0 + opening(motor_deg).abs()));
-        // Where the opening is the largest, its motor angle is known to the square root of the rounding only.
+        // Near the largest opening, the opening determines the motor angle only to the square root of the rounding error.
         prop_assert!(back_deg.abs() <= motor_deg.abs() * (1.0 + 1e-6) + 1e-3);
     }
 
-    /// A linkage below the fixed joint's height is the mirror image of one above.
+    /// A linkage with the nut below the fixed joint is the mirror image of a linkage with the nut above it.
     #[test]
     fn below_is_the_mirror_image_of_above(description in linkages(), share in 0.001..0.999) {
         let slider_mm = -description.slider_mm;
@@ -125,7 +126,7 @@ proptest! {
         prop_assert!((pose.phi2_rad + image.phi2_rad).sin().abs() <= 1e-12 * size);
     }
 
-    /// Links that are too long to let the nut pass the fixed joint's height never have it on the other side.
+    /// If the links do not let the nut pass the height of the fixed joint, no pose has the nut on the other side of this height.
     #[test]
     fn the_nut_stays_on_its_side_where_the_links_do_not_let_it_pass(description in linkages(), share in 0.001..0.999) {
         let gripper = Gripper::new(description).unwrap();
@@ -136,7 +137,7 @@ proptest! {
         prop_assert_eq!(gripper.pose(other_side_deg).is_some(), passes);
     }
 
-    /// Beyond the end of reach there is no pose; at it rocker and link lie on one line.
+    /// Beyond the end of the reach there is no pose. At the end of the reach, rocker and link are collinear.
     #[test]
     fn the_reach_ends_where_the_links_lie_on_one_line(description in linkages()) {
         let gripper = Gripper::new(description).unwrap();
@@ -145,13 +146,13 @@ proptest! {
         prop_assert!(gripper.pose(from_deg - beyond_deg).is_none() && gripper.pose(to_deg + beyond_deg).is_none());
         for share in [1e-9, 1.0 - 1e-9] {
             let pose = gripper.pose(within(&gripper, share)).unwrap();
-            // The sine of the angle between them is the square root of the distance from the end, times ratios of lengths up to 300.
+            // The sine of the angle between rocker and link is the square root of the distance from the end, times ratios of lengths up to 300.
             prop_assert!((pose.phi1_rad + pose.phi2_rad).sin().abs() <= 1e-2);
         }
     }
 }
 
-/// Rocker 3, link 4, and a right angle between them: a distance of 5.
+/// A rocker of 3 mm and a link of 4 mm at a right angle span a distance of 5 mm.
 #[test]
 fn a_right_triangle_has_the_angles_of_the_textbook() {
     let description = GripperDescription {
@@ -166,14 +167,15 @@ fn a_right_triangle_has_the_angles_of_the_textbook() {
     assert!((pose.base - Vector::new(1.8, 2.4)).norm() < 1e-14);
     assert!((pose.phi1_rad - 2.4_f64.atan2(-1.8)).abs() < 1e-14);
     assert!((pose.phi2_rad - (-2.4_f64).atan2(3.2)).abs() < 1e-14);
-    // One turn lifts the nut by the pitch: too far for links of 3 and 4.
+    // One turn lifts the nut by the pitch, which is too far for links of 3 mm and 4 mm.
     assert!((gripper.slider_mm(360.0) - 4.0).abs() < 1e-14);
     assert!(gripper.pose(360.0 * 1.25).is_none());
     let end = gripper.pose(gripper.reach_deg()[1] * (1.0 - 1e-15)).unwrap();
     assert!(end.is_singular() && gripper.opening_per_turn_mm(&finger(), &end).is_none());
 }
 
-/// With the link level, the finger stands upright: its tip is over the middle of its base, which is a link away from the axis.
+/// If the link is level, the finger is upright. Its tip is above the middle of its base, and the distance of the base from the axis is the link's
+/// length.
 #[test]
 fn an_upright_finger_opens_by_twice_its_distance_from_the_axis() {
     let description = GripperDescription {
@@ -192,7 +194,7 @@ fn an_upright_finger_opens_by_twice_its_distance_from_the_axis() {
     // The front plate is on the side of the screw's axis.
     let [_, front_base] = finger.clamped_nodes();
     assert!(pose.in_mechanism(finger.position(front_base)).x > 0.0);
-    // A higher nut leans the finger back: it opens.
+    // A higher nut leans the finger back, so the gripper opens.
     assert!(gripper.opening_per_turn_mm(&finger, &pose).unwrap() > 0.0);
 }
 
@@ -210,7 +212,8 @@ fn a_linkage_that_does_not_close_is_refused() {
     assert!((impossible.apart_mm - 1300.0_f64.sqrt()).abs() < 1e-12);
 }
 
-/// Errors of the nodes against poses of linkages that are off: by the motor's angle, and by each length. The tip errs most where the finger turns.
+/// Errors of the nodes equal the displacements for linkages with a wrong motor angle or a wrong length. If the finger rotates, the tip has the
+/// largest error.
 #[test]
 fn nodes_err_as_those_of_a_linkage_that_is_off() {
     let description = GripperDescription {
@@ -245,17 +248,17 @@ fn nodes_err_as_those_of_a_linkage_that_is_off() {
         (found.link_mm, with(&|description| description.link_mm[1] += OFF)),
         (found.fixed_joint_mm, with(&|description| description.fixed_joint_mm += OFF)),
     ];
-    // One-sided differences are off by their step over the lengths at hand.
+    // The relative error of one-sided differences is their step divided by the lengths of the linkage.
     for (found, direct) in pairs {
         assert!((found / direct - 1.0).abs() < 1e-4, "{found} and {direct}");
     }
-    // Half of what the opening changes is the tip's movement across.
+    // The tip of one finger moves across by half of the change of the opening.
     let per_turn = gripper.opening_per_turn_mm(&finger, &gripper.pose(motor_deg).unwrap()).unwrap();
     assert!(found.motor_mm >= 0.5 * per_turn.abs() * OFF * (1.0 - 1e-6));
 }
 
-/// Eqs (9) and (10): a finger on the gripper before the gripper's camera. Its points are seen where the same points of the gripper's frame are; what stands
-/// up from a mirrored finger stands down there.
+/// Eqs (9) and (10) for a finger on the gripper in front of the gripper's camera. Points of the finger have the same pixels as the same points in the
+/// gripper's frame. A point above a mirrored finger is below the plane in the gripper's frame.
 #[test]
 fn a_finger_on_the_gripper_is_seen_by_its_camera() {
     let gripper = Scene::from_toml(finray_fixtures::GRASPED_DISC_SCENE).unwrap().gripper.unwrap();

@@ -1,5 +1,5 @@
 //! Tests of `finray-model`. Each file tests the source file of the same path; files in `units` test private items and are compiled into the crate.
-//! Most properties are tested on random fingers, which `finray_tests` draws; it also holds helpers that several modules share.
+//! Most properties are tested on random fingers, which `finray_tests` draws. `finray_tests` also contains helpers that several modules share.
 
 mod calibration;
 mod camera;

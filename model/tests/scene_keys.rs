@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 use toml::{Table, Value};
 
-/// Scenes that have every key between them, but for what ends a press by force.
+/// Scenes that together contain every key, except the key that ends a press by force.
 const SCENES: [&str; 4] = [
     include_str!("scenes/pressed.toml"),
     include_str!("scenes/grasped.toml"),
@@ -15,10 +15,10 @@ const SCENES: [&str; 4] = [
     include_str!("scenes/tapered.toml"),
 ];
 
-/// A value in a scene: the way to it (names, and numbers in arrays of tables from 0).
+/// Path to a value in a scene: names and, in arrays of tables, numbers from 0.
 type Way = Vec<(String, Option<usize>)>;
 
-/// Those scenes, and one in which a force ends the press.
+/// The scenes [`SCENES`], and one scene in which a force ends the press.
 fn scenes() -> Vec<Table> {
     let by_force = SCENES[0].replace("travel_mm = 8.0", "force_n = 5.0");
     SCENES.into_iter().chain([by_force.as_str()]).map(parsed).collect()
@@ -32,7 +32,7 @@ fn text(scene: &Table) -> String {
     toml::to_string(scene).expect("a scene")
 }
 
-/// The ways to all values that are no tables.
+/// The paths to all values that are not tables.
 fn ways(table: &Table) -> Vec<Way> {
     let inner = |name: &str, number, inner: &Table| -> Vec<Way> {
         ways(inner).into_iter().map(|way| [vec![(name.to_owned(), number)], way].concat()).collect()
@@ -48,7 +48,7 @@ fn ways(table: &Table) -> Vec<Way> {
     table.iter().flat_map(of).collect()
 }
 
-/// The path as the table of keys has it, and as errors have it.
+/// The path as the table of keys writes it, and as errors write it.
 fn paths(way: &Way) -> [String; 2] {
     let named = |(name, number): &(String, Option<usize>)| match number {
         Some(i) => format!("{name}[{}]", i + 1),
@@ -60,7 +60,7 @@ fn paths(way: &Way) -> [String; 2] {
     ]
 }
 
-/// The scene with a value in place of another, or without one.
+/// The scene with another value at a path or, if `value` is `None`, without a value.
 fn with(scene: &Table, way: &Way, value: Option<Value>) -> Table {
     let mut scene = scene.clone();
     let (last, before) = way.split_last().expect("a name");
@@ -117,7 +117,7 @@ fn every_key_of_every_scene_is_in_the_table_and_the_other_way_round() {
     assert_eq!(met, known);
 }
 
-/// A value of a type that no key takes is refused, so every key is read.
+/// A value of a type that no key accepts is refused. Every key is therefore read.
 #[test]
 fn every_key_is_read() {
     let never = Value::Datetime("1979-05-27".parse().expect("a date"));

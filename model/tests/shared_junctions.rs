@@ -9,9 +9,9 @@ use finray_model::statics::{Statics, equilibria, reaction, solve, solve_frame};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector};
 use finray_tests::{KINEMATICS, motions_apart, shapes_apart};
 
-/// From the back corner up: ribs 1 to 6 meet end to end. Ten junctions and the tip for fifteen key nodes.
+/// Ribs 1 to 6, which meet end to end from the back corner upwards. Fifteen key nodes have ten junctions and the tip.
 const ZIGZAG: &[[f64; 2]] = &[[25.0, 0.0], [25.0, 42.0], [55.0, 42.0], [55.0, 80.0], [84.0, 80.0], [84.0, 116.0]];
-/// Three ribs at one point of each plate and two in the front corner.
+/// Three ribs meet at one point of each plate, and two ribs meet in the front corner.
 const FANS: &[[f64; 2]] = &[[0.0, 30.0], [0.0, 55.0], [40.0, 55.0], [60.0, 55.0], [60.0, 90.0], [60.0, 115.0]];
 
 fn finger_with(ribs: &[[f64; 2]], joints: &str, plates_mm: f64) -> Finger {
@@ -30,7 +30,7 @@ fn zigzag(joints: &str) -> Finger {
     finger_with(ZIGZAG, joints, 1.0)
 }
 
-/// The same finger by hand: one frame node a point, beams between, no ties. Nodes by key node.
+/// The same finger built by hand: one frame node per point, beams between the nodes, and no ties. Also returns the frame node of each key node.
 fn by_hand(finger: &Finger, joints: &str) -> (PlaneFrame, Vec<usize>) {
     let mut frame = PlaneFrame::default();
     let mut points: Vec<Vector> = Vec::new();
@@ -66,7 +66,7 @@ fn by_hand(finger: &Finger, joints: &str) -> (PlaneFrame, Vec<usize>) {
     (frame, nodes)
 }
 
-/// The ladder, the sparse path and a frame by hand, in which nothing is tied, agree; in the batch bit for bit.
+/// The ladder, the sparse solver and a frame built by hand without ties agree. The batch agrees with the ladder bit for bit.
 #[test]
 fn tied_nodes_are_one_node_of_a_frame_by_hand() {
     for (ribs, joints) in [(ZIGZAG, "rigid"), (ZIGZAG, "hinged"), (FANS, "rigid"), (FANS, "hinged")] {
@@ -98,7 +98,8 @@ fn tied_nodes_are_one_node_of_a_frame_by_hand() {
     }
 }
 
-/// On refined meshes too, with clips and rods; supports carry the load, those of ribs in the corners included.
+/// On refined meshes with clips and rods, ladder and sparse solver also agree, and the supports carry the load. Supports include the ends of ribs in
+/// the corners.
 #[test]
 fn refined_zigzags_are_in_equilibrium_with_their_supports() {
     let force = Vector::new(-0.02, -0.1);
@@ -123,7 +124,7 @@ fn refined_zigzags_are_in_equilibrium_with_their_supports() {
     }
 }
 
-/// Junctions apart along the plate approach the shared one as their distance.
+/// For ribs that end at a small distance from each other, the error relative to a shared junction is proportional to this distance.
 #[test]
 fn near_junctions_converge_to_the_shared_one() {
     let shared = zigzag("rigid");
@@ -149,13 +150,14 @@ fn near_junctions_converge_to_the_shared_one() {
     }
 }
 
-/// With plates that hardly bend resist, a hinged zigzag is a truss: by the method of joints, as plates are straight, the rib at a
-/// loaded junction whose other end carries no load alone takes the part of the force across the plate.
+/// If the plates hardly resist bending, a hinged zigzag is a truss, and the method of joints applies. The plates are straight. The component of the
+/// force across the plate is therefore carried by one rib at the loaded junction: the rib whose other end has no load.
 #[test]
 fn ribs_of_a_hinged_zigzag_carry_what_statics_says() {
     let finger = finger_with(ZIGZAG, "hinged", 1e-3);
     let mesh = Mesh::key_nodes(&finger);
-    // The highest junction, on the back plate, holds rib 6 alone; the next one, on the front, ribs 5 and 6; and so on to rib 1.
+    // The highest junction, on the back plate, belongs to rib 6 alone. The next junction, on the front plate, belongs to ribs 5 and 6, and so on to
+    // rib 1.
     for (loaded, plate) in [(5, Plate::Back), (4, Plate::Front), (3, Plate::Back), (0, Plate::Front)] {
         let node = finger.rib_nodes(loaded)[usize::from(plate == Plate::Back)];
         let force = Vector::new(0.3, -0.2);
@@ -166,7 +168,7 @@ fn ribs_of_a_hinged_zigzag_carry_what_statics_says() {
             let rigidity_n = finger.rib_section(rib).expect("it deforms").axial_rigidity_n;
             (front.displacement - back.displacement).dot(&along) / finger.rib_length_mm(rib) * rigidity_n
         };
-        // From the loaded junction towards the base: each rib hands the part across the plate on to the next.
+        // From the loaded junction towards the base, each rib transfers the component across the plate to the next rib.
         let mut across_n = force.dot(&finger.inward(plate));
         let mut side = plate;
         for rib in (0..finger.rib_count()).rev() {
@@ -176,7 +178,7 @@ fn ribs_of_a_hinged_zigzag_carry_what_statics_says() {
             let expected_n = if rib > loaded {
                 0.0
             } else {
-                // Balance across the plate at the rib's upper end.
+                // Equilibrium across the plate at the rib's upper end.
                 let pull_n = -across_n / away.dot(&finger.inward(side));
                 side = if side == Plate::Front { Plate::Back } else { Plate::Front };
                 across_n = pull_n * -away.dot(&finger.inward(side));
@@ -188,7 +190,7 @@ fn ribs_of_a_hinged_zigzag_carry_what_statics_says() {
     }
 }
 
-/// A force at either of two nodes at one point comes back exactly; both at once are one force, which is said.
+/// A force at either of two nodes at one point is recovered exactly. Contacts at both nodes are refused as the same contact.
 #[test]
 fn forces_come_back_at_shared_junctions() {
     let finger = zigzag("rigid");
@@ -198,7 +200,7 @@ fn forces_come_back_at_shared_junctions() {
     for (pressed, asked) in [(lower, upper), (upper, lower), (finger.tip(), finger.tip())] {
         let load = Contact::at_node(pressed).load(&finger, force_n);
         let shape = solve(&mesh, &[load], Kinematics::Corotational).expect("carried");
-        // All rows, as a table of every key node has them.
+        // One row for every key node, as in a complete table.
         let rows = shape.motions().iter().map(|m| Marker { node: m.node, displacement: m.displacement, weight: 1.0 });
         let measurement = Measurement::new(&finger, rows).expect("every key node");
         assert_eq!(measurement.coordinate_count(), 2 * 7, "each point once");
@@ -211,7 +213,7 @@ fn forces_come_back_at_shared_junctions() {
     assert!(matches!(NonlinearEstimator::new(&mesh, &both), Err(SensingError::SameContact { first: 1, second: 2 })));
 }
 
-/// A rib's end in a corner is clamped: no load, no contact, no marker; and a moving one is another node's.
+/// The end of a rib in a corner is clamped: it accepts no load, contact or marker. A marker there that moves belongs to another node.
 #[test]
 fn ends_in_a_corner_are_clamped() {
     let finger = finger_with(FANS, "rigid", 1.0);
@@ -231,7 +233,7 @@ fn ends_in_a_corner_are_clamped() {
     assert_eq!(shape.expect("carried").point(FingerPoint::Node(corner)), finger.base(Plate::Front));
 }
 
-/// One point has one displacement: rows of both nodes count once, and rows that contradict each other are refused.
+/// One point has one displacement. Equal rows of two nodes at the point count once, and rows that contradict each other are refused.
 #[test]
 fn contradicting_rows_of_one_point_are_refused() {
     let finger = zigzag("rigid");
@@ -247,7 +249,7 @@ fn contradicting_rows_of_one_point_are_refused() {
     assert_eq!(twice, Err(MeasurementError::Repeated { node: finger.tip() }));
 }
 
-/// Ribs that cross, lie on each other or on the base line, and what cannot be tied, are refused by their keys.
+/// Ribs that cross, coincide or lie on the base line are refused with their keys, as are descriptions that cannot be tied.
 #[test]
 fn what_cannot_share_a_junction_is_refused_by_its_key() {
     let refused = |change: &dyn Fn(&mut finray_model::finger::FingerDescription)| {

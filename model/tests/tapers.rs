@@ -13,7 +13,8 @@ const ROUNDING: f64 = 1e-12;
 const MODULUS_MPA: f64 = 47.976;
 const DEPTH_MM: f64 = 20.0;
 
-/// The paper's finger with another front plate (`tip` after the thickness at the base) and other ribs, with further tables behind.
+/// The paper's finger with another front plate (its thickness at the tip follows its thickness at the base), other ribs, and further tables at the
+/// end.
 fn scene(front: &str, ribs: &str, more: &str) -> Result<Scene, finray_model::scene::SceneError> {
     let plate = "thickness_mm = 1.5\n";
     let text =
@@ -25,7 +26,7 @@ fn finger(front: &str, ribs: &str, more: &str) -> Finger {
     scene(front, ribs, more).expect("a sound scene").finger
 }
 
-/// The elements of the front plate in a row: length, mm, and section.
+/// Length, mm, and section of each element of the front plate, in order.
 fn front_elements(mesh: &Mesh) -> Vec<(f64, Section)> {
     let front = mesh.lines().iter().filter(|line| line.part == Part::Front);
     let beams = front.flat_map(|line| &mesh.frame().members()[line.members.clone()]).map(|member| member.beam);
@@ -36,7 +37,7 @@ fn front_elements(mesh: &Mesh) -> Vec<(f64, Section)> {
     beams.map(|beam| (beam.length_mm, of(beam))).collect()
 }
 
-/// Displacement and rotation at the free end of the front plate as a cantilever along x, clamped at its base, under a force and a moment there.
+/// Displacement and rotation of the free end under a force and a moment on this end. The front plate is a cantilever along x, clamped at its base.
 fn cantilever(finger: &Finger, elements: usize, force: Vector, moment_nmm: f64) -> (Vector, f64) {
     let mut frame = PlaneFrame::default();
     let mut node = frame.add_node(Vector::zeros());
@@ -53,9 +54,9 @@ fn cantilever(finger: &Finger, elements: usize, force: Vector, moment_nmm: f64) 
     (motion.displacements[node], motion.rotations[frame.rotation_of(node)])
 }
 
-/// Stretching, and bending by a moment, are exact on any mesh, as the compliances are means: P ln(t_0 / t_1) / (E d k) and
-/// 6 M (t_0 + t_1) L / (E d t_0^2 t_1^2). Under a force across, 12 P / (E d k^3) (ln(t_1 / t_0) + 2 (t_1 / t_1 - t_1 / t_0) - (1 - t_1^2 / t_0^2) / 2),
-/// with k = (t_1 - t_0) / L, the error falls with the square of the elements' length.
+/// Stretching, and bending by a moment, are exact on any mesh, because the compliances of elements are means: P ln(t_0 / t_1) / (E d k) and 6 M (t_0
+/// + t_1) L / (E d t_0^2 t_1^2). Under a force across, 12 P / (E d k^3) (ln(t_1 / t_0) + 2 (t_1 / t_1 - t_1 / t_0) - (1 - t_1^2 / t_0^2) / 2), with k
+/// = (t_1 - t_0) / L, the error falls with the square of the elements' length.
 #[test]
 fn a_tapered_cantilever_bends_as_its_closed_form() {
     for (base_mm, tip_mm) in [(2.0_f64, 1.0_f64), (1.0, 2.5), (1.5, 1.5 + 1e-7)] {
@@ -85,7 +86,8 @@ fn a_tapered_cantilever_bends_as_its_closed_form() {
     }
 }
 
-/// Zones and a taper multiply: a piece within a zone has its factor, and one with a border in it the sum of both parts' compliances.
+/// Zones and a taper multiply. An element within a zone has the zone's factor. An element that contains the border of a zone has the sum of the
+/// compliances of both parts.
 #[test]
 fn zones_of_a_tapered_plate_are_weighted_by_its_compliance() {
     let front = "thickness_mm = 2.0\ntip_thickness_mm = 1.0";
@@ -97,7 +99,7 @@ fn zones_of_a_tapered_plate_are_weighted_by_its_compliance() {
         [1.0 / section.axial_rigidity_n, 1.0 / section.bending_rigidity_nmm2]
     };
     let (plain, whole, half) = (compliances(""), compliances(&zone(153.0)), compliances(&zone(76.5)));
-    // Integrals of 1 / t and 1 / t^3 from 2 to 1.5 mm as shares of those from 2 to 1 mm.
+    // Integrals of 1 / t and 1 / t^3 from 2 to 1.5 mm, as shares of the integrals from 2 to 1 mm.
     let shares = [(2.0_f64 / 1.5).ln() / 2.0_f64.ln(), (1.0 / 2.25 - 0.25) / (1.0 - 0.25)];
     for i in 0..2 {
         assert!((whole[i] / plain[i] - 4.0).abs() < ROUNDING);
@@ -105,7 +107,7 @@ fn zones_of_a_tapered_plate_are_weighted_by_its_compliance() {
     }
 }
 
-/// A taper to the same thickness changes nothing, to the last bit; another one is another finger for a network.
+/// A taper to the same thickness changes no bit of the result. A taper to another thickness is another finger for a network.
 #[test]
 fn a_taper_without_slope_is_none() {
     let [plain, level, tapered] = ["", "\ntip_thickness_mm = 1.5", "\ntip_thickness_mm = 1.4"]
@@ -120,7 +122,7 @@ fn a_taper_without_slope_is_none() {
     assert!((tapered.thickness_mm(Plate::Front, 76.5) - 1.45).abs() < ROUNDING);
 }
 
-/// A tapered finger converges as its mesh is refined, and a force comes back from the fine one.
+/// A tapered finger converges as its mesh is refined, and a force is recovered from the fine mesh.
 #[test]
 fn a_tapered_finger_converges_and_senses() {
     let finger = finger("thickness_mm = 1.5\ntip_thickness_mm = 0.75", "count = 11", "");
@@ -140,7 +142,7 @@ fn a_tapered_finger_converges_and_senses() {
     assert!((found.forces.forces_n[0] / 1.5 - 1.0).abs() < 1e-3, "{}", found.forces.forces_n[0]);
 }
 
-/// An object would touch an outline that is not parallel to the middle line: refused by its key and line.
+/// The outline of a tapered plate is not parallel to its middle line. An object in the scene is therefore refused, with key and line.
 #[test]
 fn objects_on_a_tapered_front_plate_are_refused() {
     let object =

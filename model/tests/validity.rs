@@ -9,7 +9,7 @@ use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector};
 use finray_tests::{at_position, paper, paper_scene_with};
 use nalgebra::{DMatrix, DVector, SMatrix};
 
-/// Linear solutions of the paper's finger keep twelve digits or more.
+/// Rounding error; linear solutions of the paper's finger have at least twelve correct digits.
 const ROUNDING: f64 = 1e-9;
 
 fn solved(mesh: &Mesh, kinematics: Kinematics, loads: &[Load]) -> (Vec<FrameLoad>, FrameMotion) {
@@ -27,8 +27,7 @@ fn strain_of(validity: &Validity, part: Part) -> f64 {
     validity.strains.iter().find(|strain| strain.member.part == part).expect("the part deforms").strain
 }
 
-/// A front plate so soft against the back plate, which meets it at the tip, that the back plate is a cantilever: of length 100 mm, thickness
-/// 2 mm, depth 10 mm.
+/// A finger with a very soft front plate, so that the back plate acts as a cantilever of length 100 mm, thickness 2 mm and depth 10 mm.
 fn cantilever(thickness_mm: f64, poissons_ratio: f64) -> Finger {
     let text = format!(
         "name = \"cantilever\"\n[finger]\nbase_width_mm = 100\nfront_length_mm = 141.4213562373095\nback_length_mm = 100\n\
@@ -38,11 +37,11 @@ fn cantilever(thickness_mm: f64, poissons_ratio: f64) -> Finger {
     Scene::from_toml(&text).expect("a scene").finger
 }
 
-/// What the soft front plate takes of the load: its EA over the back plate's 3 EI / L^2 is under 1e-8.
+/// Share of the load that the soft front plate carries: the ratio of its EA to the back plate's 3 EI / L^2 is below 1e-8.
 const SOFT_PLATE: f64 = 1e-6;
 
-/// Cantilever with a load F at its end, E' = E / (1 - nu^2): eps = 6 F L / (b t^2 E') at the clamp; shear energy F^2 L / (2 kappa G A) over bending energy
-/// F^2 L^3 / (6 E' I), which is 3 E' I / (kappa G A L^2).
+/// Cantilever with a load F at its end and E' = E / (1 - nu^2). The strain at the clamp is 6 F L / (b t^2 E'). Shear energy F^2 L / (2 kappa G A)
+/// divided by bending energy F^2 L^3 / (6 E' I) is 3 E' I / (kappa G A L^2).
 #[test]
 fn a_cantilever_has_its_closed_forms() {
     for (thickness, nu) in [(2.0, 0.0), (8.0, 0.45)] {
@@ -66,7 +65,7 @@ fn a_cantilever_has_its_closed_forms() {
     }
 }
 
-/// Pulled along its axis: eps = F / (E b t), and no shear.
+/// A plate under a force along its axis has the strain F / (E b t) and no shear.
 #[test]
 fn a_bar_in_tension_has_its_closed_form() {
     let finger = cantilever(2.0, 0.0);
@@ -78,7 +77,7 @@ fn a_bar_in_tension_has_its_closed_form() {
     assert!(found.shear_share < SOFT_PLATE, "{found:?}");
 }
 
-/// Linear frames are exact on any mesh, and so are strains and energies, with loads inside elements too.
+/// Linear frames are exact on any mesh, also with loads inside elements. Their strains and energies are therefore exact as well.
 #[test]
 fn linear_strains_do_not_depend_on_the_mesh() {
     let finger = paper_scene_with(&[("depth_mm = 20.0", "depth_mm = 20.0\nrod_arm_mm = 1.0")]).finger;
@@ -100,8 +99,8 @@ fn linear_strains_do_not_depend_on_the_mesh() {
     }
 }
 
-/// Share of a strain that the mesh may be off: 0.25 of 5 % on the key nodes, a tenth of that where equilibria are solved to be examined, so
-/// that no mesh decides about a limit.
+/// Largest relative error of a strain due to the mesh: 5 % on the key nodes, which is a strain of 0.25 % at the limit of 5 %. With the four elements
+/// of an examination, the error is a tenth of this. The mesh therefore does not decide whether a limit is exceeded.
 const ON_KEY_NODES: f64 = 0.05;
 const ON_FOUR_ELEMENTS: f64 = 0.005;
 
@@ -170,11 +169,11 @@ fn work_with_shear(finger: &Finger, node: NodeId, shear: f64) -> f64 {
     load.dot(&stiffness.cholesky().expect("held").solve(&load))
 }
 
-/// Against beams with shear: the finger gives way by no more than the stated share, and by nearly as much while the share is small (the
-/// section forces then hardly change).
+/// Compared with beams with shear: the compliance of the finger grows by at most the stated share. For a small share it grows by nearly this share,
+/// because the section forces hardly change.
 #[test]
 fn the_share_of_shear_bounds_what_beams_with_shear_add() {
-    // Doubly as thick, the share is four times as large, and the bound is looser.
+    // If the plates are twice as thick, the share is four times as large, and the bound is less tight.
     for (thickness, tightness) in [("1.5", 0.25), ("0.5", 0.05)] {
         let finger = paper_scene_with(&[("thickness_mm = 1.5", &format!("thickness_mm = {thickness}"))]).finger;
         for node in [13, 14, 17, 19, 21, 24].map(NodeId) {
@@ -188,7 +187,7 @@ fn the_share_of_shear_bounds_what_beams_with_shear_add() {
     }
 }
 
-/// Small forces on the paper's finger raise no doubt; each assumption is doubted where it fails alone.
+/// Small forces on the paper's finger violate no assumption. If a single assumption fails, exactly this assumption is reported.
 #[test]
 fn doubts_name_what_fails() {
     let doubts = |scene: &Scene, force_n: f64| {
@@ -207,7 +206,7 @@ fn doubts_name_what_fails() {
         doubts(&soft, 3.0)[..],
         [Doubt::Strain { strain, limit: LARGEST_STRAIN, stated: false }] if strain.strain > LARGEST_STRAIN
     ));
-    // The same finger, of a material that bears less than it strains at 3 N.
+    // The same finger, made of a material whose strain limit is below the strain at 3 N.
     let brittle = paper_scene_with(&[("[finger.front]", "[finger.front]\nlargest_strain = 0.001")]);
     let found = doubts(&brittle, 3.0);
     assert!(
@@ -217,7 +216,7 @@ fn doubts_name_what_fails() {
     assert!(said.contains("finger.front.largest_strain of the scene") && said.contains("front plate between nodes"));
 }
 
-/// Ribs that do not deform have neither strain nor shear.
+/// Undeformable ribs have neither strain nor shear.
 #[test]
 fn undeformable_ribs_take_no_part() {
     let rigid = paper_scene_with(&[(
@@ -232,9 +231,10 @@ fn undeformable_ribs_take_no_part() {
     assert!(found.shear_share > 0.0 && found.shear_at.is_some_and(|at| at.part != Part::Ribs));
 }
 
-/// The forces of the paper's gripper experiments (up to 3 N, sec. V-C) keep within the limits at every contact node but the tip, which the paper
-/// does not load, over directions 20 degrees apart; 5 N, the largest that it trains for, do not along the normal. Within 6 mm of the clamp the
-/// loaded piece of plate is so short that shear exceeds its limit, under any force. `-- --nocapture papers` prints the figures.
+/// The forces of the paper's gripper experiments (up to 3 N, sec. V-C) satisfy the limits at every contact node except the tip, which the paper does
+/// not load. Directions are 20 degrees apart. A force of 5 N along the normal, the largest in the paper's training, exceeds the limits. Within 6 mm
+/// of the clamp, the loaded segment of the plate is so short that shear exceeds its limit under any force. `-- --nocapture papers` prints the
+/// figures.
 #[test]
 fn the_papers_finger_keeps_within_the_limits_up_to_three_newtons() {
     let finger = paper();

@@ -7,10 +7,11 @@ use rand_chacha::ChaCha8Rng;
 
 pub use finray_fixtures::CAMERA_NOISE_MM;
 
-/// Half width of the interval that holds 95 % of a normal distribution, in standard deviations.
+/// Half width of the interval that contains 95 % of a normal distribution, in standard deviations.
 pub const TWO_SIDED_95: f64 = 1.96;
 
-/// Tolerance of random deviations, in standard errors. With some hundred figures, one exceeds it by chance in about one of a hundred runs.
+/// Tolerance of random deviations, in standard errors. If a run checks some hundred figures, chance exceeds the tolerance in about one of a hundred
+/// runs.
 pub const STANDARD_ERRORS: f64 = 4.0;
 
 fn from_environment<T: std::str::FromStr>(name: &str, otherwise: T) -> T {
@@ -18,8 +19,8 @@ fn from_environment<T: std::str::FromStr>(name: &str, otherwise: T) -> T {
 }
 
 /// Settings of the property tests: the same random cases on every run, or other cases with `FINRAY_TEST_SEED=<number>`. A case that
-/// shows nothing, for instance because the finger cannot carry the load, is rejected and drawn again. A test that rejects more than `count`
-/// cases fails, because it would test little.
+/// shows nothing, for instance because the finger cannot carry the load, is rejected, and another case is drawn. A test that rejects more than
+/// `count` cases fails, because it would test little.
 pub fn cases(count: u32) -> ProptestConfig {
     ProptestConfig {
         cases: count,

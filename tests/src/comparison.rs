@@ -4,15 +4,15 @@ use finray_model::Kinematics;
 use finray_model::frame::FrameMotion;
 use finray_model::mesh::FingerShape;
 
-/// All kinematics, for tests of a property that each of them has.
+/// All kinematics, for tests of a property that every kinematics has.
 pub const KINEMATICS: [Kinematics; 3] = [Kinematics::Linear, Kinematics::Corotational, Kinematics::CorotationalChord];
 
-/// The largest of some magnitudes, or NaN if one of them is NaN, which `f64::max` would ignore.
+/// The largest of some magnitudes, or NaN if one magnitude is NaN; `f64::max` would ignore NaN.
 fn worst(magnitudes: impl Iterator<Item = f64>) -> f64 {
     magnitudes.fold(0.0, |worst, next| if next.is_nan() || next > worst { next } else { worst })
 }
 
-/// The largest magnitude of some numbers, or NaN if one of them is NaN.
+/// The largest magnitude of some numbers, or NaN if one number is NaN.
 pub fn largest<'n>(numbers: impl IntoIterator<Item = &'n f64>) -> f64 {
     worst(numbers.into_iter().map(|number| number.abs()))
 }

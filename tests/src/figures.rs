@@ -14,7 +14,7 @@ pub struct Figure {
     pub study: String,
     /// First cell of the row in the guide's table.
     pub row: String,
-    /// Known quantities, such as the direction and the noise.
+    /// Quantities that are known to the estimator, such as the direction and the noise.
     pub question: String,
     /// Number of forces.
     pub cases: usize,
@@ -24,7 +24,7 @@ pub struct Figure {
     pub mean_error: f64,
     /// Largest error, as a share of the true force.
     pub largest_error: f64,
-    /// Share of the 95 % intervals that hold the true force.
+    /// Share of the 95 % intervals that contain the true force.
     pub within: f64,
     /// Standard error of the share `within`.
     pub standard_error: f64,
@@ -36,7 +36,7 @@ pub struct Figure {
     pub command: String,
 }
 
-/// Lets studies that run at the same time write one after the other.
+/// Makes studies that run at the same time write one after the other.
 static WRITING: Mutex<()> = Mutex::new(());
 
 fn root() -> PathBuf {

@@ -21,7 +21,7 @@ pub fn at_position(s_mm: f64, angle_deg: f64) -> Contact {
     Contact { position: ContactPosition::At(s_mm), angle_deg }
 }
 
-/// A contact node of the finger. The fraction selects it: 0 is the tip, 1 the contact node nearest to the base.
+/// A contact node of the finger. `fraction` selects the node: 0 is the tip, 1 is the contact node nearest to the base.
 pub fn contact_node(finger: &Finger, fraction: f64) -> NodeId {
     let count = finger.contact_nodes().len();
     NodeId(finger.tip().0 + ((fraction * count as f64) as usize).min(count - 1))
@@ -40,8 +40,8 @@ pub fn force_for_deflection(finger: &Finger, node: NodeId, angle_deg: f64, share
 const SETTLED_AFTER: usize = 12;
 
 /// Forces, N, that are statically equivalent to an object that presses on a pad: equal forces at `parts` positions along the pad, and a couple at
-/// its ends. The couple is the moment of the shear force, which acts at the pad's surface. Its forces are normal to the deformed plate, whose
-/// direction is found by iteration. The estimator's model of a pad differs: it has two forces.
+/// its ends. The couple is the moment of the shear force, which acts at the pad's surface. The forces of the object are normal to the deformed plate,
+/// whose direction is found by iteration. The estimator's model of a pad differs: it has two forces.
 ///
 /// # Panics
 /// If the finger has no equilibrium under these forces, or part of the pad is not on the plate.

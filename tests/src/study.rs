@@ -8,8 +8,8 @@ use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
 const HEADER: &str = "study,mean_square_of_first,cases,share_within_95,mean_square";
-/// Number of first errors that are compared with the record; a run with few cases has the same first errors as the full study. The record is
-/// stale if their mean square differs from the recorded one by more than the share `FRESH`.
+/// Number of first errors that are compared with the record; a run with few cases has the same first errors as the full study. The record is stale if
+/// their mean square differs from the recorded mean square by more than the share `FRESH`.
 const FIRST: usize = 30;
 const FRESH: f64 = 0.01;
 
@@ -17,9 +17,9 @@ fn mean_square(errors: &[f64]) -> f64 {
     errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64
 }
 
-/// Checks errors that are given in stated standard deviations. The share within the 95 % interval must be 0.95 within three standard errors of
-/// this number of cases, and the mean square 1 within four. The full study writes its figures to `fixtures/results/studies.csv`. A run with
-/// fewer cases fails if that record is stale.
+/// Checks errors that are given in stated standard deviations. The share within the 95 % interval must be 0.95 within three standard errors of this
+/// number of cases. The mean square must be 1 within four standard errors. The full study writes its figures to `fixtures/results/studies.csv`. A run
+/// with fewer cases fails if that record is stale.
 ///
 /// # Panics
 /// If errors are larger or smaller than stated, or the record is stale.
@@ -56,7 +56,7 @@ fn records() -> BTreeMap<String, String> {
     rows.map(|(study, figures)| (study.to_owned(), figures.to_owned())).collect()
 }
 
-/// Lets tests that run at the same time write one after the other.
+/// Makes tests that run at the same time write one after the other.
 static WRITING: Mutex<()> = Mutex::new(());
 
 fn record(study: &str, figures: String) {

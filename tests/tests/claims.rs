@@ -11,7 +11,7 @@ use finray_studies::study::Study;
 use finray_studies::truths::TruthId;
 use std::sync::LazyLock;
 
-/// Every verdict is that of its own row's figures; a simulation betters no experiment.
+/// Checks that every verdict follows from the figures of its own row, and that no simulation counts as a reproduced experiment.
 fn claims_say_what_was_shown(claims: &[Claim]) {
     use ClaimVerdict::{Depends, InSimulation, LessInSimulation, NotReproduced, NotTested, Refuted, Reproduced};
     let row = |words: &str| {
@@ -25,7 +25,7 @@ fn claims_say_what_was_shown(claims: &[Claim]) {
         ("decreasing element size is not necessary", Depends),
         ("SOLID45", NotTested),
         ("caused by the nonlinearity", NotReproduced),
-        // Each holds for some of the directions that the weights may have had.
+        // Each of these claims is true for some of the directions that the weights may have had.
         ("the average sensing error at nodes 18, 20, and 22 is less than 3%", Depends),
         ("even the maximum error at these three nodes is less than 5%", Depends),
         ("are all larger than the ground truths", Depends),
@@ -40,7 +40,8 @@ fn claims_say_what_was_shown(claims: &[Claim]) {
         ("apart: what a known model could reach, the sum", LessInSimulation),
         ("the overall average absolute error is 0.07 N", LessInSimulation),
         ("1-cos(12.5 deg)", Refuted),
-        // With undeformed positions measured in an image too, the noise is larger by sqrt(2), and more than half of the nodes are poor.
+        // If the undeformed positions are also measured in an image, the noise is larger by a factor of sqrt(2). Sensing is then poor at more than
+        // half of the nodes.
         ("will not work", Depends),
         ("the force sensing accuracy is poor", Depends),
         ("resulting torque", Refuted),
@@ -54,11 +55,11 @@ fn claims_say_what_was_shown(claims: &[Claim]) {
     for words in ["resulting torque", "will not work"] {
         assert!(row(words).ours.contains("of 11 nodes"), "{:?}", row(words));
     }
-    // What is judged has a criterion, and what is not has none.
+    // Every tested claim has a criterion, and no untested claim has one.
     for claim in claims {
         assert_eq!(claim.criterion.is_empty(), claim.verdict == NotTested, "{claim:?}");
     }
-    // Every assumed direction is named with what it gives.
+    // The row lists every assumed direction with its result.
     for words in ["less than 3%", "less than 5%", "are all larger", "which ranges from 49.6"] {
         for angle in settings::TABLE_ONE_ANGLES_DEG {
             let claim = row(words);
@@ -66,13 +67,13 @@ fn claims_say_what_was_shown(claims: &[Claim]) {
             assert!(claim.how.contains(&format!("{angle}")) && claim.criterion.contains("whatever the direction"));
         }
     }
-    // A simulated finger is called so.
+    // The row states that its finger is simulated.
     for claim in claims.iter().filter(|claim| [InSimulation, LessInSimulation].contains(&claim.verdict)) {
         assert!(claim.how.contains("simulated"), "{claim:?}");
     }
 }
 
-/// A quick study of the paper's finger, which the tests share.
+/// A quick study of the paper's finger; all tests share the study.
 static STUDY: LazyLock<Study> = LazyLock::new(|| {
     struct Silent;
     impl settings::Progress for Silent {
@@ -84,8 +85,8 @@ static STUDY: LazyLock<Study> = LazyLock::new(|| {
         .expect("the paper's finger is solved")
 });
 
-/// A finger that does not carry the forces everywhere, of a material that bears little strain: the first screen has shares of the cells that carry
-/// them, and the limits of the beam model.
+/// The finger does not carry the forces in every cell, and its material allows only little strain. The first screen then states shares of the cells
+/// that carry the forces, and the limits of the beam model.
 #[test]
 fn the_first_screen_says_where_finger_and_model_end() {
     let mut study = STUDY.clone();
@@ -106,7 +107,7 @@ fn the_first_screen_says_where_finger_and_model_end() {
     let carried = cells - lost;
     for said in [
         format!("in {trusted} of the {carried} positions and directions in which the finger carries these forces ("),
-        format!("; in {lost} others it has no equilibrium under at least one of them;"),
+        format!("; in {lost} others the finger has no equilibrium under at least one of these forces;"),
     ] {
         assert!(answers[0].contains(&said), "{said}: {}", answers[0]);
     }
@@ -115,8 +116,8 @@ fn the_first_screen_says_where_finger_and_model_end() {
     assert!(physics.contains("(limit 1.0 %)"), "{physics}");
 }
 
-/// The figures of the accuracy map that other programs found: along the normal at 3 N up to about 9 % (node 24), over
-/// 30 % at -80 deg; and Table I is not explained by geometric nonlinearity.
+/// The accuracy map has the errors that other programs found at 3 N: up to about 9 % along the normal (node 24), and over 30 % at -80 deg. Geometric
+/// nonlinearity does not explain Table I.
 #[test]
 fn map_and_table_one_show_what_is_known() {
     let study = &*STUDY;
@@ -130,7 +131,7 @@ fn map_and_table_one_show_what_is_known() {
     let claims = ledger(study).expect("small experiments");
     claims_say_what_was_shown(&claims);
     let drawn = finray_report::report(study, &claims).expect("the report is drawn");
-    // Soft ends that were put into another finger are that finger's, and no cause of this one's errors.
+    // Soft ends belong to another finger, so the verdict must not name them as a cause of this finger's errors.
     let head: Vec<String> = drawn.verdict.iter().take(5).cloned().collect();
     let why = head.iter().find(|answer| answer.starts_with("Why not elsewhere?")).expect("an answer");
     let known = why.split("Contact assumed:").next().expect("what is said of the known finger");
@@ -150,7 +151,7 @@ fn map_and_table_one_show_what_is_known() {
     }
 }
 
-/// The page once drew the length of the true force beside the normal component that is sensed.
+/// The page once drew the true force with its full length beside the sensed normal component.
 #[test]
 fn a_force_across_the_normal_is_not_drawn_beside_the_sensed_one() {
     let mut study = STUDY.clone();
@@ -158,7 +159,7 @@ fn a_force_across_the_normal_is_not_drawn_beside_the_sensed_one() {
         study.contact_scenes.iter_mut().flat_map(|scene| &mut scene.steps).flat_map(|of| &mut of.step.contacts);
     let mut normals = Vec::new();
     for contact in contacts {
-        // As friction would add it.
+        // A tangential force, as friction would add.
         let across = study.finger.direction(contact.contact.angle_deg + 90.0);
         contact.force += across * contact.normal_n;
         normals.push(contact.normal_n);
@@ -175,6 +176,6 @@ fn a_force_across_the_normal_is_not_drawn_beside_the_sensed_one() {
     });
     let lengths: Vec<f64> = lengths.collect();
     assert!(lengths.len() == normals.len() && normals.len() > 2);
-    // Four digits are drawn.
+    // The page contains four digits of each number.
     assert!(lengths.iter().zip(&normals).all(|(drawn, normal)| (drawn - normal.abs()).abs() < 1e-3 * normal.abs()));
 }

@@ -1,30 +1,30 @@
-//! Dependencies are acyclic: neither the files of a crate nor its folders use each other in a circle.
+//! Dependencies are acyclic, both between the files and between the folders of a crate.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Modules that everything rests on: they use nothing of their crate.
+/// Modules of the lowest level: they use no other module of their crate.
 const FLOORS: [&str; 5] = ["figures", "settings", "check", "files", "statistics"];
 
-/// Names from the crate's root to a module; none for the root.
+/// Path of a module: the names from the crate's root to the module. The path of the root is empty.
 type Place = Vec<String>;
 
-/// Which others each one uses.
+/// For each module, the other modules that it uses.
 type Arrows = BTreeMap<Place, BTreeSet<Place>>;
 
-/// What a module's code takes from elsewhere.
+/// Imports and paths of a module's code.
 #[derive(Debug, Default)]
 struct Module {
-    /// By its name here, the path that an import states.
+    /// Path of each import, by the name that the module uses.
     imports: BTreeMap<String, Vec<String>>,
-    /// Names that it imports only to hand them on.
+    /// Imported names that the module only re-exports.
     handed_on: BTreeSet<String>,
-    /// Paths in its code.
+    /// Paths in the module's code.
     paths: Vec<Vec<String>>,
 }
 
-/// The modules of a crate; each file is one.
+/// The modules of a crate; each file is a module.
 struct Crate(BTreeMap<Place, Module>);
 
 fn files(folder: &Path) -> Vec<PathBuf> {
@@ -54,7 +54,7 @@ fn paths(code: &str) -> impl Iterator<Item = Vec<String>> {
     })
 }
 
-/// The names that a tree of imports brings in, each with its path: `a::{self, b as c}` brings `a` and `c`.
+/// The names that a tree of imports defines, each with its path: `a::{self, b as c}` defines `a` and `c`.
 fn imported(tree: &str, before: &[String]) -> Vec<(String, Vec<String>)> {
     let (path, inner) = tree.split_once('{').map_or((tree, None), |(path, inner)| (path, inner.rsplit_once('}')));
     let (path, alias) = path.split_once(" as ").unwrap_or((path, ""));
@@ -109,7 +109,7 @@ impl Crate {
         Crate(modules)
     }
 
-    /// The module in which a path that stands in another one ends; `None` outside the crate.
+    /// The module to which a path in the module `from` leads; `None` for a path outside the crate.
     fn home(&self, from: &[String], path: &[String]) -> Option<Place> {
         let mut at = from.to_vec();
         for (i, name) in path.iter().enumerate() {
@@ -131,7 +131,7 @@ impl Crate {
         Some(at)
     }
 
-    /// Which modules each uses. Those around it are left out: a module and what is inside it may be one story.
+    /// For each module, the modules that it uses. Enclosing modules are omitted, because a module and its submodules may use each other.
     fn arrows(&self) -> Arrows {
         let used = |(place, module): (&Place, &Module)| {
             let imports = module.imports.iter().filter(|(name, _)| !module.handed_on.contains(*name));
@@ -143,7 +143,7 @@ impl Crate {
     }
 }
 
-/// The arrows between the modules within one, each with all that is inside it.
+/// The dependencies between the direct submodules of a module. Each submodule includes everything inside it.
 fn within(around: &[String], arrows: &Arrows) -> Arrows {
     let room =
         |place: &Place| place.starts_with(around).then(|| place.get(..=around.len()).map(<[_]>::to_vec)).flatten();
@@ -156,7 +156,7 @@ fn within(around: &[String], arrows: &Arrows) -> Arrows {
     rooms
 }
 
-/// What is left when all are taken away that use nothing or are used by nothing, again and again: circles, and what is between them.
+/// Repeatedly removes all modules that use no module or that no module uses. The cycles remain, with the modules between them.
 fn circles(mut arrows: Arrows) -> Arrows {
     loop {
         let before = arrows.len();
@@ -179,7 +179,7 @@ fn sources(folder: &Path) -> Vec<PathBuf> {
     own.map_or_else(|| inner.flat_map(|folder| sources(&folder)).collect(), |own| vec![own])
 }
 
-/// Every library's, by its source folder.
+/// Dependencies of every library, by the source folder of the library.
 fn crates() -> BTreeMap<PathBuf, Arrows> {
     let root = fs::canonicalize(Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).expect("the workspace");
     sources(&root).into_iter().map(|source| (source.clone(), Crate::read(&source).arrows())).collect()
@@ -194,7 +194,7 @@ fn arrows_run_down() {
     let crates = crates();
     let (modules, used): (Vec<usize>, Vec<usize>) =
         crates.values().map(|arrows| (arrows.len(), arrows.values().map(BTreeSet::len).sum::<usize>())).unzip();
-    // Where they are not read, they are in no circle.
+    // Without this check, the test would also pass if it read no modules.
     let read = [modules.len(), modules.iter().sum(), used.iter().sum()];
     assert!(read[0] >= 4 && read[1] >= 400 && read[2] >= 1000, "crates, modules, arrows: {read:?}");
     for (source, arrows) in &crates {
@@ -218,7 +218,7 @@ fn floors_use_nothing() {
     }
 }
 
-/// A circle of two files in a folder, one across two folders, and one that a name handed on hides.
+/// Finds three kinds of cycles: of two files in a folder, across two folders, and hidden by a re-exported name.
 #[test]
 fn circles_are_found() {
     let crate_of = |files: &[(&str, &str)]| {
@@ -242,7 +242,7 @@ fn circles_are_found() {
     let across = [folder[0], folder[1], inside[2], ("b", "use crate::a::{self, X as Other};")];
     assert!(left(&["a"], &across).is_empty());
     assert_eq!(left(&[], &across), ["a", "b"]);
-    // Comments and tests do not count.
+    // Paths in comments and tests do not count.
     let said =
         [folder[0], folder[1], inside[2], ("b", "//! crate::a::X\n#[cfg(test)]\nmod tests { use crate::a::X; }")];
     assert!(left(&[], &said).is_empty());

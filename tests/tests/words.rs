@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-/// Words in quotation marks behind some beginnings, in all files of a folder.
+/// Quoted words that follow one of the `beginnings`, in all Rust files of a folder.
 fn said(folder: &Path, beginnings: &[&str]) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     for entry in fs::read_dir(folder).expect("a folder") {

@@ -28,13 +28,13 @@ macro_rules! guides {
 guides! {
     your_finger, "your-finger": "Describe your finger in a scene file and deform it";
     sense, "sense": "Estimate contact forces from displacements, with their uncertainty";
-    photographs, "photographs": "Get from an image of the markers to a force";
+    photographs, "photographs": "Estimate a force from an image of the markers";
     live, "live": "Sense the forces in a camera's stream";
     calibrate, "calibrate": "Find moduli, geometry and friction of a real finger";
-    lens, "lens": "Find the lens of a camera from images of a grid";
+    lens, "lens": "Calibrate a camera's lens from images of a grid";
     maps_and_sweeps, "maps-and-sweeps": "Map where a finger senses forces reliably";
     clusters, "clusters": "Divide a large map or sweep among many machines";
-    press_and_grasp, "press-and-grasp": "Press an object onto a finger, or grasp it with two";
+    press_and_grasp, "press-and-grasp": "Press an object onto one finger, or grasp it with two fingers";
     networks, "networks": "Train a sensing network, or use a shipped one";
     reading_the_report, "reading-the-report": "Make the report and read it";
     accuracy, "accuracy": "How accurate forces are: photographs, images, simulation";

@@ -13,7 +13,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let file = |i: usize, shipped: &str| arguments.get(i).cloned().unwrap_or_else(|| format!("{fixtures}/{shipped}"));
 
-    // The scene describes the finger, its camera and its markers. The observation holds the markers that the image shows.
+    // The scene describes the finger, its camera and its markers. The observation contains the markers that the image shows.
     let scene = Scene::from_toml(&std::fs::read_to_string(file(0, "scenes/camera.toml"))?)?;
     let image = image::open(file(1, "pictures/camera.png"))?.to_rgb8();
     let seen = Observer::new(&scene, None)?.observe(&image)?;

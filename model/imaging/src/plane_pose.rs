@@ -42,9 +42,9 @@ pub enum PlanePoseError {
     NotFound,
 }
 
-/// Fits a pose to the pixels of points on the plane z = `height_mm` of the finger frame. `points` holds the position (mm) and the pixel of each point. The
-/// homography of the undistorted pixels is the starting point of the least-squares fit. A distant plane fits nearly as well with the opposite tilt, so both
-/// tilts are tried.
+/// Fits a pose to the pixels of points on the plane z = `height_mm` of the finger frame. `points` contains the position (mm) and the pixel of each
+/// point. The homography of the undistorted pixels is the starting point of the least-squares fit. A distant plane fits nearly as well with the
+/// opposite tilt, so both tilts are tried.
 ///
 /// # Errors
 /// [`PlanePoseError`] for fewer than four points, collinear points, a pixel beyond the fold, or no pose that fits.

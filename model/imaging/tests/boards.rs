@@ -1,4 +1,4 @@
-//! The lens from chessboards, asymmetric grids and dots of any size, drawn here pixel by pixel.
+//! Tests of the lens fit on chessboards, asymmetric grids and dots of any size. The tests draw the boards pixel by pixel.
 
 use crate::kit::rms;
 use finray_imaging::grid::{Grid, GridKind, find_grid, lens_of_grids};
@@ -13,14 +13,14 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
-/// Pattern of a board in pitches, about its middle: whether a point is dark.
+/// Pattern of a board; lengths are in pitches, positions relative to the board's middle.
 #[derive(Debug, Clone, Copy)]
 enum Board {
-    /// Squares along x and y.
+    /// Numbers of squares along x and y.
     Chess([u32; 2]),
-    /// Radius of a dot, and dots along x and y.
+    /// Radius of a dot, and numbers of dots along x and y.
     Dots(f64, [u32; 2]),
-    /// The same, with every other row displaced by a pitch, dots of a row two apart.
+    /// Same as `Dots`, but the dots of a row are two pitches apart, and every other row is displaced by one pitch.
     Asymmetric(f64, [u32; 2]),
 }
 
@@ -49,7 +49,7 @@ impl Board {
         }
     }
 
-    /// Half its longer side, in pitches.
+    /// Half the longer side of the board, in pitches.
     fn half(self) -> f64 {
         match self {
             Board::Chess([a, b]) | Board::Dots(_, [a, b]) => f64::from(a.max(b)) / 2.0,
@@ -58,7 +58,7 @@ impl Board {
     }
 }
 
-/// The image of a board of a pitch, mm: each pixel the mean of 64 points, then blur and noise.
+/// Draws the image of a board. `pitch_mm` is the pitch, mm. Each pixel is the mean of 64 points; blur and noise follow.
 fn draw(board: Board, pitch_mm: f64, camera: &Camera, chance: &mut ChaCha8Rng) -> RgbImage {
     const POINTS: u32 = 8;
     const BLUR_PX: f32 = 0.7;
@@ -96,7 +96,7 @@ fn draw(board: Board, pitch_mm: f64, camera: &Camera, chance: &mut ChaCha8Rng) -
     image
 }
 
-/// A lens, and poses before it that show a board of a size, mm, at a slant.
+/// Cameras with one lens and different poses, which show a board at a slant. `half_mm` is half the longer side of the board, mm.
 fn cameras(number: u64, half_mm: f64, count: usize) -> Vec<Camera> {
     let mut chance = random_stream(71, number);
     let size_px = [[640, 480], [800, 600], [960, 720]][number as usize % 3];
@@ -116,7 +116,7 @@ fn cameras(number: u64, half_mm: f64, count: usize) -> Vec<Camera> {
     (0..count).map(camera).collect()
 }
 
-/// Grids of images of a board before the cameras of a number.
+/// Cameras of a case number, and the grids that are found in their images of a board.
 fn grids(board: Board, pitch_mm: f64, number: u64) -> (Vec<Camera>, Vec<Grid>) {
     const IMAGES: usize = 6;
     let cameras = cameras(number, board.half() * pitch_mm, IMAGES);
@@ -136,7 +136,8 @@ fn sigmas(fit: &LensFit, truth: &Lens) -> Vec<f64> {
     of(&fit.lens).iter().zip(of(truth)).zip(fit.sds).map(|((found, truth), sd)| (found - truth) / sd).collect()
 }
 
-/// Checks that images of a board give its kind, the lens and the distance of the board, each within four standard deviations or a thousandth.
+/// Checks the grid kind, the lens and the distance of the board that images of this board give. Lens parameters are checked to four standard
+/// deviations.
 fn assert_lens(board: Board, kind: GridKind) {
     const PITCH_MM: f64 = 12.0;
     for number in 0..repetitions(1, 6) {
@@ -146,7 +147,7 @@ fn assert_lens(board: Board, kind: GridKind) {
         let off = sigmas(&fit, &cameras[0].lens);
         let far = off.iter().zip(LENS_PARAMETERS).find(|(off, _)| off.abs() > 4.0);
         assert!(far.is_none() && rms(&off) < 2.0, "{board:?} {number}: {off:?}");
-        // Standard deviations that are not needed would hold everything.
+        // Too large standard deviations would contain any error, so they are limited as well.
         assert!(fit.sds[0] < 1e-3 * fit.lens.focal_px()[0] && fit.residual_sd_px < 0.03, "{board:?}: {fit:?}");
         for (found, camera) in fit.poses.iter().zip(&cameras) {
             let [found, truth] = [found, &camera.pose].map(|pose| {
@@ -158,7 +159,8 @@ fn assert_lens(board: Board, kind: GridKind) {
     }
 }
 
-/// The rims of neighbours were in what a dot's surroundings were taken to be: 600.397 +- 0.057 px for 600 at 0.3 of the pitch.
+/// The sampled surroundings of a dot once included the rims of its neighbours. For dots with a radius of 0.3 pitches, the focal length was then
+/// 600.397 +- 0.057 px instead of 600 px.
 #[test]
 fn rims_of_big_dots_pull_each_other() {
     for radius in [0.3, 0.4] {
@@ -166,7 +168,7 @@ fn rims_of_big_dots_pull_each_other() {
     }
 }
 
-/// Dark squares were taken for dots, and their diagonal for the pitch.
+/// Dark squares were once detected as dots, and their diagonal was used as the pitch.
 #[test]
 fn a_chessboard_is_taken_for_dots() {
     for squares in [[10, 7], [18, 13]] {
@@ -174,7 +176,7 @@ fn a_chessboard_is_taken_for_dots() {
     }
 }
 
-/// Its neighbours are diagonal: their distance was taken for that of its rows.
+/// Neighbours in an asymmetric grid are diagonal. Their distance was once used as the distance between rows.
 #[test]
 fn an_asymmetric_grid_is_taken_for_a_square_one() {
     for (radius, counts) in [(0.35, [4, 11]), (0.5, [6, 9])] {

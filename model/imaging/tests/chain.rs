@@ -1,4 +1,5 @@
-//! From images alone to positions and forces: against the Cramer-Rao bound, with a lens and a pose that are found too, and in newtons.
+//! Positions and forces from images alone. Errors of positions are compared with the Cramer-Rao bound, and limited for a fitted lens and pose. Errors
+//! of forces are limited as well.
 
 use crate::kit::{DISTURBED, camera_of, rms, scene, tilted};
 use finray_imaging::grid::{find_grid, lens_of_grids};
@@ -17,7 +18,7 @@ use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
-/// Of the fixture's camera.
+/// Scale of the image of the fixture's camera, px/mm.
 const PX_A_MM: f64 = 8.0;
 
 fn image_of(
@@ -36,8 +37,8 @@ fn bent_by(finger: &Finger, node: usize, force_n: f64) -> FingerShape {
     statics::solve(&Mesh::key_nodes(finger), &[load], Kinematics::Corotational).expect("carried")
 }
 
-/// Smallest standard deviation of a coordinate of a disc's centre, px: noise `s` of every part of the light, an edge blurred by `b` px,
-/// and the contrast about the disc, from an image without either.
+/// Smallest possible standard deviation of a coordinate of a disc's centre, px. `s` is the noise of every component of the light, and `b` is the blur
+/// of the edge, px. The contrast is read from `sharp`, an image without noise and blur.
 fn bound_px(sharp: &RgbImage, centre: Vector2<f64>, radius_px: f64, s: f64, b: f64) -> f64 {
     const DIRECTIONS: usize = 720;
     let light = |at: Vector2<f64>| {
@@ -45,7 +46,8 @@ fn bound_px(sharp: &RgbImage, centre: Vector2<f64>, radius_px: f64, s: f64, b: f
         Vector3::from(pixel.0.map(f64::from))
     };
     let inside = light(centre);
-    // The information of an edge of contrast A: the integral of (A phi(d / b) / b)^2 / s^2 over its band, A^2 / (2 sqrt(pi) b s^2) a px.
+    // The Fisher information of 1 px of an edge with contrast A is the integral of (A phi(d / b) / b)^2 / s^2 over the distance d: A^2 / (2 sqrt(pi)
+    // b s^2).
     let information: Matrix2<f64> = (0..DIRECTIONS)
         .map(|i| {
             let (sin, cos) = (std::f64::consts::TAU * i as f64 / DIRECTIONS as f64).sin_cos();
@@ -58,7 +60,7 @@ fn bound_px(sharp: &RgbImage, centre: Vector2<f64>, radius_px: f64, s: f64, b: f
     (information.try_inverse().expect("an edge").trace() / 2.0).sqrt()
 }
 
-/// Of a disc on one colour the bound is the closed form s sqrt(2 sqrt(pi) b / (pi R A^2)).
+/// For a disc on a uniform background, the bound has the closed form s sqrt(2 sqrt(pi) b / (pi R A^2)).
 #[test]
 fn the_bound_is_the_closed_form() {
     let (radius, s, b, contrast) = (12.0, 2.0, 0.8, 100.0);
@@ -86,7 +88,7 @@ fn centres_are_within_twice_the_bound() {
     };
     let all: Vec<Located> = (0..IMAGES).into_par_iter().flat_map_iter(in_image).collect();
     assert_eq!(all.len(), 25 * IMAGES as usize);
-    // The pixels' own width blurs too.
+    // The width of a pixel adds to the blur.
     let blur_px = DISTURBED.blur_px.hypot(1.0 / 12.0_f64.sqrt());
     let ratio = |marker: &Located| {
         let motion = shape.motion(marker.node);
@@ -97,11 +99,12 @@ fn centres_are_within_twice_the_bound() {
     };
     let ratios: Vec<f64> = all.iter().map(ratio).collect();
     assert!(rms(&ratios) <= 2.0, "{} times the bound", rms(&ratios));
-    // Nothing is better than the bound.
+    // No estimator is better than the bound.
     assert!(rms(&ratios) > 0.9, "{} times the bound", rms(&ratios));
 }
 
-/// Markers of 3 px and blurs of up to a third of their radius err more, and say so; from half of the radius on they are refused.
+/// Markers of 3 px, and blurs of up to a third of the radius, cause larger errors; the stated standard deviations include them. Blurs of half the
+/// radius or more are rejected.
 #[test]
 fn small_and_blurred_markers_state_their_errors() {
     let scene = scene();
@@ -128,17 +131,18 @@ fn small_and_blurred_markers_state_their_errors() {
         match found {
             Ok((markers, sigmas)) => {
                 assert!(blur < 0.5, "{radius_mm} {blur_px}: out of focus");
-                // What the model of the edge leaves out is common to all coordinates: these two figures scatter by more than 50 would.
+                // Errors that the edge model neglects are common to all 50 coordinates, so the mean square scatters more than for 50 independent
+                // errors.
                 assert!(markers == 25 && sigmas < 1.5, "{radius_mm} {blur_px}: {markers} {sigmas}");
             }
             Err(LocateError::Blurred { .. }) => assert!(blur > 0.3, "{radius_mm} {blur_px}: sharp"),
-            // Nothing is as wide as a marker any more.
+            // At this blur, no patch is as wide as a marker.
             Err(error) => assert!(blur > 0.6, "{radius_mm} {blur_px}: {error}"),
         }
     }
 }
 
-/// Lens from six images of a grid, pose from the finger at rest, neither given.
+/// The lens is fitted to six images of a grid, and the pose to an image of the finger at rest.
 #[test]
 fn a_lens_and_a_pose_that_are_found_serve_as_well() {
     let cameras = repetitions(1, 4);
@@ -176,7 +180,7 @@ fn a_lens_and_a_pose_that_are_found_serve_as_well() {
         errors
     };
     let errors: Vec<f64> = (0..cameras).into_par_iter().flat_map_iter(of_camera).collect();
-    // Three shapes of 25 markers a camera; a coordinate may err three times as much as with the true lens and pose.
+    // Each camera sees three shapes with 25 markers. The error of a coordinate may be three times as large as with the true lens and pose.
     assert!(
         errors.len() as f64 > 0.99 * 2.0 * 75.0 * cameras as f64 && rms(&errors) <= 0.012,
         "{} errors, {} mm rms",
@@ -185,7 +189,7 @@ fn a_lens_and_a_pose_that_are_found_serve_as_well() {
     );
 }
 
-/// Forces from images alone, where the finger bends least: a tenth of the error that the paper's camera leaves.
+/// Forces from images have at most a tenth of the error that the noise of the paper's camera causes.
 #[test]
 fn forces_from_images_err_by_a_tenth_of_the_papers() {
     let scene = scene();

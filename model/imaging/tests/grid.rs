@@ -1,4 +1,4 @@
-//! The lens from images of a plane grid.
+//! Tests of the lens fit on images of a plane grid.
 
 use finray_imaging::grid::{Grid, LensOfGridsError, NoGrid, find_grid, lens_of_grids};
 use finray_imaging::lens_fit::LENS_PARAMETERS;
@@ -19,7 +19,7 @@ fn lens() -> Lens {
     Lens::new([1600, 1400], [1372.0, 1368.0], [811.0, 688.0], distortion).expect("a lens")
 }
 
-/// A camera before the grid, slanted by up to `tilt` rad about two axes and turned anyhow.
+/// A camera in front of the grid. It is tilted by up to `tilt` rad about two axes, and rotated arbitrarily about the optical axis.
 fn before_the_grid(number: u64, tilt: f64) -> Camera {
     let mut chance = random_stream(3, number);
     let tilt = tilt.max(1e-3);
@@ -35,7 +35,7 @@ fn before_the_grid(number: u64, tilt: f64) -> Camera {
 }
 
 fn grid_of(camera: &Camera, plate: &GridPlate, seed: u64) -> Result<Grid, NoGrid> {
-    // Something lies on a corner of the plate.
+    // An object hides one corner of the plate.
     let is_hidden = |at: &Vector| (at - Vector::new(60.0, -50.0)).norm() < 25.0;
     find_grid(&render_grid(camera, plate, is_hidden, Disturbances { seed, ..DISTURBED }))
 }
@@ -49,7 +49,7 @@ fn every_parameter_of_the_lens_is_within_its_standard_deviations() {
     let dots: usize = grids.iter().map(|grid| grid.dots.len()).sum();
     assert!(dots as u64 > 180 * images, "{dots} dots");
     let (fit, _) = lens_of_grids([1600, 1400], PLATE.pitch_mm, &grids).expect("a lens");
-    // A dot's middle is good to 0.02 px.
+    // The centre of a dot is accurate to 0.02 px.
     assert!(fit.residual_sd_px < 0.05, "{}", fit.residual_sd_px);
     let truth = lens();
     let [fx, fy] = truth.focal_px();
@@ -61,13 +61,13 @@ fn every_parameter_of_the_lens_is_within_its_standard_deviations() {
     };
     for (i, (found, true_value)) in of(&fit.lens).iter().zip([fx, fy, cx, cy, k1, k2, p1, p2, k3]).enumerate() {
         let off = (found - true_value) / fit.sds[i];
-        // Nine figures, four standard deviations.
+        // For nine parameters, four standard deviations allow for chance.
         assert!(off.abs() < 4.0, "{}: {found} for {true_value}, {off} sigma", LENS_PARAMETERS[i]);
     }
     assert!((fit.lens.focal_px()[0] / fx - 1.0).abs() < 1e-3);
 }
 
-/// One image without slant shows the distortion and no focal length, and says so; light dots are found as dark ones.
+/// One image without slant determines the distortion but not the focal length, and `is_shown` states this. Light dots are found as well as dark dots.
 #[test]
 fn one_image_gives_what_it_shows() {
     let plate = GridPlate { greys: [60, 220], counts: [20, 18], ..PLATE };
@@ -78,7 +78,7 @@ fn one_image_gives_what_it_shows() {
     let shown =
         |name: &str| fit.is_shown[LENS_PARAMETERS.iter().position(|other| *other == name).expect("a parameter")];
     assert!(!shown("fx") && shown("k1"), "{:?} {:?}", fit.is_shown, fit.lens);
-    // In the plane of the grid positions hold all the same, in the grid's own numbering.
+    // Positions in the plane of the grid are nevertheless correct, in the columns and rows of the grid.
     let found = Camera { lens: fit.lens, pose: fit.poses[0] };
     for dot in &grid.dots {
         let position = Vector::new(f64::from(dot.index[0]), f64::from(dot.index[1])) * plate.pitch_mm;
@@ -87,7 +87,7 @@ fn one_image_gives_what_it_shows() {
     }
 }
 
-/// Discs that are strewn at random hold small lattices, and no lens makes a grid of them.
+/// Randomly scattered discs contain small lattices, but no lens maps a plane grid to these lattices.
 #[test]
 fn strewn_discs_are_no_grid() {
     const SIZE_PX: [u32; 2] = [1600, 1400];

@@ -1,4 +1,4 @@
-//! The paper's finger before a camera.
+//! Scene, cameras and disturbances that several tests share: the paper's finger in front of a camera.
 
 use finray_fixtures::CAMERA_SCENE;
 use finray_imaging::render::Disturbances;
@@ -8,7 +8,7 @@ use nalgebra::{Rotation3, Vector3};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-/// Uneven light, and what else is in an ordinary image.
+/// Disturbances of an ordinary image: uneven light, blur, noise and clutter.
 pub const DISTURBED: Disturbances =
     Disturbances { light_falloff: 0.3, blur_px: 0.8, grey_noise: 2.0, clutter: 20, seed: 0 };
 
@@ -21,7 +21,7 @@ pub fn camera_of(scene: &Scene) -> Camera {
     Camera { lens: described.lens, pose: described.pose.expect("with a pose") }
 }
 
-/// A camera that is tilted by up to 15 degrees, with barrel distortion up to k1 = -0.2, so far away that it sees the whole finger.
+/// A camera that is tilted by up to 15 degrees and has barrel distortion up to k1 = -0.2. It is far enough away to see the whole finger.
 pub fn tilted(chance: &mut ChaCha8Rng) -> Camera {
     let [k1, k2] = [chance.random_range(-0.2..0.05), chance.random_range(-0.02..0.02)];
     let distortion = Distortion::from_opencv([k1, k2, 0.0005, -0.0005, 0.0]);

@@ -1,4 +1,4 @@
-//! What is found in rendered images: centres, their stated standard deviations, names.
+//! Tests of the locator on rendered images: centres of markers, their stated standard deviations, and their assignment to nodes.
 
 mod elsewhere;
 mod rim_locator;
@@ -19,22 +19,22 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-/// What was asked of rendered images: root mean square and largest error of a node's coordinate, mm.
+/// Required root mean square error and largest error of a node's coordinate in rendered images, mm.
 const RMS_MM: f64 = 0.004;
 const LARGEST_MM: f64 = 0.015;
-/// Images of the statistics.
+/// Number of images in the statistics.
 const IMAGES: u64 = 32;
-/// Share of the markers in sight that may be left out: those whose name is in doubt.
+/// Share of the visible markers that the locator may omit because their assignment to nodes is uncertain.
 const LOST: f64 = 0.01;
 
-/// A force up to 5 N on the front plate; `None` where the finger does not carry it.
+/// Shape under a random force of up to 5 N on the front plate; `None` if the finger does not carry the force.
 fn bent(finger: &Finger, chance: &mut ChaCha8Rng) -> Option<FingerShape> {
     let (angle_deg, force_n) = (chance.random_range(-40.0..40.0), chance.random_range(0.3..5.0));
     let load = Load::at_position(chance.random_range(15.0..150.0), finger.direction(angle_deg) * force_n);
     statics::solve(&Mesh::key_nodes(finger), &[load], Kinematics::Corotational).ok()
 }
 
-/// Errors in mm over the stated standard deviations, markers that were missed, and all in sight.
+/// Errors in mm, errors divided by the stated standard deviations, number of missed markers, and number of visible markers.
 struct Errors {
     mm: Vec<f64>,
     sigmas: Vec<f64>,
@@ -93,12 +93,12 @@ fn nodes_are_found_through_tilt_lens_light_noise_and_clutter() {
     let largest = mm.iter().fold(0.0_f64, |largest, error| largest.max(error.abs()));
     assert!(rms(&mm) <= RMS_MM && largest <= LARGEST_MM, "{} rms, {largest} at most", rms(&mm));
     assert!(lost as f64 <= LOST * seen as f64, "{lost} of {seen} lost");
-    // Stated too small by no more than a tenth; some of it is a floor for what differs from image to image.
+    // The stated standard deviations are too small by at most a tenth. Their lower bound covers differences between images, so they may be too large.
     assert!(rms(&sigmas) < 1.1, "{}", rms(&sigmas));
     assert!(rms(&sigmas) > 0.3, "{}: stated without need", rms(&sigmas));
 }
 
-/// As a camera's file has it, colour with half of the pixels along each side.
+/// The image after JPEG compression as in a camera, which stores colour with half of the pixels along each side.
 fn compressed(image: &RgbImage, quality: u8, colour: ChromaSubsamplingMethod) -> RgbImage {
     let mut bytes = Vec::new();
     let mut encoder = Encoder::new(&mut bytes, quality);
@@ -109,14 +109,14 @@ fn compressed(image: &RgbImage, quality: u8, colour: ChromaSubsamplingMethod) ->
     image::load_from_memory(&bytes).expect("a JPEG").into_rgb8()
 }
 
-/// Compression makes neighbouring pixels err alike, and colours more than brightness. Some encoders store every other pixel's colour, which displaces
-/// it by half a pixel.
+/// Compression correlates the errors of neighbouring pixels, and degrades colour more than brightness. Some encoders store the colour of every other
+/// pixel, which displaces colour by half a pixel.
 #[test]
 fn compressed_images_state_their_errors() {
     let scene = scene();
     let (finger, markers) = (&scene.finger, scene.markers.expect("the fixture has markers"));
     use ChromaSubsamplingMethod::{Average, Nearest};
-    // Half a pixel would be 0.06 mm. What every other pixel leaves out is no blur, and the errors of that are not all stated.
+    // Half a pixel is 0.06 mm. Omitting every other pixel is not a blur, so the stated standard deviations do not cover all its errors.
     for (quality, colour, allowed_mm, allowed_sigmas) in
         [(92, Average, 0.005, 1.25), (75, Average, 0.012, 1.25), (92, Nearest, 0.007, 1.5)]
     {
@@ -142,12 +142,12 @@ fn compressed_images_state_their_errors() {
         let mm: Vec<f64> = all.iter().flat_map(|errors| errors.mm.iter().copied()).collect();
         let sigmas: Vec<f64> = all.iter().flat_map(|errors| errors.sigmas.iter().copied()).collect();
         assert!(rms(&mm) <= allowed_mm, "quality {quality} {colour:?}: {} mm rms", rms(&mm));
-        // 300 coordinates or more, of which those of an image err alike.
+        // There are at least 300 coordinates; errors of coordinates in one image are correlated.
         assert!((0.5..allowed_sigmas).contains(&rms(&sigmas)), "quality {quality} {colour:?}: {}", rms(&sigmas));
     }
 }
 
-/// In a stream each image starts from the one before and finds what a full search finds, as well as that.
+/// In a stream, the search in each image starts from the previous image. It finds the same markers as a full search, with equal accuracy.
 #[test]
 fn tracking_finds_what_a_full_search_finds() {
     let scene = scene();
@@ -156,7 +156,7 @@ fn tracking_finds_what_a_full_search_finds() {
     let mut tracker = Locator::new(finger, &camera, &markers).expect("a locator");
     let (mut apart, mut errors_of) = (Vec::new(), [Vec::new(), Vec::new()]);
     for step in 0..6_u8 {
-        // The last image jumps: nothing is where it was.
+        // In the last image, the force jumps, and no marker is near its last position.
         let force_n = if step < 5 { 0.2 * f64::from(step) } else { 4.0 };
         let load = Load::at_position(80.0, finger.direction(0.0) * force_n);
         let shape = statics::solve(&mesh, &[load], Kinematics::Corotational).expect("carried");
@@ -182,14 +182,14 @@ fn tracking_finds_what_a_full_search_finds() {
             apart.push((a.position - b.position).norm() / b.sd_mm);
         }
     }
-    // Both see the same pixels: they part where one leaves out a piece of edge that the other keeps, and err alike.
+    // Both searches use the same pixels, so their errors are nearly equal. They differ where only one of them omits a sector of an edge.
     let largest = apart.iter().fold(0.0_f64, |largest, distance| largest.max(*distance));
     assert!(rms(&apart) < 0.5 && largest < 2.0, "{} rms, {largest} at most", rms(&apart));
     let [tracked, searched] = errors_of.map(|errors| rms(&errors));
     assert!(tracked < 1.1 * searched, "{tracked} mm where a search errs by {searched} mm");
 }
 
-/// Markers that are hidden for a while come back: near where they were at once, elsewhere when the stream is searched again.
+/// Markers that were hidden temporarily are found again: immediately if they are near their last positions, otherwise at the next full search.
 #[test]
 fn hidden_markers_come_back() {
     const IMAGES: usize = 15;
@@ -216,12 +216,12 @@ fn hidden_markers_come_back() {
     };
     let nodes = [NodeId(6), NodeId(18), NodeId(19)];
     assert_eq!(seen(0.5, &nodes[..1]), 0);
-    // Node 6 was never seen: it is found when the stream is searched again.
+    // The marker of node 6 has never been visible, so only the next full search finds it.
     assert_eq!(seen(0.5, &nodes[1..]), 1);
     assert_eq!(seen(0.5, &[]), 1);
     let images_without = (0..IMAGES).take_while(|_| seen(0.5, &[]) > 0).count();
     assert!(images_without < 10, "{images_without}");
-    // All are seen. The finger moves on by more than a marker's width while 18 and 19 are hidden.
+    // All markers have been found. The finger then moves by more than a marker's width while the markers of nodes 18 and 19 are hidden.
     for step in 0..4 {
         assert_eq!(seen(0.5 + 0.25 * f64::from(step), &nodes[1..]), 0);
     }
@@ -229,7 +229,7 @@ fn hidden_markers_come_back() {
     assert!(images_without < 10, "{images_without}");
 }
 
-/// Markers are named by ribs that have both ends to themselves: a zigzag is drawn, and not located.
+/// The locator assigns markers by ribs that share no junctions. A finger with zigzag ribs can be rendered but not located.
 #[test]
 fn fingers_whose_ribs_share_junctions_are_refused() {
     let scene = scene();
@@ -262,7 +262,7 @@ fn images_without_the_finger_are_refused() {
     assert!(matches!(locator.locate(&everywhere), Err(LocateError::Naming(_))));
 }
 
-/// The image of the unloaded finger gives the pose back, whether the scene has one or not: its pattern is found without.
+/// The image of the unloaded finger determines the pose, with or without a pose in the scene, because the pattern of markers is found without a pose.
 #[test]
 fn the_pose_comes_from_the_finger_at_rest() {
     let scene = scene();

@@ -1,5 +1,5 @@
-//! Tests of `finray-imaging`: each file tests the source file of its path. `chain` goes from rendered images through nodes to forces; `kit` has
-//! cameras and images that several share.
+//! Tests of `finray-imaging`: each file tests the source file of its path. `chain` computes nodes and then forces from rendered images. `kit`
+//! contains the scene, the cameras and the disturbances that several tests share.
 
 mod boards;
 mod chain;

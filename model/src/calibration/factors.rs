@@ -80,15 +80,15 @@ impl FactorEstimate {
     }
 }
 
-/// A pair of unknowns is reported if its absolute correlation is at least this. If one factor were known, the standard deviation of the other would fall to a
-/// third.
+/// A pair of unknowns is reported if its absolute correlation is at least this value. If one factor of the pair were known, the standard deviation of
+/// the other factor would fall to a third.
 const ENTANGLED: f64 = 0.95;
-/// Factors are refused if the largest singular value of the scaled Jacobian is at least this many times the smallest. Sensitivities have nine correct digits,
-/// so smaller singular values are rounding errors. For independent zones of the paper's finger, the ratio is below 1e4.
+/// Factors are refused if the largest singular value of the scaled Jacobian is at least this many times the smallest. Sensitivities have nine correct
+/// digits, so the smallest singular value is then a rounding error. For independent zones of the paper's finger, the ratio is below 1e4.
 const LARGEST_SPAN: f64 = 1e7;
-/// A factor is not identifiable if its logarithm has at least this standard deviation: 1 is a factor of e in either direction.
+/// A factor is not identifiable if the standard deviation of its logarithm is at least this value. A value of 1 is a factor of e in either direction.
 const LARGEST_RELATIVE_SIGMA: f64 = 1.0;
-/// The message names an unknown if its change in an inseparable combination exceeds this share of the largest change.
+/// An error message names an unknown if the unknown's change in an inseparable combination exceeds this share of the largest change.
 const NAMED_SHARE: f64 = 0.2;
 /// The search ends when a step changes no factor by more than this share. Convergence is quadratic: the next step would change a factor by the square of this
 /// share.
@@ -96,13 +96,15 @@ const SMALLEST_STEP: f64 = 1e-10;
 
 /// Estimates factors on moduli that minimise the sum of squared distances between measured and computed positions of the nodes.
 ///
-/// Each unknown is a factor on the scene's modulus, and the search starts at a factor of 1. The search uses logarithms, so factors stay positive. Factors that
-/// are not identifiable are refused, for example [`Unknown::Modulus`] together with a group of zones that covers the whole finger.
+/// Each unknown is a factor on the scene's modulus, and the search starts at a factor of 1. The search varies the logarithms of the factors, so
+/// factors stay positive. Factors that are not identifiable are refused, for example [`Unknown::Modulus`] together with a group of zones that covers
+/// the whole finger.
 ///
 /// # Reference
-/// Eq. (11) of Xu et al. (2021) for several unknowns, with squares in place of distances, by [`LevenbergMarquardt`]. Equilibrium is r(u, p) = 0, so du/dp =
-/// -K^-1 dr/dp with the tangent stiffness K. The forces of a member are proportional to its modulus. dr/dp is the sum of these forces, each weighted by the
-/// share of the member's compliance that the zone has ([`Mesh::zone_shares`](crate::Mesh::zone_shares)). Covariance of the logarithms: s^2 (J^T W^2 J)^-1.
+/// Eq. (11) of Xu et al. (2021) for several unknowns, with squares in place of distances, by [`LevenbergMarquardt`]. In equilibrium, r(u, p) = 0, so
+/// du/dp = -K^-1 dr/dp with the tangent stiffness K. The forces of a member are proportional to its modulus. dr/dp is the sum of these forces, each
+/// weighted by the zone's share of the member's compliance ([`Mesh::zone_shares`](crate::Mesh::zone_shares)). The covariance of the logarithms is s^2
+/// (J^T W^2 J)^-1.
 ///
 /// # Errors
 /// [`CalibrationError`] if the statics fail, the search does not converge, or the factors are not identifiable.

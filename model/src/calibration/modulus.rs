@@ -8,8 +8,8 @@ use crate::measurement::Marker;
 use crate::sensing::{ResidualTest, noise_of};
 use crate::statics::StaticsError;
 
-/// A marker is down-weighted if its distance from the computed position exceeds this many standard deviations of a coordinate (Huber). Normal noise exceeds
-/// this for one marker in ninety, which raises the standard deviation of the factor by less than 1 %.
+/// A marker is down-weighted if its distance from the computed position exceeds this many standard deviations of a coordinate (Huber). Normal noise
+/// exceeds this limit for one marker in ninety. Down-weighting then raises the standard deviation of the factor by less than 1 %.
 const FORGIVEN: f64 = 3.0;
 /// A marker is reported as outlier if its distance from the computed position exceeds both `OUTLYING` standard deviations and `OUTLYING_SHARE` of the root mean
 /// square displacement. Normal noise exceeds five standard deviations for one marker in 270 000.
@@ -20,7 +20,7 @@ const MEDIAN_DISTANCE: f64 = 1.177_410_022_515_474_7;
 /// Reweighting ends when the factor changes by less than this share of its standard deviation, usually after two or three rounds.
 const SETTLED: f64 = 1e-2;
 const MOST_ROUNDS: usize = 20;
-/// The modulus is doubled at most this number of times if the finger has no equilibrium under the loads with the linear finger's factor.
+/// If the finger with the linear finger's factor has no equilibrium under the loads, the modulus is doubled at most this number of times.
 const MOST_DOUBLINGS: i32 = 6;
 
 /// Modulus of the finger as a factor on the scene's modulus.
@@ -28,7 +28,7 @@ const MOST_DOUBLINGS: i32 = 6;
 pub struct ModulusEstimate {
     /// Factor on all moduli of the finger, dimensionless.
     pub factor: f64,
-    /// Standard deviation of the factor, dimensionless. Includes the error of the mesh.
+    /// Standard deviation of the factor, dimensionless, including the error of the mesh.
     pub sigma: f64,
     /// Mean distance between measured and computed positions of a node, mm.
     pub mean_distance_mm: f64,
@@ -50,10 +50,10 @@ pub struct OutlyingMarker {
 }
 
 /// Young's modulus of the co-rotational finger. Finds the factor on all moduli that minimises the sum of squared distances between measured and
-/// computed nodes, with distant markers down-weighted.
+/// computed nodes. Distant markers are down-weighted.
 ///
-/// `elements` is the number of beam elements per member. `noise_mm` is the standard deviation of one measured coordinate, mm. A noise that is unknown, or that
-/// contradicts the residual, is estimated from the residual.
+/// `elements` is the number of beam elements per member. `noise_mm` is the standard deviation of one measured coordinate, mm. If the noise is unknown
+/// or contradicts the residual, it is estimated from the residual.
 ///
 /// # Reference
 /// Eq. (11) of Xu et al. (2021) as in [`youngs_modulus`], with co-rotational equilibria and weighted squares of distances. [`factors`] starts from the linear
@@ -92,7 +92,7 @@ pub fn corotational_modulus(
     let squares_mm2 = estimate.residual_rms_mm.powi(2) * coordinates as f64;
     let test = ResidualTest::new(noise_mm, squares_mm2, coordinates - 1);
     let trusted_mm = noise_of(test, noise_mm, squares_mm2, coordinates - 1);
-    // A perfect fit has neither noise nor standard deviation.
+    // A perfect fit has zero noise and zero standard deviation.
     let wider = if estimate.noise_mm > 0.0 { trusted_mm / estimate.noise_mm } else { 1.0 };
     let factor = start * estimate.factors[0];
     Ok(ModulusEstimate {

@@ -6,9 +6,9 @@ use nalgebra::{Matrix2, Matrix2x3, Vector2, Vector3};
 
 /// Tangent of the largest considered angle from the optical axis, 79 degrees.
 const WIDEST: f64 = 5.0;
-/// Number of radii at which a fold is searched for. They suffice, because the slope is a cubic in r^2 with at most three roots.
+/// Number of radii at which a fold is searched for. These radii suffice, because the slope is a cubic in r^2 with at most three roots.
 const FOLD_STEPS: usize = 2000;
-/// Newton's method ends when a step is at most this share of 1 + radius. At a focal length of 1e5 px, this is 1e-11 px.
+/// Newton's method ends when a step is at most this share of 1 + radius. At a focal length of 1e5 px, this share corresponds to 1e-11 px.
 const SETTLED: f64 = 1e-16;
 /// Limit of the number of Newton iterations for the undistorted coordinates of a pixel.
 const MOST_STEPS: usize = 50;
@@ -113,7 +113,7 @@ impl Lens {
     /// A lens with the given image size, focal lengths along u and v, and principal point (all in px), and distortion.
     ///
     /// # Errors
-    /// [`ImpossibleLens`] for an empty image, focal lengths that are not positive, or values that are not finite or out of range. Also for a distortion that
+    /// [`ImpossibleLens`] for an empty image, focal lengths that are not positive, values that are not finite or out of range, or a distortion that
     /// folds the image.
     pub fn new(
         size_px: [u32; 2],
@@ -167,7 +167,7 @@ impl Lens {
         &self.distortion
     }
 
-    /// Whether a pixel lies in the image, whose border pixels extend half a pixel beyond their centres.
+    /// Whether a pixel lies in the image. The border pixels of an image extend half a pixel beyond their centres.
     pub fn contains(&self, pixel: &Pixel) -> bool {
         (0..2).all(|axis| (-0.5..=f64::from(self.size_px[axis]) - 0.5).contains(&pixel[axis]))
     }
@@ -228,8 +228,8 @@ impl Lens {
         self.undistorted(pixel).map(|at| at.push(1.0))
     }
 
-    /// Undistorted coordinates of a pixel, dimensionless. Newton's method first inverts the radial part between bounds, where the solution is unique, then
-    /// radial and tangential part together.
+    /// Undistorted coordinates of a pixel, dimensionless. Newton's method first inverts the radial part, between bounds within which the solution is
+    /// unique. It then inverts radial and tangential part together.
     pub fn undistorted(&self, pixel: &Pixel) -> Result<Vector2<f64>, ViewError> {
         let bent = (pixel - self.principal_point_px).component_div(&self.focal_px);
         let radius = bent.norm();
@@ -241,7 +241,7 @@ impl Lens {
             }
             let step = by_at.lu().solve(&(bent - found)).ok_or(ViewError::Folded)?;
             at += step;
-            // The tangential part may take the iteration beyond the fold and back, so the limit is twice the radius of the fold.
+            // The tangential part may lead the iteration beyond the fold and back, so the limit is twice the radius of the fold.
             if at.norm() > 2.0 * self.widest {
                 return Err(ViewError::Folded);
             }
@@ -254,7 +254,7 @@ impl Lens {
         if solved && at.norm() <= self.widest && by_at.determinant() > 0.0 { Ok(at) } else { Err(ViewError::Folded) }
     }
 
-    /// Undistorted radius for the distorted radius `bent`, by the radial part alone; both dimensionless. `None` beyond the fold.
+    /// Undistorted radius for the distorted radius `bent`, by the radial part alone. Both radii are dimensionless. `None` beyond the fold.
     fn radius_of(&self, bent: f64) -> Option<f64> {
         let (mut below, mut above) = (0.0, self.widest);
         let radial = |r: f64| r * self.distortion.factor(r * r).0;

@@ -59,8 +59,8 @@ impl Pose {
         Pose { rotation: self.rotation * turn, translation_mm: self.to_camera(&shift) }
     }
 
-    /// The pose of a finger whose `placement` refers to the frame of this pose, by eqs (9) and (10) of Xu et al. 2021. A mirrored finger is rotated by half a
-    /// turn about its x axis, so its z axis is opposite to that of the frame.
+    /// The pose of a finger with a `placement` in the frame of this pose, by eqs (9) and (10) of Xu et al. 2021. A mirrored finger is rotated by half
+    /// a turn about its x axis, so its z axis is opposite to the z axis of the frame.
     pub fn of_placed_finger(&self, placement: &Placement) -> Pose {
         let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), placement.angle_rad);
         let turn = if placement.mirrored { turn * Rotation3::from_axis_angle(&Vector3::x_axis(), PI) } else { turn };

@@ -19,7 +19,7 @@ pub struct Chord<R = f64> {
     pub length_mm: R,
     /// Reciprocal of the deformed chord's length, 1/mm.
     pub per_length: R,
-    /// Length of the deformed chord minus that of the undeformed chord, mm.
+    /// Length of the deformed chord minus the length of the undeformed chord, mm.
     pub elongation_mm: R,
     /// Rotation of the chord from its undeformed direction, rad, in (-pi, pi].
     pub rotation: R,
@@ -42,8 +42,8 @@ impl<R: Number> Chord<R> {
 
     /// The chord between the displaced ends.
     ///
-    /// Elongation and rotation follow from the relative displacement of the ends, not from differences of lengths and angles. Displacements far smaller than
-    /// the length of the beam therefore lose no digits.
+    /// Elongation and rotation follow from the relative displacement of the ends, not from differences of lengths and angles. Displacements far
+    /// smaller than the length of the beam therefore keep full precision.
     #[inline(always)]
     pub fn deformed(beam: &Beam<R>, motion: &[EndMotion<R>; 2]) -> Chord<R> {
         let relative = difference(motion);

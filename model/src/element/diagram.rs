@@ -4,7 +4,8 @@ use super::chord::Deformation;
 use super::{Beam, Chord, EndMotion, Kinematics};
 use crate::Vector;
 
-/// Axial strain and curvature at one position of a beam. The axial strain may jump at a load, so there is one station just before and one just after each load.
+/// A station: axial strain and curvature at one position of a beam. The axial strain may jump at a load, so one station is just before and one just
+/// after each load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Station {
     /// Position as a fraction of the beam's length, 0..1.
@@ -27,10 +28,10 @@ impl Beam {
     /// Stations from the first end to the second: two for each segment between ends and loads. Within a segment, axial strain is constant and curvature is
     /// linear, so the stations include the largest values.
     ///
-    /// The motion of the ends gives the deflection w of the cubic beam, w'' = ((6 xi - 4) phi_a + (6 xi - 2) phi_b) / L. A force between the ends adds the
-    /// solution of a beam clamped at both ends. Let q = 1 - p. A force P across the chord at xi = p adds bending moments EI w'': P L p q^2 at the first end, -2
-    /// P L p^2 q^2 at the force and P L p^2 q at the second end. A force F along the chord adds the axial force F q before it and -F p after it. For small
-    /// displacements the sum is exact.
+    /// The motion of the ends gives the deflection w of the cubic beam, w'' = ((6 xi - 4) phi_a + (6 xi - 2) phi_b) / L. A force between the ends
+    /// adds the solution of a beam clamped at both ends. Let q = 1 - p. A force P across the chord at xi = p adds bending moments EI w'': P L p q^2
+    /// at the first end, -2 P L p^2 q^2 at the force and P L p^2 q at the second end. A force F along the chord at xi = p adds the axial force F q
+    /// before this position and -F p after it. For small displacements the sum is exact.
     ///
     /// Source: Young and Budynas, Roark's Formulas, table 8.1, case 1d.
     pub(crate) fn stations(
@@ -70,7 +71,7 @@ impl Beam {
     fn curvature_of_loads(&self, loads: &[ChordLoad], xi: f64) -> f64 {
         let moment = |load: &ChordLoad| {
             let (p, q) = (load.xi, 1.0 - load.xi);
-            // Linear from the moment at the first end to that at the force, then linear to the moment at the second end.
+            // The moment is linear from the first end to the force, and from the force to the second end.
             let shape = if xi <= p {
                 p * q * q - q * q * (1.0 + 2.0 * p) * xi
             } else {

@@ -3,7 +3,7 @@
 use super::{Beam, Chord, ElementMatrix, ElementVector, EndMotion, Kinematics, Response};
 use crate::Vector;
 
-/// Motion of a point between the ends, as derivatives by the motions of the ends.
+/// Derivatives of the motion of a point between the ends by the motions of the ends.
 #[derive(Debug, Clone, Copy)]
 struct Shape {
     /// Shares of the ends' displacements in the displacement of the point, dimensionless.
@@ -13,7 +13,7 @@ struct Shape {
 }
 
 impl Shape {
-    /// The shape for the point of the cubic beam at the fraction `xi` of the length.
+    /// The shape for the point at the fraction `xi` of the cubic beam's length.
     fn at(xi: f64, length_mm: f64) -> Shape {
         let rest = 1.0 - xi;
         Shape { shares: [rest, xi], levers: [length_mm * xi * rest * rest, -length_mm * xi * xi * rest] }
@@ -78,8 +78,8 @@ impl Beam {
             ElementVector::new(ends[0].x, ends[0].y, 0.0, ends[1].x, ends[1].y, 0.0) + by_deflection * across;
         let mut tangent = ElementMatrix::zeros();
         if !linear {
-            // The chord rotates with the ends: d(across) = -along d(rotation), d(along) = across d(rotation). The second
-            // derivative of the relative end rotations phi = theta - rotation is minus that of the chord's rotation.
+            // The chord rotates with the ends: d(across) = -along d(rotation), d(along) = across d(rotation). The second derivative of the relative
+            // end rotations phi = theta - rotation is minus the second derivative of the chord's rotation.
             let turning = chord.rotation_gradient();
             gradient -= turning * (along * deflection);
             tangent = -(by_deflection * turning.transpose() + turning * by_deflection.transpose()) * along

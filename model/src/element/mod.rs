@@ -69,9 +69,9 @@ pub struct Beam<R = f64> {
 impl<R: Number> Beam<R> {
     /// Energy, nodal forces and tangent stiffness for given motions of the two ends.
     ///
-    /// All kinematics share one formulation. The end motions give three natural deformations: the elongation e of the chord, and the rotations phi_a and
-    /// phi_b of the two ends relative to it (Argyris' natural modes). The energy U(e, phi_a, phi_b) is that of a beam fixed to its chord. The chain rule
-    /// transforms its derivatives to the end motions. With the 3 x 6 derivative `d` of the natural deformations,
+    /// All kinematics share one formulation. The end motions determine three natural deformations: the elongation e of the chord, and the rotations
+    /// phi_a and phi_b of the two ends relative to the chord (Argyris' natural modes). U(e, phi_a, phi_b) is the energy of a beam fixed to its chord.
+    /// The chain rule transforms the derivatives of U to the end motions. With the 3 x 6 derivative `d` of the natural deformations,
     ///
     /// gradient = d^T U',   tangent = d^T U'' d + sum_i U'_i (second derivative of deformation i).
     ///

@@ -35,7 +35,8 @@ impl<R: Number> Beam<R> {
         (strain, [(a * 4.0 - b) * (self.length_mm * arch), (b * 4.0 - a) * (self.length_mm * arch)])
     }
 
-    /// Energy U = EA L eps^2 / 2 + 2 EI / L (phi_a^2 + phi_a phi_b + phi_b^2), N mm. Its gradient holds the axial force (N) and the end moments (N mm).
+    /// Energy U = EA L eps^2 / 2 + 2 EI / L (phi_a^2 + phi_a phi_b + phi_b^2), N mm. The gradient of U consists of the axial force (N) and the end
+    /// moments (N mm).
     #[inline(always)]
     fn natural_forces(&self, (strain, [by_a, by_b]): (R, [R; 2]), deformation: &Deformation<R>) -> (R, Vector3<R>) {
         let (a, b) = (deformation[1], deformation[2]);
@@ -53,9 +54,10 @@ impl<R: Number> Beam<R> {
     /// Energy U with its gradient and second derivatives, by the chain rule from the natural deformations to the six end coordinates.
     ///
     /// The energy depends only on the displacement d of the second end relative to the first and on the two end rotations. Four coordinates therefore
-    /// suffice: d along and across the chord, theta_a and theta_b. Let l be the length of the deformed chord. The first derivatives by these coordinates are
-    /// (1, 0, 0, 0) for the length and (0, 1 / l, 0, 0) for the chord's rotation. With phi = theta - rotation, those of the relative end rotations follow. The
-    /// second derivatives are 1 / l (across-across) for the length and -1 / l^2 (along-across) for the rotation; both are included only if `curved`.
+    /// suffice: d along and across the chord, theta_a and theta_b. Let l be the length of the deformed chord. The first derivatives by these
+    /// coordinates are (1, 0, 0, 0) for the length and (0, 1 / l, 0, 0) for the chord's rotation. With phi = theta - rotation, the first derivatives
+    /// of the relative end rotations follow. The second derivatives are 1 / l (across-across) for the length and -1 / l^2 (along-across) for the
+    /// rotation; both are included only if `curved`.
     #[inline(always)]
     pub(super) fn response_on(
         &self,

@@ -20,8 +20,8 @@ pub struct BeamEstimator<'m> {
     /// Prior of a linear estimator. `None` for the nonlinear estimator.
     prior: Option<Prior>,
     mesh: &'m Mesh,
-    /// Mesh of the co-rotational finger from which the model error follows. For the nonlinear estimator it is finer than `mesh`. `None` if the standard
-    /// deviations follow from noise alone.
+    /// Mesh of the co-rotational finger from which the model error follows. For the nonlinear estimator, this mesh is finer than `mesh`. `None` if
+    /// the standard deviations follow from noise alone.
     reference: Option<Mesh>,
     /// Compliance that is computed once for all contacts. `None` computes it for each set of contacts.
     solved: Option<NodalCompliance>,
@@ -34,7 +34,7 @@ impl<'m> BeamEstimator<'m> {
         BeamEstimator::linear(EstimatorId::LeastSquares, Prior::None, mesh)
     }
 
-    /// Linear least squares with the range of forces of Xu et al. (2021) as a prior. Its standard deviations include the error of linearisation.
+    /// Linear least squares with the range of forces of Xu et al. (2021) as a prior. The standard deviations include the error of linearisation.
     pub fn ridge(mesh: &'m Mesh) -> BeamEstimator<'m> {
         BeamEstimator::linear(EstimatorId::Ridge, Prior::PAPER, mesh)
     }
@@ -44,7 +44,7 @@ impl<'m> BeamEstimator<'m> {
         BeamEstimator { id, prior: Some(prior), mesh, reference: Some(reference), solved: None }
     }
 
-    /// Gauss-Newton on a mesh of the co-rotational finger. Its standard deviations include the error of the mesh.
+    /// Gauss-Newton on a mesh of the co-rotational finger. The standard deviations include the error of the mesh.
     pub fn nonlinear(mesh: &'m Mesh) -> BeamEstimator<'m> {
         let reference = Some(Discretisation::finer(mesh));
         BeamEstimator { id: EstimatorId::Nonlinear, prior: None, mesh, reference, solved: None }
@@ -121,8 +121,8 @@ impl PreparedEstimator for Linear<'_> {
     }
 }
 
-/// Standard deviation of the sum of linearly estimated forces: sqrt(1^T P 1) for their covariance P = s^2 (C^T W^2 C + (s / p)^2)^-1. The noise is s, and p is
-/// the prior's standard deviation (infinite for least squares).
+/// Standard deviation of the sum of linearly estimated forces: sqrt(1^T P 1), where P = s^2 (C^T W^2 C + (s / p)^2)^-1 is the covariance of the
+/// forces. Here s is the noise, and p is the prior's standard deviation (infinite for least squares).
 struct SumSigma {
     /// C^T W^2 C, mm^2/N^2, for an estimator with a prior. `None` without a prior, or if the matrix is singular to rounding.
     information: Option<DMatrix<f64>>,

@@ -55,7 +55,7 @@ struct EstimatorRow {
 }
 
 impl EstimatorId {
-    /// Whether forces are a linear function of the displacements. A linear estimator answers any measurement.
+    /// Whether forces are a linear function of the displacements. A linear estimator returns forces for any measurement.
     pub fn is_linear(self) -> bool {
         self.row().is_linear
     }
@@ -66,7 +66,7 @@ impl EstimatorId {
         self.row().searches
     }
 
-    /// Whether the estimator supports only forces at contact nodes along the normal, like the shipped networks.
+    /// Whether the estimator, like the shipped networks, supports only forces at contact nodes along the normal.
     pub fn at_nodes(self) -> bool {
         self.row().at_nodes
     }
@@ -141,16 +141,17 @@ pub struct Question<'q> {
     pub mesh_nodes: Option<usize>,
     /// Candidate networks for [`EstimatorId::Network`].
     pub networks: &'q Networks,
-    /// Possible differences of the unloaded finger from the scene's. Estimators that do not search refuse such differences.
+    /// Possible differences between the unloaded finger and the scene's finger. Estimators that do not search refuse such differences.
     pub unloaded: Option<&'q UnloadedFinger>,
-    /// Forces near those of the measurement, from which a search starts. `None` if none are known.
+    /// Forces near the result of the measurement, from which a search starts. `None` if no such forces are known.
     pub near: Option<NearForces<'q>>,
 }
 
 /// Contacts with their given or estimated position and direction, and their forces.
 pub type Answer = (Vec<Contact>, Estimate);
 
-/// Contacts of known position and direction. [`EstimatorError::NotKnown`] if a position or direction is unknown, because most estimators do not support this.
+/// Contacts of known position and direction. [`EstimatorError::NotKnown`] if a position or direction is unknown, because most estimators do not
+/// support unknown positions or directions.
 fn known_contacts(finger: &Finger, contacts: &[ContactQuestion]) -> Result<Vec<Contact>, EstimatorError> {
     let known: Option<Vec<Contact>> = contacts.iter().map(|question| question.known()).collect();
     let contacts = known.ok_or(EstimatorError::NotKnown)?;
@@ -173,8 +174,8 @@ pub trait Estimator: Sync {
         markers: &Measurement,
     ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError>;
 
-    /// An estimator with the same results up to rounding, which computes the part common to all contacts once. `None` if this saves no time. If the true finger
-    /// is linear, a linear estimator omits the error of linearisation.
+    /// An estimator with the same results up to rounding that computes the common part of all contacts only once. `None` if such an estimator saves
+    /// no time. If the true finger is linear, a linear estimator omits the error of linearisation.
     fn for_many(&self, _finger_is_linear: bool) -> Option<Box<dyn Estimator + '_>> {
         None
     }
@@ -188,10 +189,12 @@ pub trait PreparedEstimator {
     /// [`EstimatorError`] if the estimator refuses to answer.
     fn estimate(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Sensed, EstimatorError>;
 
-    /// Announces that the next `samples` measurements are `noise_free` plus noise of `noise_mm`, so the search may start there.
+    /// Announces that the next `samples` measurements are `noise_free` plus noise of `noise_mm`. Searches may therefore start from the result for
+    /// `noise_free`.
     fn expect_samples_of(&mut self, _noise_free: &Measurement, _noise_mm: f64, _samples: usize) {}
 
-    /// States forces, N, close to those of the next measurement. A search may start from them. Used only to compute error bounds at the true forces.
+    /// States forces, N, close to the forces of the next measurement. A search may start from these forces. Used only to compute error bounds at the
+    /// true forces.
     fn expect_forces(&mut self, _forces_n: &[f64]) {}
 }
 
@@ -200,15 +203,15 @@ pub trait PreparedEstimator {
 pub struct Sensed {
     /// Force of each contact along its direction, N, in the order of the contacts.
     pub forces_n: Vec<f64>,
-    /// Standard deviation of each force, N. `None` if the estimator states none.
+    /// Standard deviation of each force, N. `None` if the estimator does not state it.
     pub sigmas_n: Option<Vec<f64>>,
-    /// Standard deviation of the sum of the forces, N. `None` if the estimator states none.
+    /// Standard deviation of the sum of the forces, N. `None` if the estimator does not state it.
     pub sum_sigma_n: Option<f64>,
     /// Whether the measurement contradicts the model, or the error of the model exceeds the noise.
     pub warned: bool,
 }
 
-/// Reason for which an estimator gives no answer.
+/// Reason for which an estimator returns no forces.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum EstimatorError {
     /// The forces are not identifiable, or a contact is wrong.
@@ -229,7 +232,7 @@ pub enum EstimatorError {
     /// The estimator does not support a pad between object and plate.
     #[error("a scene whose contacts have a pad (pad_mm, pad_length_mm) needs --estimator {name}", name = EstimatorId::Nonlinear)]
     NoPad,
-    /// The estimator does not support an unloaded finger that differs from the scene's.
+    /// The estimator does not support an unloaded finger that differs from the scene's finger.
     #[error("a scene with the table assembly needs --estimator {name}", name = EstimatorId::Nonlinear)]
     NoAssembly,
 }

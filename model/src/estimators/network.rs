@@ -35,7 +35,7 @@ fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError
     Ok((contacts, estimate))
 }
 
-/// A list of networks, from which finger and contacts select one network.
+/// A list of networks. Finger and contacts determine which network of the list is used.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Networks(Vec<Network>);
 
@@ -78,8 +78,8 @@ impl Networks {
         Networks(networks)
     }
 
-    /// Selects the network for contacts of a finger, in any order. A network for exactly these contacts has priority over a network for any subset of its
-    /// contacts.
+    /// Selects the network for contacts of a finger, in any order. A network for exactly these contacts has priority over a network that accepts any
+    /// subset of its contacts.
     ///
     /// # Errors
     /// [`NoNetwork`] if no network is trained for the finger and the contacts.

@@ -26,8 +26,8 @@ pub(super) const ROW: EstimatorRow = EstimatorRow {
 const SETTLED_SIGMAS: f64 = 0.05;
 const ROUNDS: usize = 8;
 
-/// Repeats the estimate if the unloaded finger may differ from the scene's finger. Each round linearises the assembly errors at the forces and errors of the
-/// round before.
+/// Repeats the estimate if the unloaded finger may differ from the scene's finger. Each round linearises the assembly errors at the forces and errors
+/// of the previous round.
 fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError> {
     let Some(unloaded) = question.unloaded else {
         let sensed = sensed(finger, question)?;
@@ -60,7 +60,7 @@ fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError
     Err(SensingError::NotConverged { iterations: ROUNDS, change_n }.into())
 }
 
-/// Estimates on a mesh of `mesh_nodes` nodes, or refines the mesh until doubling it changes the forces little.
+/// Estimates on a mesh of `mesh_nodes` nodes, or refines the mesh until doubling the mesh hardly changes the forces.
 fn sensed(finger: &Finger, question: &Question) -> Result<NonlinearEstimate, EstimatorError> {
     let &Question { contacts, pad, object, measurement, noise_mm, near, .. } = question;
     match question.mesh_nodes {

@@ -18,9 +18,9 @@ pub struct Strip {
 /// Lengths of the rigid sections at both ends of a plate, mm, zero or more.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct RigidEnds {
-    /// Length of the section at the base, mm; this section is clamped.
+    /// Length of the clamped section at the base, mm.
     pub base_mm: f64,
-    /// Length of the section at the tip, mm; this section rotates with the tip.
+    /// Length of the section at the tip, mm. This section rotates with the tip.
     pub tip_mm: f64,
 }
 
@@ -49,14 +49,15 @@ pub struct RibDescription {
     pub positions: RibPositions,
     /// Type of the joints between ribs and plates.
     pub joints: Joints,
-    /// Lengths of the rigid brackets between ribs and front and back plate, mm, zero or more. A bracket is perpendicular to the undeformed plate, points
-    /// towards the other plate and rotates with its plate. The joint with the rib is at the end of the bracket.
+    /// Lengths of the rigid brackets that join the ribs to the front and back plate, mm, zero or more. A bracket is perpendicular to the undeformed
+    /// plate, points towards the other plate and rotates with its plate. The joint with the rib is at the end of the bracket.
     pub bracket_mm: BracketLengths,
     /// Lengths of the rigid clips of the brackets on front and back plate, mm, zero or more. Half of a clip lies on each side of its key node.
     pub clip_mm: [f64; 2],
     /// Thickness and modulus; `None` if the ribs are undeformable or the finger has no ribs.
     pub strip: Option<Strip>,
-    /// Thickness of each rib, mm, from base to tip, if the ribs differ. These values replace the thickness of `strip`, which then holds the largest of them.
+    /// Thickness of each rib, mm, from base to tip, if the ribs differ. These values replace the thickness of `strip`, which is then the largest of
+    /// these values.
     pub thicknesses_mm: Option<Vec<f64>>,
 }
 
@@ -95,7 +96,8 @@ pub struct Zone {
 }
 
 impl Zone {
-    /// Whether the zone covers a rib whose front end is `position_mm` from the base. At the boundary of two zones, the zone that starts there covers the rib.
+    /// Whether the zone covers a rib whose front end is `position_mm` from the base. At the boundary of two zones, the zone that starts at the
+    /// boundary covers the rib.
     pub fn holds_rib(&self, position_mm: f64) -> bool {
         self.part == Part::Ribs && self.from_mm <= position_mm && position_mm < self.to_mm
     }
@@ -112,7 +114,7 @@ pub struct FingerDescription {
     pub back_length_mm: f64,
     /// Depth out of the plane, mm.
     pub depth_mm: f64,
-    /// Length of the rigid arms at both ends of every member, mm. They model the rods at the key nodes.
+    /// Length of the rigid arms at both ends of every member, mm. The arms model the rods at the key nodes.
     pub rod_arm_mm: f64,
     /// Poisson's ratio, dimensionless. Strips are wide compared with their thickness, so their effective modulus is E / (1 - nu^2).
     pub poissons_ratio: f64,
@@ -131,7 +133,7 @@ pub struct FingerDescription {
 }
 
 impl FingerDescription {
-    /// Moves the end of rib `rib`, counted from 0, by `by_mm` along a plate away from the base; `finger` is the described finger.
+    /// Moves the end of rib `rib`, counted from 0, by `by_mm` along a plate away from the base. `finger` is the finger of this description.
     pub(crate) fn move_rib(&mut self, finger: &Finger, plate: Plate, rib: usize, by_mm: f64) {
         if let RibPositions::Count(_) = self.ribs.positions {
             let [front_mm, back_mm] = [Plate::Front, Plate::Back].map(|plate| finger.plate_positions_mm(plate));

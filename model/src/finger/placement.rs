@@ -4,8 +4,8 @@ use super::{BracketLengths, Finger, FingerDescription, ImpossibleFinger, OfRibs,
 use crate::Vector;
 use crate::keys::{BACK, FINGER, FRONT, Key, Kind, RIBS, ZONE};
 
-/// Smallest distance between neighbouring nodes that do not share a point, and between nodes and plate ends, as a share of the plate's length. The other checks
-/// of geometry use it as a relative margin.
+/// Smallest distance between neighbouring nodes that do not share a point, and between nodes and plate ends, as a share of the plate's length. The
+/// other checks of geometry use this share as a relative margin.
 pub(super) const SMALLEST_SPACING: f64 = 1e-9;
 
 fn require(holds: bool, key: &str, reason: impl FnOnce() -> String) -> Result<(), ImpossibleFinger> {
@@ -140,7 +140,8 @@ pub(super) fn check_zones(d: &FingerDescription) -> Result<(), ImpossibleFinger>
     Ok(())
 }
 
-/// Rejects brackets and undeformable ribs if ribs share a junction. The junction ties nodes to each other, so a node cannot also belong to a rigid link.
+/// Rejects brackets and undeformable ribs if ribs share a junction. A shared junction ties nodes to each other, and a tied node cannot also belong to
+/// a rigid link.
 fn check_shared_junctions(finger: &Finger) -> Result<(), ImpossibleFinger> {
     let shared = "where ribs share a junction or end in a corner of the base";
     let refused = finger.has_shared_junctions();

@@ -24,8 +24,8 @@ impl Finger {
         }
     }
 
-    /// Section of a part, ignoring zones, with the plane-strain modulus E / (1 - nu^2). For a plate, this is the section at its base; for ribs, that of the
-    /// thickest rib. `None` for undeformable ribs.
+    /// Section of a part, ignoring zones, with the plane-strain modulus E / (1 - nu^2). For a plate, this is the section at its base; for ribs, the
+    /// section of the thickest rib. `None` for undeformable ribs.
     pub fn section(&self, part: Part) -> Option<Section> {
         match part {
             Part::Front => Some(self.base_section(Plate::Front)),

@@ -4,7 +4,7 @@ use super::{BeamEnd, FrameMotion, PlaneFrame};
 
 /// Largest number of rigid levers in series between a master node and a node that follows it: a bracket, a rib and a bracket.
 pub(super) const MOST_LEVERS: usize = 3;
-/// Number of coordinates that may move a node: its x and y (or those of its master), its rotation, and the rotations of its levers.
+/// Number of coordinates that may move a node: x and y of the node or of its master, the node's rotation, and the rotations of its levers.
 pub(super) const NODE_COORDINATES: usize = 3 + MOST_LEVERS;
 /// Number of coordinates that may move the two nodes of a member.
 pub(crate) const MEMBER_COORDINATES: usize = 2 * NODE_COORDINATES;
@@ -30,7 +30,7 @@ impl Equations {
         };
         let mut translations = vec![[None; 2]; frame.nodes.len()];
         let mut rotations = vec![None; frame.rotation_fixed.len()];
-        // A slot that no beam or link uses would be a free unknown without stiffness.
+        // A rotation slot that no beam or link uses would be a free unknown without stiffness.
         let mut used = vec![false; rotations.len()];
         for end in frame.members.iter().flat_map(|m| m.ends) {
             used[end.rotation] = true;
@@ -60,7 +60,7 @@ impl Equations {
         self.count
     }
 
-    /// A vector with one entry per unknown: the value `translation` for displacements and `rotation` for rotations.
+    /// A vector with one entry per unknown. The entry is `translation` for a displacement and `rotation` for a rotation.
     pub(crate) fn by_kind(&self, translation: f64, rotation: f64) -> Vec<f64> {
         let mut figures = vec![translation; self.count];
         for &equation in self.rotations.iter().flatten() {
@@ -92,7 +92,7 @@ impl Equations {
         [x, y, self.rotations[end.rotation], first, second, third]
     }
 
-    /// Equation numbers of the coordinates that move two beam ends; those of the first end come first.
+    /// Equation numbers of the coordinates that move two beam ends, first end first.
     pub(crate) fn of_ends(&self, frame: &PlaneFrame, ends: &[BeamEnd; 2]) -> [Option<usize>; MEMBER_COORDINATES] {
         let [a, b] = ends.map(|end| self.of_end(frame, &end));
         std::array::from_fn(|i| if i < NODE_COORDINATES { a[i] } else { b[i - NODE_COORDINATES] })

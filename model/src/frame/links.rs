@@ -54,7 +54,7 @@ impl PlaneFrame {
         self.nodes[second].link = Some(link);
     }
 
-    /// Ties the second node to the first node at the same point, so that it moves and rotates with the first node.
+    /// Ties the second node to the first node at the same point. The second node then moves and rotates with the first node.
     pub fn tie(&mut self, first: NodeIndex, second: NodeIndex) {
         self.nodes[second].rotation = self.nodes[first].rotation;
         let row = self.nodes[first].link;

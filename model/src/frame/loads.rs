@@ -6,7 +6,7 @@ use crate::Vector;
 use crate::element::{Beam, ElementVector, EndMotion, Kinematics, Response};
 use nalgebra::{SMatrix, SVector};
 
-/// A dead load on a frame: it keeps its direction while the frame moves.
+/// A dead load on a frame. A dead load keeps its direction while the frame moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FrameLoad {
     /// A force (N) and a moment (N mm) on a node.
@@ -20,7 +20,7 @@ pub enum FrameLoad {
     },
     /// A force (N) at the end of a rigid arm.
     Arm {
-        /// The beam end whose arm carries the force.
+        /// The beam end with the arm on which the force acts.
         end: BeamEnd,
         /// Force, N.
         force: Vector,
@@ -48,7 +48,7 @@ impl FrameLoad {
         }
     }
 
-    /// The beam end that carries the load, and the load's force (N) and moment (N mm). For an interior load, the first end of the loaded member.
+    /// The loaded beam end, and the load's force (N) and moment (N mm). For an interior load, the beam end is the first end of the loaded member.
     pub(crate) fn at_end(&self, frame: &PlaneFrame) -> (BeamEnd, Vector, f64) {
         match *self {
             FrameLoad::Node { node, force, moment_nmm } => (frame.clamped_end(node), force, moment_nmm),
@@ -114,7 +114,7 @@ impl PlaneFrame {
         self.inside(motion, member, kinematics, slope).gradient
     }
 
-    /// Evaluates `of`, a quantity of a member's beam, with derivatives by the motions of the member's two nodes.
+    /// Evaluates the quantity `of` for a member's beam, with derivatives by the motions of the member's two nodes.
     fn inside(
         &self,
         motion: &FrameMotion,

@@ -7,7 +7,8 @@ use crate::element::{Beam, EndMotion, Kinematics, Response, Station, quarter_tur
 use crate::number::{Number, sine_and_versine};
 use nalgebra::{SMatrix, SVector, Vector2};
 
-/// Displacement (R - 1) lever of the end of a lever that rotates by `rotation`, mm. Free of cancellation for small rotations; first order if `linear`.
+/// Displacement, mm, of the end of a lever that rotates by `rotation`: (R - 1) lever. The formula is free of cancellation for small rotations. If
+/// `linear`, it is of first order.
 #[inline(always)]
 pub(crate) fn swing<R: Number>(lever: Vector2<R>, rotation: R, linear: bool) -> Vector2<R> {
     let quarter = quarter_turn(lever);
@@ -107,7 +108,7 @@ impl<R: Number> Member<R> {
         response
     }
 
-    /// Vector from the first to the second node, mm: undeformed if `linear`, else in the given motion.
+    /// Vector from the first to the second node, mm: undeformed if `linear`, otherwise deformed by the motion.
     #[inline(always)]
     pub(crate) fn lever(&self, motion: &FrameMotion<R>, linear: bool) -> Vector2<R> {
         let ([first, second], rest) = (&self.ends, self.beam.rest());
@@ -132,7 +133,7 @@ impl<R: Number> Member<R> {
 }
 
 impl PlaneFrame {
-    /// Axial strain and curvature along a member with interior loads. Each load is a position (fraction of the length) and a force (N); see
+    /// Axial strain and curvature along a member with interior loads. Each load consists of a position (fraction of the length) and a force (N); see
     /// [`Beam::stations`](crate::element::Beam).
     pub(crate) fn stations(
         &self,
@@ -177,7 +178,8 @@ impl PlaneFrame {
 
 /// Chain rule from the ends of the elastic part to the nodes over rigid arms; `rotations` are the ends' rotations, rad.
 ///
-/// The end of an arm v moves on a circle. The second derivative by its rotation therefore gains -f . v, with f the gradient by the end's displacement.
+/// The end of an arm v moves on a circle. The second derivative by the arm's rotation therefore gains -f . v, where f is the gradient by the
+/// displacement of the arm's end.
 #[inline(always)]
 pub(crate) fn carry_over_arms<R: Number>(
     ends: &[BeamEnd<R>; 2],
@@ -193,7 +195,7 @@ pub(crate) fn carry_over_arms<R: Number>(
         let (x, y, theta) = (3 * i, 3 * i + 1, 3 * i + 2);
         let (force_x, force_y) = (response.gradient[x], response.gradient[y]);
         response.gradient[theta] += arm.x * force_y - arm.y * force_x;
-        // The row of the node's rotation gains -arm.y times row x and arm.x times row y; the same holds for columns.
+        // To the row of the node's rotation, -arm.y times row x and arm.x times row y are added; likewise for columns.
         let tangent = &mut response.tangent;
         for k in 0..6 {
             let turning = arm.x * tangent[(y, k)] - arm.y * tangent[(x, k)];

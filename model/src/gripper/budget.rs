@@ -1,4 +1,4 @@
-//! Effect of errors in the linkage on the undeformed positions of the nodes, from which displacements are measured.
+//! Effect of errors in the linkage on the undeformed positions of the nodes. Displacements are measured from these positions.
 
 use super::{Gripper, GripperDescription};
 use crate::{Finger, NodeId};
@@ -8,8 +8,8 @@ use crate::{Finger, NodeId};
 pub struct LinkageErrors {
     /// Standard deviation of the motor's angle, degrees.
     pub motor_deg: f64,
-    /// Backlash of the nut on the screw, mm. The position within the backlash is assumed uniformly distributed, with the standard deviation backlash /
-    /// sqrt(12).
+    /// Backlash of the nut on the screw, mm. The position within the backlash is assumed to be uniformly distributed. Its standard deviation is then
+    /// backlash / sqrt(12).
     pub backlash_mm: f64,
     /// Standard deviation of each of three lengths, mm: rocker, link, and distance of the fixed joint from the screw's axis.
     pub length_mm: f64,

@@ -32,7 +32,7 @@ fn line(entry: &Entry) -> String {
     wrapped(&format!("- {}: {}; {}. {}", entry.name, entry.values, entry.need, entry.says), "  ")
 }
 
-/// Wraps a paragraph into lines. All lines but the first are indented.
+/// Wraps a paragraph into lines. All lines except the first are indented.
 fn wrapped(text: &str, indent: &str) -> String {
     let mut lines = vec![String::new()];
     for word in text.split_whitespace() {

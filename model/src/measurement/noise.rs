@@ -1,7 +1,8 @@
-//! Noise of measured displacements, which depends on the source of the undeformed positions.
+//! Noise of measured displacements. The noise depends on the source of the undeformed positions.
 //!
-//! A displacement is a position in an image minus the undeformed position. The undeformed position is measured in an image of the unloaded finger, or computed
-//! from the motor angle. The error of the undeformed position is part of the displacement, and all frames that use this position share the error.
+//! A displacement is a position in an image minus the undeformed position. The undeformed position is measured in an image of the unloaded finger, or
+//! computed from the motor angle. The error of the undeformed position is part of the displacement, and all frames that use this undeformed position
+//! share the error.
 
 use super::Measurement;
 use crate::Vector;
@@ -45,8 +46,8 @@ impl DisplacementNoise {
 
     /// Covariance of the mean of `frames` frames, mm^2. Rows and columns are x and y of each node of `positions_mm`.
     ///
-    /// `positions_mm` are the deformed positions of the nodes, finger frame. They are needed because a rotation of the base moves every node perpendicular to
-    /// its radius. The error of the undeformed positions does not average out.
+    /// `positions_mm` are the deformed positions of the nodes, finger frame. The positions are needed because a rotation of the base moves every node
+    /// perpendicular to its radius. The error of the undeformed positions does not average out.
     pub fn covariance_mm2(&self, positions_mm: &[Vector], frames: usize) -> DMatrix<f64> {
         let coordinates = 2 * positions_mm.len();
         let own = self.frame_sd_mm().powi(2) / frames as f64;

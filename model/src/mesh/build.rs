@@ -178,7 +178,7 @@ fn link_rib(frame: &mut PlaneFrame, finger: &Finger, rib: usize) {
     }
 }
 
-/// Lengths of the lines, mm: members of the back plate, members of the front plate and ribs, each from base to tip; then the base line.
+/// Lengths of the lines, mm: members of the back plate, members of the front plate, ribs, then the base line. Each group runs from base to tip.
 pub(super) fn line_lengths(finger: &Finger) -> Vec<f64> {
     let plates = [Plate::Back, Plate::Front].into_iter().flat_map(|plate| {
         let positions = finger.plate_positions_mm(plate);

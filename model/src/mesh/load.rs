@@ -3,7 +3,7 @@
 use crate::Vector;
 use crate::finger::NodeId;
 
-/// A dead load on a finger, finger frame: it keeps its direction while the finger deforms.
+/// A dead load on a finger, finger frame. A dead load keeps its direction while the finger deforms.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Load {
     /// A force (N) and a moment (N mm) on a key node.

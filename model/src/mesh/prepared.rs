@@ -4,7 +4,7 @@ use super::Mesh;
 use std::any::Any;
 use std::sync::{Arc, OnceLock};
 
-/// A cached value that depends only on the mesh. Only the code that creates the value knows its type.
+/// A cached value that depends only on the mesh. The mesh does not depend on the type of the value.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Prepared(OnceLock<Arc<dyn Any + Send + Sync>>);
 
@@ -16,7 +16,7 @@ impl PartialEq for Prepared {
 }
 
 impl Mesh {
-    /// Returns the result of `make`, which runs only at the first call. `None` if the cache holds a value of another type.
+    /// Returns the result of `make`, which runs only at the first call. `None` if the cached value has another type.
     pub(crate) fn prepared<T: Any + Send + Sync>(&self, make: fn(&Mesh) -> T) -> Option<&T> {
         self.prepared.0.get_or_init(|| Arc::new(make(self))).downcast_ref()
     }

@@ -4,8 +4,8 @@ use super::Mesh;
 use crate::finger::{Finger, Part, Plate, Zone};
 use crate::frame::Section;
 
-/// Start of element `i` (from 0), mm from the base. The elastic part of a plate member, from `from` to `to` (mm from the base), consists of `elements` equal
-/// elements. If `i` is the number of elements, returns `to` without rounding, so that a load at the tip lies on the plate.
+/// Start of element `i` (counted from 0), mm from the base. The elastic part of a plate member starts at `from`, ends at `to` (both mm from the base)
+/// and has `elements` equal elements. If `i` is the number of elements, returns `to` without rounding, so that a load at the tip lies on the plate.
 pub(super) fn element_start([from, to]: [f64; 2], elements: usize, i: usize) -> f64 {
     if i == elements { to } else { from + (to - from) * i as f64 / elements as f64 }
 }
@@ -46,8 +46,9 @@ impl Finger {
     }
 }
 
-/// Integral over a plate segment of the compliance relative to the base section, mm. `relative` is the mean relative compliance between two positions without
-/// zones; the product of the zones' factors divides it. Ends of zones divide the segment into parts. Only parts whose middle satisfies `counted` contribute.
+/// Integral over a plate segment of the compliance relative to the base section, mm. `relative` is the mean relative compliance between two positions
+/// without zones; it is divided by the product of the zones' factors. Ends of zones divide the segment into parts. Only parts with a midpoint that
+/// satisfies `counted` contribute.
 fn compliance(
     zones: &[Zone],
     from_mm: f64,
@@ -86,7 +87,7 @@ impl Mesh {
         let positions = self.finger.plate_positions_mm(plate);
         let lines = self.lines.iter().filter(|line| line.part == chosen.part).enumerate();
         let shares = lines.flat_map(|(nth, line)| {
-            // The share for a rib does not depend on arms along a plate.
+            // Arms along a plate have no effect on the share for a rib.
             let arms_mm = if chosen.part == Part::Ribs { [0.0; 2] } else { self.finger.member_arms_mm(plate, nth) };
             let free = [positions[nth] + arms_mm[0], positions[nth + 1] - arms_mm[1]];
             let share = |i: usize| match chosen.part {

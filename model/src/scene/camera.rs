@@ -41,7 +41,7 @@ pub enum MarkerLook {
         /// Colour of the markers on the back plate.
         back_rgb: Rgb,
     },
-    /// A rim between a bright marker and dark surroundings, or the reverse.
+    /// A rim between a bright marker and dark surroundings, or between a dark marker and bright surroundings.
     Grey {
         /// Brightness of the marker relative to its surroundings.
         shade: Shade,
@@ -59,7 +59,7 @@ pub enum Shade {
     Dark,
 }
 
-/// Reads the standard deviation of a measured marker coordinate (mm) and the camera; each is `None` if it is not stated.
+/// Reads the standard deviation of a measured marker coordinate (mm) and the camera. Either is `None` if the scene does not state it.
 pub(super) fn read_camera(table: &TableReader) -> Result<(Option<f64>, Option<CameraDescription>), SceneError> {
     let noise_mm = table.optional(&CAMERA.noise_mm)?;
     let pose = [CAMERA.rotation_vector_rad.name, CAMERA.translation_mm.name];
@@ -97,7 +97,7 @@ pub(super) fn read_markers(table: &TableReader) -> Result<MarkersRead, SceneErro
     let on = table.word(&MARKERS.on, [MarkerPoints::Junctions, MarkerPoints::Hinges])?;
     let errors =
         MarkerErrors { noise_factor: table.get(&MARKERS.noise_factor)?, model_mm: table.get(&MARKERS.model_error_mm)? };
-    // An empty table counts as a description of the appearance, so it is rejected because required keys are missing.
+    // An empty table counts as a description of the appearance. It is therefore rejected for its missing keys.
     let lookless = [MARKERS.on.name, MARKERS.noise_factor.name, MARKERS.model_error_mm.name];
     let of_look: Vec<_> =
         MARKERS.entries().iter().map(|entry| entry.name).filter(|name| !lookless.contains(name)).collect();

@@ -20,7 +20,7 @@ pub enum Support {
 pub struct GraspDescription {
     /// Motor angles at the start and at the last possible stop, degrees.
     pub motor_deg: [f64; 2],
-    /// Motor angle between two steps of the simulation, degrees, above zero. Each step is settled to equilibrium.
+    /// Motor angle between two steps of the simulation, degrees, above zero. The simulation settles each step to equilibrium.
     pub step_deg: f64,
     /// Sensed total force of a finger at which closing stops, N. `None` to close until the last motor angle.
     pub until_force_n: Option<f64>,
@@ -28,7 +28,7 @@ pub struct GraspDescription {
     pub holds: bool,
     /// Corners of the path of the gripper relative to its start, mm, in the gripper's frame at the start.
     pub path_mm: Vec<Vector>,
-    /// Number of steps along the path; each is settled to equilibrium.
+    /// Number of steps along the path. The simulation settles each step to equilibrium.
     pub path_steps: usize,
     /// Whether the gripper opens at the end.
     pub opens: bool,
@@ -42,7 +42,8 @@ pub struct GraspDescription {
     pub frames_per_s: Option<f64>,
     /// Delay between an image and the force sensed from it, in frames.
     pub delay_frames: usize,
-    /// Whether the scene's camera is fixed to the gripper. If so, its pose refers to the gripper's frame, else to each finger's frame.
+    /// Whether the scene's camera is fixed to the gripper. The pose of a camera on the gripper refers to the gripper's frame, of any other camera to
+    /// each finger's frame.
     pub camera_on_gripper: bool,
 }
 

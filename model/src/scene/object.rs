@@ -48,7 +48,7 @@ pub enum ObjectMotion {
         /// Condition that ends the motion.
         until: Until,
     },
-    /// Motion of the reference point through these points, mm, finger frame.
+    /// Motion of the object's reference point through these points, mm, finger frame.
     Path(Vec<Vector>),
 }
 
@@ -68,7 +68,7 @@ pub struct ObjectDescription {
     pub outline: Outline,
     /// Rotation of the outline, degrees, positive from x to y.
     pub rotation_deg: f64,
-    /// Coefficient of Coulomb friction against fingers and support, dimensionless.
+    /// Coefficient of Coulomb friction between the object and fingers or support, dimensionless.
     pub friction: f64,
     /// Motion of the object.
     pub motion: ObjectMotion,

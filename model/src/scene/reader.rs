@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// A parsed scene text, with the line of each key.
+/// A parsed scene text and the line number of each key.
 pub(super) struct Document<'t> {
     root: Spanned<DeTable<'t>>,
     lines: BTreeMap<String, usize>,
@@ -181,12 +181,12 @@ impl<'d, 't> TableReader<'d, 't> {
         value.map(Some).map_err(|refused| self.at(key.name, &refused.to_string()))
     }
 
-    /// Reads a word and returns the entry of `things` for this word; `things` has one entry per word of the key.
+    /// Reads a word and returns the entry of `things` for this word. `things` has one entry for each word that the key accepts.
     pub(super) fn word<T: Copy, const N: usize>(&self, key: &Key<Word<N>>, things: [T; N]) -> Result<T, SceneError> {
         self.get(key).map(|word| things[word])
     }
 
-    /// Reads a word and returns whether it is `true` rather than `false`.
+    /// Reads the word `true` or `false` and returns its truth value.
     pub(super) fn is_true(&self, key: &Key<Word<2>>) -> Result<bool, SceneError> {
         self.word(key, [true, false])
     }

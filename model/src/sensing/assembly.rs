@@ -1,9 +1,9 @@
 //! Errors of assembly and mounting: differences between the unloaded real finger and the finger of the scene.
 //!
-//! Assembly and mounting displace each joint by some tenths of a millimetre, leave a preload in the plates, and change the finger's distance from the camera.
-//! To first order, each error displaces the markers of a bent finger in a fixed pattern. [`UnloadedFinger`] computes these patterns from equilibria of fingers
-//! with errors. The nonlinear estimator estimates the amplitude of each pattern together with the forces, with a prior on each amplitude. Errors that remain
-//! after a calibration are correlated; [`AssemblyErrors::further`] has them as independent combinations.
+//! Assembly and mounting displace each joint by some tenths of a millimetre, leave a preload in the plates, and change the finger's distance from the
+//! camera. To first order, each error displaces the markers of a bent finger in a fixed pattern. [`UnloadedFinger`] computes these patterns from
+//! equilibria of fingers with errors. The nonlinear estimator estimates the amplitude of each pattern together with the forces, with a prior on each
+//! amplitude. Errors that remain after a calibration are correlated; [`AssemblyErrors::further`] lists independent combinations of these errors.
 
 use super::{Contact, ContactQuestion, Direction, Pad, SensingError};
 use crate::finger::{Finger, Plate};
@@ -29,7 +29,8 @@ pub struct AssemblyErrors {
     pub further: Vec<UnloadedError>,
 }
 
-/// One error of the unloaded finger and its mounting, with the size of one standard deviation. All fields change together: they are fully correlated.
+/// One error of the unloaded finger and its mounting, with the size of one standard deviation. All fields of this error change together: they are
+/// fully correlated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnloadedError {
     /// Displacements of the joints of each rib, in mm: `[front, back]`. Each joint has two components: along its plate from base to tip, and perpendicular into
@@ -72,7 +73,7 @@ pub struct CameraAbove {
 
 /// Beam elements per member in the meshes of the fingers with and without errors.
 const ELEMENTS: usize = 8;
-/// Count of numbers per rib in a row that describes an [`UnloadedError`]. `OF_REST` is the count of the numbers that follow.
+/// Count of numbers per rib in a row that describes an [`UnloadedError`]. `OF_REST` is the count of the other numbers of the row.
 const OF_RIB: usize = 4;
 const OF_REST: usize = 7;
 
@@ -110,7 +111,7 @@ impl UnloadedError {
         OF_RIB * ribs + OF_REST
     }
 
-    /// The row of numbers from which [`UnloadedError::from_row`] reads this error, in its order and units.
+    /// The row of numbers from which [`UnloadedError::from_row`] reads this error, in the same order and units.
     pub fn to_row(&self) -> Vec<f64> {
         let rest = [self.preload_nmm, self.height_mm, self.base.x, self.base.y, self.base_turn_rad.to_degrees()];
         self.joints_mm.iter().flatten().flatten().chain(&self.clip_mm).copied().chain(rest).collect()
@@ -176,7 +177,8 @@ pub(crate) struct Pushed<'f> {
 }
 
 impl Pushed<'_> {
-    /// The contacts in a finger frame that is rotated by `by_rad`, rad. Only known directions change, because they are stated relative to the unrotated frame.
+    /// The contacts in a finger frame that is rotated by `by_rad`, rad. Only known directions change, because known directions refer to the unrotated
+    /// frame.
     fn turned_back(&self, by_rad: f64) -> Vec<Contact> {
         let is_known = |question: &ContactQuestion| matches!(question.direction, Direction::Angle(_));
         let turned = |(contact, question): (&Contact, &ContactQuestion)| match is_known(question) {
@@ -188,8 +190,8 @@ impl Pushed<'_> {
 }
 
 impl UnloadedFinger {
-    /// Standard deviation of a displacement coordinate, in mm, that allows for assembly errors in a search without known forces. It is zero for displacements
-    /// that refer to the finger of the scene, because most errors of such displacements do not depend on forces.
+    /// Standard deviation of a displacement coordinate, in mm, that covers assembly errors in a search without known forces. It is zero if
+    /// displacements refer to the finger of the scene, because most errors of such displacements do not depend on forces.
     pub(crate) fn unknown_without_forces_mm(&self) -> f64 {
         if self.measured_in_frame_sd_rad.is_some() { self.assembly.joint_sd_mm } else { 0.0 }
     }
@@ -269,7 +271,7 @@ impl UnloadedFinger {
         errors
     }
 
-    /// Marker positions, in mm, of `finger` with `error` under the forces, relative to its own base.
+    /// Marker positions, in mm, of `finger` with `error` under the forces, relative to the base of this finger.
     fn bent(&self, finger: &Finger, error: &UnloadedError, pushed: Pushed) -> Result<Vec<Vector>, SensingError> {
         let other = error.finger(finger).ok_or(SensingError::NoSuchFinger)?;
         let contacts = pushed.turned_back(error.base_turn_rad);
@@ -292,8 +294,8 @@ impl UnloadedFinger {
         bent.iter().map(seen).collect()
     }
 
-    /// Marker positions of all key nodes under forces and a moment at the tip, in mm. If displacements refer to an image of the unloaded finger, the result is
-    /// the displacements of the markers from that finger, in mm.
+    /// Marker positions of all key nodes under forces and a moment at the tip, in mm. If displacements refer to an image of the unloaded finger,
+    /// returns the displacements of the markers from the unloaded finger, in mm.
     fn markers(&self, finger: &Finger, moment_nmm: f64, pushed: Pushed) -> Result<Vec<Vector>, SensingError> {
         let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
         let mut statics = Statics::ladder(&mesh, Kinematics::Corotational);

@@ -27,7 +27,7 @@ pub struct Contact {
     pub angle_deg: f64,
 }
 
-/// Writes position and angle in degrees: `19@0` for node 19, `80 mm@-20` for 80 mm from the base.
+/// Writes the position, then the angle in degrees: `19@0` is node 19, `80 mm@-20` is 80 mm from the base.
 impl std::fmt::Display for Contact {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         match self.position {

@@ -59,9 +59,9 @@ pub enum SensingError {
     IllConditioned {
         /// Ratio of the largest to the smallest scaled singular value, dimensionless.
         span: f64,
-        /// Forces are refused beyond this ratio, dimensionless.
+        /// Largest accepted ratio, dimensionless.
         limit: f64,
-        /// Number of the contact with the largest share in the combination of forces that hardly changes the displacements, from 1.
+        /// Number, from 1, of the contact with the largest share in the combination of forces that hardly changes the displacements.
         weakest: usize,
     },
     /// A requested position, direction or force has too large a standard deviation.
@@ -92,10 +92,11 @@ pub enum SensingError {
         /// Force of the contact in the other set, N.
         other_n: f64,
     },
-    /// With few markers, the forces found are far from those of the linear finger, and only one starting point of the search leads to them.
+    /// With few markers, the estimated forces are far from the forces of the linear finger, and only one starting point of the search leads to the
+    /// estimate.
     #[error(
-        "not identifiable: the forces found are far from those of the linear finger, and searches from other starting points do not find them; measure \
-         more nodes"
+        "not identifiable: the forces found are far from the linear finger's forces, and searches from other starting points do not find the same \
+         forces; measure more nodes"
     )]
     Unconfirmed,
     /// No forces on the co-rotational finger explain the measurement.
@@ -123,10 +124,10 @@ pub enum SensingError {
     /// The measurement contradicts the linear finger, and the error of linearisation cannot be computed.
     #[error(
         "the measurement contradicts the linear model, and its error of linearisation is unknown, because no forces on the co-rotational finger \
-         reproduce its estimate: use the nonlinear estimator"
+         reproduce the linear estimate: use the nonlinear estimator"
     )]
     NotLinearised,
-    /// The base, the friction or a contact has a standard deviation. The estimator then also needs the noise of the displacements, which is not stated.
+    /// The base, the friction or a contact has a standard deviation, but the noise of the displacements is not stated. The estimator needs both.
     #[error(
         "base, friction or contact has a standard deviation, so the noise of the displacements must be known as well: state the noise (--noise-mm, or \
          noise_mm in the table camera of the scene)"

@@ -5,8 +5,8 @@ use super::ResidualTest;
 /// A model error up to this share of the largest force causes no warning. Noise alone causes an error of at least 0.13 % of a force of 3 N.
 const NEGLIGIBLE: f64 = 1e-3;
 
-/// Reason for which an estimate is less accurate than noise alone implies. The standard deviations of the estimate include the known error of the model, but
-/// not other errors, such as a wrong contact or another finger.
+/// Reason for which an estimate is less accurate than noise alone implies. The standard deviations of the estimate include the known error of the
+/// model. They exclude other errors, such as a wrong contact or another finger.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Warning {
     /// The residual exceeds the stated noise significantly.
@@ -24,8 +24,8 @@ pub enum Warning {
     Linearisation(ModelError),
     /// The error of linearisation is unknown and not included in the standard deviations.
     #[error(
-        "the linear model explains the measurement, but no forces on the co-rotational finger reproduce its estimate: the error of linearisation is \
-         unknown, unless the finger bends linearly"
+        "the linear model explains the measurement, but no forces on the co-rotational finger reproduce the linear estimate: the error of \
+         linearisation is unknown, unless the finger bends linearly"
     )]
     UnknownLinearisation,
     /// The error of the mesh exceeds the error due to noise.
@@ -51,15 +51,16 @@ pub struct ModelError {
 /// Estimated forces with their known errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
-    /// Force of each contact along its direction, N, in the order of the contacts; may be negative.
+    /// Force of each contact along the contact's direction, N, in the order of the contacts. A force may be negative.
     pub forces_n: Vec<f64>,
     /// Standard deviation of each force, N, including the known error of the model. Infinite if no noise is stated and no residual remains from which to
     /// estimate the noise.
     pub sigmas_n: Vec<f64>,
-    /// Model error that each standard deviation includes, in N: linearisation, mesh, or training of a network. Signed if the sign is known.
+    /// Model error that each standard deviation includes, in N, due to linearisation, mesh, or training of a network. The error has a sign if the
+    /// sign is known.
     pub model_error_n: Vec<f64>,
-    /// Standard deviation of one measured coordinate, mm, from which `sigmas_n` follow: the stated noise, or the standard deviation of the residual. Without a
-    /// stated noise, the standard deviation of the residual is widened for few degrees of freedom.
+    /// Standard deviation of one measured coordinate, mm, from which `sigmas_n` follow: the stated noise, or the residual standard deviation. Without
+    /// a stated noise, the residual standard deviation is widened if degrees of freedom are few.
     pub noise_mm: f64,
     /// Reason for which the estimate is less accurate than noise alone implies, if any.
     pub warning: Option<Warning>,

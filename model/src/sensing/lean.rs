@@ -8,8 +8,8 @@ pub struct Lean {
     pub angle_deg: f64,
     /// Standard deviation of the lean, in degrees. Zero if the lean is known exactly.
     pub sd_deg: f64,
-    /// Force over which friction builds up, N: at a force f the mean lean is `angle_deg` (1 - exp(-f / `build_up_n`)). Zero if the lean does not depend on the
-    /// force.
+    /// Build-up force of friction, N: at a force f, the mean lean is `angle_deg` (1 - exp(-f / `build_up_n`)). Zero if the lean does not depend on
+    /// the force.
     pub build_up_n: f64,
     /// Inward normal from which the lean is measured.
     pub from: Normal,
@@ -20,10 +20,11 @@ pub struct Lean {
 pub enum Normal {
     /// Normal of the deformed plate, averaged over a length of plate about the contact, for example the length that the object covers.
     Deformed {
-        /// Length of plate over which the normal is averaged, in mm. Zero for the normal at the contact itself.
+        /// Length of plate over which the normal is averaged, in mm. At zero, the normal at the contact itself is used.
         over_mm: f64,
     },
-    /// Normal of the undeformed plate, which does not turn as the finger bends. It suits a finger that bends round the face of a fixed object.
+    /// Normal of the undeformed plate, which does not turn as the finger bends. This normal suits a finger that bends round the face of a fixed
+    /// object.
     Undeformed,
     /// Normal of the object's outline at the contact.
     Object,

@@ -12,8 +12,8 @@ use crate::statics::StaticsError;
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 
-/// A measurement counts as one of a linear finger if the linear finger's sum of squared residuals is smaller than the co-rotational finger's by more than this
-/// number of noise variances. Nine variances correspond to three standard deviations.
+/// A measurement is attributed to a linear finger if its sum of squared residuals is smaller for the linear than for the co-rotational finger, by
+/// more than this number of noise variances. Nine variances correspond to three standard deviations.
 const FAVOURED: f64 = 9.0;
 
 /// Without a stated noise, the linear finger explains a measurement whose residual is at most this share of the displacements. The limit applies only if no
@@ -34,15 +34,15 @@ pub enum Prior {
 }
 
 impl Prior {
-    /// Prior for the forces of Xu et al. (2021, sec. IV-A), which are drawn from 0 to 5 N per node. Its standard deviation is their root mean square, 5 /
-    /// sqrt(3) = 2.9 N.
+    /// Prior for the forces of Xu et al. (2021, sec. IV-A), which are drawn from 0 to 5 N per node. The standard deviation of the prior is the root
+    /// mean square of these forces, 5 / sqrt(3) = 2.9 N.
     pub const PAPER: Prior = Prior::Gaussian { force_n: 2.886_751_345_948_129 };
 }
 
 /// Weighted linear least squares on the linear finger, for contacts of known position and direction.
 ///
 /// # Requirements
-/// At least as many measured coordinates as contacts, and singular values that span at most [`LARGEST_SPAN`].
+/// At least as many measured coordinates as contacts. The ratio of the largest to the smallest singular value is at most [`LARGEST_SPAN`].
 ///
 /// # Reference
 /// Minimises |W (u - C f)|^2 with the measured displacements u and the weights W. C is the compliance of eq. (5) of Xu et al. (2021) at the markers and
@@ -65,7 +65,7 @@ impl LinearEstimator {
         LinearEstimator::prepared(finger, contacts, markers, |loads| Compliance::new(finger, loads))
     }
 
-    /// As [`LinearEstimator::new`], but with the compliance of `solved`, an already solved finger. Results agree up to rounding.
+    /// Like [`LinearEstimator::new`], but with the compliance of `solved`, an already solved finger. Results agree up to rounding.
     ///
     /// # Errors
     /// [`SensingError`] if a contact is wrong or the forces are not identifiable.
@@ -111,15 +111,15 @@ impl LinearEstimator {
 
     /// Estimates the forces from the displacements of the markers for which the estimator is prepared.
     ///
-    /// `noise_mm` is the standard deviation of one coordinate, mm. If `noise_mm` is `None` or zero, the noise is estimated from the residual. If the residual
-    /// contradicts the stated noise, the estimate has a warning, and its standard deviations follow from the residual. Only
+    /// `noise_mm` is the standard deviation of one coordinate, mm. If `noise_mm` is `None` or zero, the noise is estimated from the residual. If the
+    /// residual contradicts the stated noise, the estimate contains a warning, and its standard deviations follow from the residual. Only
     /// [`estimate_on`](LinearEstimator::estimate_on) includes the error of linearisation.
     pub fn estimate(&self, measurement: &Measurement, noise_mm: Option<f64>, prior: Prior) -> Estimate {
         self.solve(measurement, noise_mm, prior).0
     }
 
-    /// As [`estimate`](LinearEstimator::estimate), for a co-rotational finger. The standard deviations include the error of linearisation at the estimated
-    /// forces, unless a linear finger explains the measurement clearly better.
+    /// Like [`estimate`](LinearEstimator::estimate), but for a co-rotational finger. The standard deviations include the error of linearisation at
+    /// the estimated forces, unless a linear finger explains the measurement clearly better.
     ///
     /// # Errors
     /// [`SensingError::NotLinearised`] if the error of linearisation cannot be computed and the linear finger does not explain the measurement.
@@ -168,7 +168,7 @@ impl LinearEstimator {
         Ok(estimate)
     }
 
-    /// An estimate, and the inverse from which it follows.
+    /// An estimate, and the inverse from which the estimate follows.
     fn solve(&self, measurement: &Measurement, noise_mm: Option<f64>, prior: Prior) -> (Estimate, Cow<'_, Inverse>) {
         let displacements = weighted(measurement, |marker| marker.displacement);
         let (coordinates, unknowns) = self.compliance.shape();
@@ -178,7 +178,7 @@ impl LinearEstimator {
             (0..coordinates).map(|row| (displacements[row] - explained(row)).powi(2)).sum::<f64>()
         };
         let unbiased = &self.least_squares.gain * &displacements;
-        // The residual is tested without the prior, because no other forces have a smaller residual than those of least squares.
+        // The residual is tested without the prior, because the least-squares forces have the smallest residual of all forces.
         let least_mm2 = sum_of_squares(&unbiased);
         let test = ResidualTest::new(noise_mm, least_mm2, degrees_of_freedom);
         let noise_mm = noise_of(test, noise_mm, least_mm2, degrees_of_freedom);
@@ -207,7 +207,7 @@ impl LinearEstimator {
 pub struct Inverse {
     /// Matrix from weighted displacements (two per marker, mm) to forces (N), N/mm: one row per force.
     pub gain: DMatrix<f64>,
-    /// Standard deviation of each force per mm of noise, N/mm: square roots of the diagonal of (C^T W^2 C + ridge^2)^-1.
+    /// Standard deviation of each force per mm of noise, N/mm. These are the square roots of the diagonal of (C^T W^2 C + ridge^2)^-1.
     pub sigmas_per_noise: Vec<f64>,
 }
 

@@ -8,12 +8,12 @@ use crate::statics::{Ladder, Statics, StaticsError};
 use crate::{Kinematics, Vector};
 use nalgebra::{DMatrix, DVector};
 
-/// Grid spacing of the tabulated forces, as a share of the largest force rounded down to a power of two. Extrapolation from a grid point causes an error of
-/// some thousandths of the error of linearisation.
+/// Grid spacing of the tabulated forces, as a share of a reference force: the largest force, rounded down to a power of two. Extrapolation from a
+/// grid point causes an error of some thousandths of the error of linearisation.
 const GRID: f64 = 0.05;
 /// The table is cleared when it has this number of grid points. A stream of frames needs only a few grid points.
 const MOST_POINTS: usize = 256;
-/// Newton's method fails after this number of steps; two or three are usual.
+/// Newton's method fails after this number of steps; two or three steps are usual.
 const MAX_STEPS: usize = 30;
 /// A Newton step makes progress if at most this share of the distance from the target remains. After a step without progress, the next step is halved.
 const CLOSER: f64 = 0.9;
@@ -21,9 +21,9 @@ const CLOSER: f64 = 0.9;
 const MOST_ASTRAY: usize = 4;
 /// Newton's method has converged if a step changes no force by more than this share of the largest force.
 const STEP_TOLERANCE: f64 = 1e-6;
-/// Newton's method fails after this number of refused steps: the first limit is for a single force, the second for several forces. A refused step leads to
-/// forces without equilibrium. The smallest and largest single force with an equilibrium are stored, so refused steps of a single force are cheap. A refused
-/// step is shortened to between half and all of the share up to which equilibria exist.
+/// Newton's method fails after this number of refused steps: the first limit is for a single force, the second for several forces. A step is refused
+/// if it leads to forces without equilibrium. The smallest and largest single force with an equilibrium are stored, so refused steps of a single
+/// force are cheap. A refused step is shortened to between half and all of the share up to which equilibria exist.
 const MOST_REFUSED: [usize; 2] = [30, 8];
 
 /// Error that a linear estimator makes on the co-rotational finger.
@@ -32,9 +32,9 @@ const MOST_REFUSED: [usize; 2] = [30, 8];
 /// Contacts of known position and direction, and the gain and compliance of the linear estimator at the markers.
 ///
 /// # Reference
-/// With gain G and compliance C (weighted, at the markers), the linear estimator returns f + G (u(f) - C f) for the
-/// co-rotational finger with displacements u(f) under forces f. The error of estimated forces f' is f' - f, where f solves
-/// f + G (u(f) - C f) = f'. Newton's method finds f with derivatives from the tangent stiffness.
+/// With gain G and compliance C (weighted, at the markers), the linear estimator returns f + G (u(f) - C f) for the co-rotational finger, whose
+/// displacements under forces f are u(f). The error of estimated forces f' is f' - f, where f solves f + G (u(f) - C f) = f'. Newton's method finds f
+/// with derivatives from the tangent stiffness.
 #[derive(Debug, Clone)]
 pub struct Linearisation<'m> {
     mesh: &'m Mesh,
@@ -212,8 +212,8 @@ impl<'m> Linearisation<'m> {
         Ok(None)
     }
 
-    /// Forces, N, and shape from which Newton's method starts: the unloaded finger or, for a single force, a nearer known solution. Equilibria under all values
-    /// of a single force form one path.
+    /// Forces, N, and shape from which Newton's method starts: the unloaded finger or, for a single force, a nearer known solution. A single force
+    /// has such a solution because the equilibria under all its values form one path.
     fn start(&self, target_n: &[f64]) -> (DVector<f64>, FrameMotion) {
         if let [target_n] = target_n {
             let away = |solution: &&Solution| (solution.forces_n[0] - target_n).abs();
@@ -237,7 +237,7 @@ impl<'m> Linearisation<'m> {
         next_n: &DVector<f64>,
     ) -> Result<Result<FrameMotion, f64>, SensingError> {
         let (from_n, to_n) = (forces_n[0], next_n[0]);
-        // A single force that grows in magnitude without changing its sign.
+        // Applies to a single force that grows in magnitude without changing its sign.
         let single = self.contacts.len() == 1 && to_n.abs() > from_n.abs() && to_n * from_n >= 0.0;
         let side = usize::from(to_n > 0.0);
         if single && to_n.abs() > self.ends_n[side].abs() {
@@ -275,7 +275,7 @@ impl<'m> Linearisation<'m> {
     }
 }
 
-/// The vector that `of` returns for each marker, times the marker's weight. The vectors are stacked in the order of the markers.
+/// Multiplies the vector that `of` returns for each marker by the marker's weight, and stacks the products in the order of the markers.
 pub(super) fn weighted(measurement: &Measurement, of: impl Fn(&crate::measurement::Marker) -> Vector) -> DVector<f64> {
     let coordinates = measurement.markers().iter().flat_map(|marker| {
         let vector = of(marker) * marker.weight;

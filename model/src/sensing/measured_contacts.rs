@@ -1,10 +1,10 @@
 //! Estimates forces from markers and measured contacts by least squares with errors in all variables.
 //!
-//! Each contact has two unknowns: the force f along its measured normal, and the tangent a of the angle between force and normal. A contact between rods has a
-//! third unknown, the shift d of its position. The data are the displacements of the markers. The priors are a = 0 and d = 0; their standard deviations follow
-//! from the accuracy of the measured contacts and from friction. The estimate minimises the sum of all squared residuals over their variances, by
-//! [`LevenbergMarquardt`] on the co-rotational finger. The stated covariance is the inverse of the information matrix. It includes the uncertainty of position,
-//! direction and friction that remains after the fit.
+//! Each contact has two unknowns: the force f along its measured normal, and the tangent a of the angle between force and normal. A contact between
+//! rods has a third unknown, the shift d of its position. The data are the displacements of the markers. The priors have the means a = 0 and d = 0.
+//! The standard deviations of the priors follow from the accuracy of the measured contacts and from friction. The estimate minimises the sum of all
+//! squared residuals, each divided by its variance. [`LevenbergMarquardt`] searches for it on the co-rotational finger. The stated covariance is the
+//! inverse of the information matrix. This covariance includes the uncertainty of position, direction and friction that remains after the fit.
 
 use super::{
     Contact, ContactForce, ContactPosition, LARGEST_SPAN, NonlinearEstimator, RespondingFinger, Response, SensingError,
@@ -18,8 +18,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// A search that stops before convergence is accepted if the next step would change no force by more than this share of its standard deviation.
 const NEGLIGIBLE: f64 = 0.01;
-/// A chi-squared value counts as significant if it exceeds its mean by more than this number of its standard deviations. For the degrees of freedom of a
-/// finger, the probability of such a value is 1 in 10^4.
+/// A chi-squared value counts as significant if it exceeds the mean of its distribution by more than this number of standard deviations. For the
+/// degrees of freedom of a finger, the probability of such a value is 1 in 10^4.
 const UNEXPLAINED_DEVIATIONS: f64 = 4.0;
 
 /// A contact with measured position and direction.
@@ -40,7 +40,7 @@ pub struct ContactKnowledge {
     pub noise_mm: f64,
     /// Upper bound of the coefficient of friction, dimensionless: tangent of the largest angle between force and normal.
     pub friction: f64,
-    /// Radius of the rods, mm. Friction acts on their surface.
+    /// Radius of the rods, mm. Friction acts on the surface of the rods.
     pub rod_radius_mm: f64,
 }
 
@@ -59,12 +59,12 @@ pub struct MeasuredContactForces {
     pub covariance_n2: DMatrix<f64>,
 }
 
-/// Least-squares problem. Its unknowns are the forces, N, then the tangents of the angles between force and normal, then the shifts, mm.
+/// Least-squares problem. The unknowns are, in this order, the forces (N), the tangents of the angles between force and normal, and the shifts (mm).
 struct Problem<'a> {
     contacts: &'a [MeasuredContact],
     knowledge: ContactKnowledge,
-    /// Standard deviations of the priors, which all have mean 0: of each tangent (dimensionless), then of each shift (mm). A standard deviation of zero fixes
-    /// the unknown at 0.
+    /// Standard deviations of the priors, first for each tangent (dimensionless), then for each shift (mm). All priors have mean 0. A standard
+    /// deviation of zero fixes the unknown at 0.
     own_sds: Vec<f64>,
     /// Measured displacements, mm, two coordinates per marked node. Zero for a hidden node.
     measured_mm: DVector<f64>,
@@ -89,8 +89,8 @@ pub fn sense_measured_contacts(
 ) -> Result<MeasuredContactForces, SensingError> {
     let questions: Vec<_> = contacts.iter().map(|contact| contact.contact.into()).collect();
     let start = NonlinearEstimator::new(mesh, &questions)?.estimate(measurement, Some(knowledge.noise_mm))?;
-    // Friction of a sliding object acts in the same direction at all k contacts. The prior of each tangent has the standard deviation bound times sqrt(k). Then
-    // k tangents equal to the bound are together one standard deviation from zero.
+    // Friction of a sliding object acts in the same direction at all k contacts. The standard deviation of each tangent's prior is the bound times
+    // sqrt(k). Then k tangents that all equal the bound are together one standard deviation from zero.
     let friction = knowledge.friction * (contacts.len() as f64).sqrt();
     let [measured_mm, weights] = of_marked_nodes(mesh.finger(), measurement);
     let count = contacts.len();
@@ -131,7 +131,7 @@ impl LeastSquaresProblem for Problem<'_> {
             if let ContactPosition::At(s_mm) = &mut contact.position {
                 *s_mm += point[2 * count + i];
             }
-            // Friction acts on the surface of the rod or of the plate.
+            // Friction acts on the surface of the rod or, between rods, of the plate.
             let lever_mm = match contact.position {
                 ContactPosition::Node(_) => self.knowledge.rod_radius_mm,
                 ContactPosition::At(s_mm) => 0.5 * self.finger.finger().thickness_mm(Plate::Front, s_mm),
@@ -191,9 +191,9 @@ impl Problem<'_> {
         columns / self.knowledge.noise_mm
     }
 
-    /// Forces along and across the contacts, with their covariance. The effect of a tangent on the markers is proportional to the force. In the covariance, the
-    /// root mean square of the force replaces this force, which matters for small forces. The root mean square is the square root of the squared estimate plus
-    /// the variance.
+    /// Forces along and across the contacts, with their covariance. The effect of a tangent on the markers is proportional to the force. In the
+    /// covariance, the root mean square of the force replaces the estimated force; the difference matters for small forces. The root mean square is
+    /// the square root of squared estimate plus variance.
     fn solution(&mut self, fit: &Fit<DVector<f64>>) -> Result<MeasuredContactForces, SensingError> {
         let count = self.contacts.len();
         let (forces_n, tangents) = (&fit.point.as_slice()[..count], &fit.point.as_slice()[count..2 * count]);
@@ -219,8 +219,8 @@ impl Problem<'_> {
         let widened = if chi_squared > chance { chi_squared / degrees_of_freedom } else { 1.0 };
         let covariance_n2 = &turned * covariance * turned.transpose() * widened;
         let across_n: Vec<f64> = (0..count).map(|i| forces_n[i] * tangents[i]).collect();
-        // If the measured normal is wrong, a share of the friction force counts as force along the normal. The friction force counts with at least its upper
-        // bound. Otherwise noise could make the estimated friction force, and so the standard deviation, too small.
+        // If the measured normal is wrong, a share of the friction force counts as force along the normal. The share is computed from at least the
+        // upper bound of the friction force. Otherwise noise could make the estimated friction force, and hence the standard deviation, too small.
         let variance_n2 = |i: usize| {
             let across_n2 = across_n[i].powi(2) + covariance_n2[(count + i, count + i)];
             let most_n = self.knowledge.friction * forces_n[i];
@@ -245,7 +245,7 @@ impl MeasuredContactForces {
     /// Sum of all forces along the unit vector `along` (finger frame) and its standard deviation, both N.
     pub fn sum_along(&self, finger: &Finger, along: Vector) -> [f64; 2] {
         let count = self.along_n.len();
-        // Component along `along` of a unit force: first along each contact, then across each contact.
+        // Component along `along` of a unit force, first for a force along each contact, then for a force across each contact.
         let shares = (0..2 * count).map(|i| {
             let turned_deg = if i < count { 0.0 } else { 90.0 };
             finger.direction(self.contacts[i % count].angle_deg + turned_deg).dot(&along)
@@ -256,7 +256,8 @@ impl MeasuredContactForces {
     }
 }
 
-/// Displacements, mm, and weights (dimensionless) of a measurement, two coordinates per marked node. Both are zero for a hidden node.
+/// Displacements, mm, and weights (dimensionless) of a measurement, two coordinates per marked node. Displacements and weights are zero for a hidden
+/// node.
 fn of_marked_nodes(finger: &Finger, measurement: &Measurement) -> [DVector<f64>; 2] {
     let nodes = finger.marked_nodes();
     let mut displacements_mm = DVector::zeros(2 * nodes.len());

@@ -41,8 +41,8 @@ pub const LARGEST_SPAN: f64 = 1e8;
 const UNEXPLAINED_SIGMAS: f64 = 10.0;
 const UNEXPLAINED_SHARE: f64 = 0.3;
 
-/// Largest power of one half below `carried`. `carried` is the share of a load step (0 to 1) up to which equilibria exist. Repeated halving of the step would
-/// give the same result, but would search for an equilibrium after each halving. One half if `carried` is zero.
+/// Largest power of one half below `carried`, the share of a load step (0 to 1) up to which equilibria exist. Returns one half if `carried` is zero.
+/// Repeated halving of the step would lead to the same result, but would need a search for an equilibrium after each halving.
 fn halved_below(carried: f64) -> f64 {
     let mut share = 0.5;
     while share >= carried && carried > 0.0 {

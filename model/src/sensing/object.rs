@@ -32,15 +32,15 @@ impl ObjectShape {
     /// A polygon with the given corners, mm, listed in order along the outline, clockwise or counterclockwise.
     ///
     /// # Errors
-    /// [`NotConvex`] for fewer than three corners, repeated corners, three successive corners on one line, or an outline that does not turn once round in one
-    /// sense.
+    /// [`NotConvex`] for fewer than three corners, repeated corners, three successive corners on one line, or an outline that does not make one full
+    /// turn in a single sense.
     pub fn polygon(mut corners: Vec<Vector>) -> Result<ObjectShape, NotConvex> {
         let count = corners.len();
         let at = |i: usize| corners[i % count];
         let turn = |i: usize| (at(i + 1) - at(i)).perp(&(at(i + 2) - at(i + 1)));
         let area: f64 = (0..count).map(|i| at(i).perp(&at(i + 1))).sum();
         let exterior = |i: usize| turn(i).atan2((at(i + 1) - at(i)).dot(&(at(i + 2) - at(i + 1)))).abs();
-        // A star also turns in one sense at every corner, but more than once round.
+        // A star also turns in one sense at every corner, but makes more than one full turn.
         let once_round = (0..count).map(exterior).sum::<f64>() < 1.5 * std::f64::consts::TAU;
         if count < 3 || !(0..count).all(|i| turn(i) * area > 0.0) || !once_round {
             return Err(NotConvex);
@@ -65,7 +65,7 @@ impl ObjectShape {
         }
     }
 
-    /// Point of the outline, in mm, that is farthest in the direction of the unit vector `along`. There, `along` is the outward normal.
+    /// Point of the outline, in mm, that is farthest in the direction of the unit vector `along`. The outward normal at this point is `along`.
     fn furthest(&self, along: Vector) -> Vector {
         match self {
             ObjectShape::Disc { radius_mm } => along * *radius_mm,
@@ -99,8 +99,8 @@ impl TouchedObject {
         self.sd_rad > 0.0 && !self.shape.is_round()
     }
 
-    /// Point of the outline, in mm, finger frame, whose outward normal is `normal`. The object is shifted by `x_mm` and `y_mm` and rotated about its origin by
-    /// `turn_rad`.
+    /// Point of the outline, in mm, finger frame, at which the outward normal is `normal`. The object is shifted by `x_mm` and `y_mm` and rotated
+    /// about its origin by `turn_rad`.
     pub(super) fn point_facing(&self, normal: Vector, [x_mm, y_mm, turn_rad]: [f64; 3]) -> Vector {
         let turn = UnitComplex::new(self.pose.rotation.angle() + turn_rad);
         let origin = self.pose.translation.vector + Vector::new(x_mm, y_mm);

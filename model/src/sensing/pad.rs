@@ -5,11 +5,12 @@ use crate::finger::{Finger, Plate};
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::mesh::{Load, LoadError, Mesh};
 
-/// A pad on the front plate. It distributes a force evenly over a length of the plate. The force acts on the pad's surface, so the component of the force along
-/// the plate exerts a moment on the plate. The default is no pad.
+/// A pad on the front plate, which distributes a force evenly over a length of the plate. The force acts on the pad's surface, so the component of
+/// the force along the plate exerts a moment on the plate. The default is no pad.
 ///
 /// # Reference
-/// Forces at two Gauss points replace the pressure of the pad. These forces have the resultant, moment and second moment of a uniform pressure with shear.
+/// Forces at two Gauss points replace the pressure of the pad. These forces have the same resultant, moment and second moment as a uniform pressure
+/// with shear.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Pad {
     /// Length of the plate over which a force is distributed, mm.
@@ -65,11 +66,12 @@ impl Pad {
         loads.into_iter().flatten().map(|load| mesh.frame_load(&load))
     }
 
-    /// Two forces whose sum is the contact force. Their moment about the contact is that of the friction force, which acts on the pad's surface.
+    /// Two forces whose sum is the contact force. The two forces have the same moment about the contact as the friction force, which acts on the
+    /// pad's surface.
     fn pair(&self, finger: &Finger, contact: &Contact, s_mm: f64, force_n: f64, plate_turn_rad: f64) -> [Load; 2] {
         let length_mm = finger.plate_length_mm(Plate::Front);
         let reach_mm = (GAUSS_POINT * self.length_mm).max(SHORTEST_LEVER_MM);
-        // The pad ends where the plate does.
+        // The pad does not extend beyond the ends of the plate.
         let nearest_mm = f64::EPSILON * length_mm;
         let [from_mm, to_mm] = [s_mm - reach_mm, s_mm + reach_mm].map(|at_mm| at_mm.clamp(nearest_mm, length_mm));
         let apart_mm = to_mm - from_mm;

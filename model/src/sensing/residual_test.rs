@@ -2,26 +2,27 @@
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 
-/// Probability that a measurement with the stated noise fails the test: one false warning in a hundred frames is acceptable.
+/// Probability that a measurement with the stated noise fails the test. One false warning in a hundred frames is acceptable.
 pub const SIGNIFICANCE: f64 = 0.01;
 
-/// Noise does not explain a residual whose p-value is below this: the finger or its contacts differ from the scene.
+/// Noise does not explain a residual with a p-value below this limit: the finger or its contacts differ from the scene.
 const MISFIT: f64 = 1e-7;
-/// A [misfit](MISFIT) counts as an error that all coordinates share. This factor multiplies the standard deviation of a force that follows from such an error
-/// of the residual's size. Fingers with another base, softer zones, a preload, other ribs or another scale than their scene need factors of 0.1 to 5 (test
-/// `misfit`).
+/// A [misfit](MISFIT) counts as an error that all coordinates share. A shared error of the residual's size causes a certain standard deviation of a
+/// force; this factor multiplies it. The test `misfit` uses fingers that differ from their scene in base, zones, preload, ribs or scale. They need
+/// factors of 0.1 to 5.
 const MISFIT_SHARE: f64 = 2.5;
 
 /// Comparison of a residual with the stated noise.
 ///
 /// # Reference
-/// If the model and the stated noise are correct, the sum of squared residuals divided by the variance of a coordinate follows the chi-squared distribution.
-/// Its degrees of freedom are the number of coordinates minus the number of unknowns (Press et al., Numerical Recipes, sec. 15.1).
+/// If the model and the stated noise are correct, the sum of squared residuals divided by the variance of a coordinate follows the chi-squared
+/// distribution. The degrees of freedom of this distribution are the number of coordinates minus the number of unknowns (Press et al., Numerical
+/// Recipes, sec. 15.1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResidualTest {
     /// Stated standard deviation of one coordinate, mm.
     pub noise_mm: f64,
-    /// Residual standard deviation: square root of the weighted sum of squares over the degrees of freedom, mm.
+    /// Residual standard deviation, mm: square root of the weighted sum of squares divided by the degrees of freedom.
     pub residual_sd_mm: f64,
     /// Number of measured coordinates minus number of unknowns.
     pub degrees_of_freedom: usize,
@@ -35,14 +36,14 @@ impl ResidualTest {
         Some(ResidualTest { noise_mm, residual_sd_mm, degrees_of_freedom })
     }
 
-    /// Probability, 0 to 1, of a residual at least as large under the stated noise.
+    /// Probability, 0 to 1, that the stated noise causes a residual at least as large as this one.
     pub fn p_value(&self) -> f64 {
         let squares = self.degrees_of_freedom as f64 * (self.residual_sd_mm / self.noise_mm).powi(2);
         // There is at least one degree of freedom, so the distribution exists.
         ChiSquared::new(self.degrees_of_freedom as f64).map_or(f64::NAN, |chi_squared| chi_squared.sf(squares))
     }
 
-    /// Residual and noise in words, with three decimals or more, so that their difference has two digits.
+    /// Residual and noise in words, with at least three decimals, so that the difference between the two has two digits.
     pub(super) fn sizes_in_words(&self) -> String {
         let [residual_mm, noise_mm] = [self.residual_sd_mm, self.noise_mm];
         let digits = (1.0 - (residual_mm - noise_mm).abs().log10().floor()).clamp(3.0, 17.0) as usize;
@@ -62,8 +63,8 @@ impl ResidualTest {
     /// Whether the measurement contradicts the model or the stated noise.
     pub fn contradicts(&self) -> bool {
         let squared = (self.residual_sd_mm / self.noise_mm).powi(2);
-        // Clear cases need no gamma function. A residual below the noise has p > 0.3 for any number of degrees of freedom. The value with p = 0.01, divided by
-        // the degrees of freedom, is largest for one degree of freedom: 6.63.
+        // Clear cases need no gamma function. A residual below the noise has p > 0.3 for any number of degrees of freedom. The ratio of chi-squared
+        // to degrees of freedom at p = 0.01 is largest for one degree of freedom: 6.63.
         squared > 7.0 || (squared > 1.0 && self.p_value() < SIGNIFICANCE)
     }
 
@@ -73,8 +74,9 @@ impl ResidualTest {
         if self.contradicts() { self.residual_sd_mm } else { self.noise_mm }
     }
 
-    /// Factor by which a misfit widens standard deviations that follow from [`trusted_noise_mm`](Self::trusted_noise_mm). A misfit counts as an error that all
-    /// coordinates share. The effect of such an error does not decrease with the number of coordinates, unlike that of noise. The factor is 1 without a misfit.
+    /// Factor by which a misfit widens standard deviations that follow from [`trusted_noise_mm`](Self::trusted_noise_mm). A misfit counts as an error
+    /// that all coordinates share. Unlike the effect of noise, the effect of such an error does not decrease with the number of coordinates. The
+    /// factor is 1 without a misfit.
     pub(super) fn widening_of_misfit(&self) -> f64 {
         if !self.contradicts() || self.p_value() > MISFIT {
             return 1.0;
@@ -93,13 +95,13 @@ pub(super) fn residual_sd_mm(sum_of_squares_mm2: f64, degrees_of_freedom: usize)
 /// Cumulative probability at the upper end of a 95 % interval.
 const UPPER: f64 = 0.975;
 
-/// Standard deviation of one coordinate, mm, if no noise is stated. It is the residual standard deviation, widened so that 1.96 times the result is half of a
-/// 95 % interval. `None` without a degree of freedom.
+/// Standard deviation of one coordinate, mm, if no noise is stated. It is the residual standard deviation, widened so that 1.96 times the result is
+/// half the width of a 95 % interval. `None` without a degree of freedom.
 ///
 /// # Reference
-/// A normal error divided by its standard deviation, as estimated from a residual, follows Student's t distribution with the residual's degrees of freedom
-/// (Press et al., Numerical Recipes, sec. 15.6). The 95 % interval of this distribution is wider than that of the normal distribution by a factor of 6.5 for 1
-/// degree of freedom, 1.14 for 10, and 1.03 for 45.
+/// A normal error divided by its standard deviation, as estimated from a residual, follows Student's t distribution with the residual's degrees of
+/// freedom (Press et al., Numerical Recipes, sec. 15.6). The 95 % interval of this distribution is wider than the interval of the normal
+/// distribution: by a factor of 6.5 for 1 degree of freedom, 1.14 for 10, and 1.03 for 45.
 pub(super) fn unstated_noise_mm(sum_of_squares_mm2: f64, degrees_of_freedom: usize) -> Option<f64> {
     let residual_sd_mm = residual_sd_mm(sum_of_squares_mm2, degrees_of_freedom)?;
     // There is at least one degree of freedom, so both distributions exist.

@@ -17,12 +17,12 @@ pub struct ContactForce {
     pub along_n: f64,
     /// Force across the direction, positive towards the tip, N.
     pub across_n: f64,
-    /// Distance from the plate's axis at which `across_n` acts, mm: the radius of a rod, or half the plate's thickness. The moment of `across_n` turns the
-    /// plate.
+    /// Distance, mm, of `across_n` from the plate's axis: the radius of a rod, or half the plate's thickness. The moment of `across_n` about the axis
+    /// rotates the plate.
     pub lever_mm: f64,
 }
 
-/// On the plate between nodes, two forces represent a moment. Each acts at this distance from the contact, in mm.
+/// On the plate between nodes, two forces represent a moment. Each force acts at this distance from the contact, in mm.
 const COUPLE_REACH_MM: f64 = 0.5;
 
 impl ContactForce {
@@ -146,7 +146,7 @@ impl<'m> RespondingFinger<'m> {
     }
 }
 
-/// Coordinates (x, y) of the marked nodes, in the unit of `of_nodes`. `of_nodes` has one vector per key node.
+/// Coordinates (x, y) of the marked nodes, in the unit of `of_nodes`, which has one vector per key node.
 pub fn marker_coordinates(finger: &Finger, of_nodes: &[Vector]) -> DVector<f64> {
     let nodes = finger.marked_nodes();
     DVector::from_iterator(2 * nodes.len(), nodes.flat_map(|node| [of_nodes[node.0 - 1].x, of_nodes[node.0 - 1].y]))

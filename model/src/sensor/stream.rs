@@ -8,19 +8,19 @@ use crate::sensing::{ContactQuestion, ResidualTest, SensingError, Warning};
 use crate::{NodeId, Vector};
 use nalgebra::{Matrix3, Vector3};
 
-/// Probability with which noise alone makes a frame count as one that shows a force, or as one that contradicts its contacts. A stream has so many frames that
-/// the probability of the warnings of a single measurement, 1 %, would be too large.
+/// Probability per frame of a false alarm: noise alone makes the frame appear to show a force, or to contradict its contacts. For the many frames of
+/// a stream, the false-alarm probability of a single measurement, 1 %, would be too large.
 const FALSE_ALARM: f64 = 1e-4;
 
-/// Senses the forces in each observation of a stream, and finds how many contacts it shows.
+/// Senses the forces in each observation of a stream, and determines how many contacts the observation shows.
 ///
-/// Contacts at given positions are sensed as [`Sensor`] senses them. For a single contact of unknown position, a second one of the same kind is added if the
-/// markers contradict the first alone.
+/// Contacts at given positions are sensed as [`Sensor`] senses them. For a single contact of unknown position, a second contact of the same kind is
+/// added if the markers contradict the first contact alone.
 #[derive(Debug, Clone)]
 pub struct StreamSensor<'s> {
     scene: &'s Scene,
     options: SensorOptions<'s>,
-    /// Sensors for the contacts that were asked for, and for one contact more.
+    /// A sensor for the requested contacts and, if a second contact may be added, a sensor for two contacts.
     sensors: Vec<Sensor<'s>>,
 }
 
@@ -47,8 +47,9 @@ impl<'s> StreamSensor<'s> {
         Ok(StreamSensor { scene, options, sensors })
     }
 
-    /// The forces that an observation shows, as many as the markers need. `None` if the markers show no force: noise alone explains their displacements, or
-    /// the interval of a single force contains zero. The search starts from `before`, the forces of the observation before, if there are any.
+    /// The forces that an observation shows. Their number is the smallest that explains the markers. `None` if the markers show no force: noise alone
+    /// explains their displacements, or the interval of a single force contains zero. The search starts from `before`, the forces of the previous
+    /// observation, if that observation showed any.
     ///
     /// # Errors
     /// [`Refusal`] as for [`Sensor::sense`], or if the markers contradict the contacts.
@@ -67,12 +68,12 @@ impl<'s> StreamSensor<'s> {
                     return Err(SensingError::NoiseNotStated.into());
                 }
                 Ok(sensed) => {
-                    // Correlated forces may each include zero although their sum does not.
+                    // The intervals of correlated forces may each include zero although the interval of their sum does not.
                     let [low_n, high_n] = sensed.interval_n(0);
                     let shows = sensed.contacts.len() > 1 || !(low_n..=high_n).contains(&0.0);
                     return Ok(shows.then_some(sensed));
                 }
-                // The reason against the fewest contacts says most.
+                // The refusal for the smallest number of contacts is the most informative.
                 Err(reason) if is_contradiction(&reason) => refusal = refusal.or(Some(reason)),
                 Err(reason) => return Err(refusal.unwrap_or(reason)),
             }
@@ -83,8 +84,8 @@ impl<'s> StreamSensor<'s> {
     /// Whether the noise of the markers and the uncertainty of the base explain all displacements. False if the noise is unknown.
     ///
     /// # Reference
-    /// Chi-squared test of d^T S^-1 d, where the covariance S of the displacements d is that of the noise plus that of a rigid motion of the base (Woodbury
-    /// identity).
+    /// Chi-squared test of d^T S^-1 d for the displacements d. Their covariance S is the sum of the covariances of the noise and of a rigid motion of
+    /// the base (Woodbury identity).
     fn is_noise(&self, seen: &Observation) -> Result<bool, Refusal> {
         let stated_mm = self.options.noise_mm.or(self.scene.noise_mm);
         let found = seen.for_sensing(self.scene, self.options.estimator.searches(), stated_mm)?;
@@ -129,7 +130,7 @@ fn contradiction(sensed: &SensedForces) -> Option<Warning> {
     })
 }
 
-/// Mean positions of the markers in observations of the unloaded finger, from which later displacements are measured.
+/// Mean positions of the markers in observations of the unloaded finger. Later displacements are measured from these positions.
 #[derive(Debug, Clone, Default)]
 pub struct RestPositions {
     /// Sum of the positions, mm, sum of their variances, mm^2, and number of observations of each marker.
@@ -153,8 +154,8 @@ impl RestPositions {
         }
     }
 
-    /// The observation with displacements from the mean positions. Markers that were never seen at rest are left out. Standard deviations include those of the
-    /// mean positions.
+    /// The observation with displacements from the mean positions. Markers that were never seen at rest are left out. The standard deviations include
+    /// the uncertainty of the mean positions.
     pub fn displaced(&self, seen: &Observation) -> Observation {
         let displaced = |marker: &ObservedMarker| {
             let (_, sum, variances_mm2, count) = self.markers.iter().find(|(node, ..)| *node == marker.node)?;

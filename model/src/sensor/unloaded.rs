@@ -31,7 +31,7 @@ impl Sensor<'_> {
         let references = scene.base.as_ref().map_or(&[][..], |base| &base.references);
         let camera = scene.camera.and_then(|camera| camera.pose).zip(scene.markers).map(|(pose, markers)| {
             let eye = (frame.inverse() * Point2::from(pose.eye().xy())).coords;
-            // The camera sees the base references from the same height as the markers.
+            // The camera is assumed to be equally high above base references and markers.
             let middle = match references {
                 [] => eye,
                 some => some.iter().map(|reference| reference.at).sum::<Vector>() / some.len() as f64,

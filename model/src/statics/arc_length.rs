@@ -5,29 +5,30 @@ use crate::frame::{FrameLoad, FrameMotion, PlaneFrame};
 use crate::{Kinematics, Vector};
 use finray_numerics::linear::{Bordered, Direction, IndefiniteFactor};
 
-/// Length of the first step in the norm of [`ArcLength`], dimensionless; it corresponds to about one degree of rotation.
+/// Length of the first step in the norm of [`ArcLength`], dimensionless. This length corresponds to about one degree of rotation.
 const FIRST_STEP: f64 = 0.02;
-/// No step is longer than this in the norm of [`ArcLength`], dimensionless, so that the points of a path are close enough to draw it.
+/// Longest step in the norm of [`ArcLength`], dimensionless. Points of a path are then close enough for a drawing of the path.
 const LONGEST_STEP: f64 = 0.1;
 /// Shortest step in the norm of [`ArcLength`], dimensionless. If a path needs a shorter step, the search ends with an error.
 const SHORTEST_STEP: f64 = 1e-10;
-/// Angle between the tangents at both ends of a step, rad, for which the step length is chosen.
+/// Intended angle between the tangents at both ends of a step, rad. The step length is chosen for this angle.
 const INTENDED_TURN: f64 = 0.15;
 /// Largest angle between the tangents at both ends of a step, rad. A step with a larger angle may have reached another branch, so it is repeated with a shorter
 /// length.
 const LARGEST_TURN: f64 = 0.5;
-/// Newton's method has converged when the predicted norm of its next correction is below this. The prediction uses the last two corrections.
+/// Newton's method has converged when the predicted norm of its next correction is below this value. The prediction uses the last two corrections.
 const CORRECTION_TOLERANCE: f64 = 1e-12;
-/// The next correction is predicted only from corrections with a norm up to this.
+/// The next correction is predicted only from corrections with a norm up to this value.
 const QUADRATIC_RANGE: f64 = 1e-3;
-/// A correction counts as rounding noise if its norm exceeds a quarter of the previous norm, and is below this and below [`STAGNATION_SHARE`] of the step.
+/// A correction counts as rounding noise if its norm exceeds a quarter of the previous norm, and is below both this value and the share
+/// [`STAGNATION_SHARE`] of the step.
 const STAGNATION_TOLERANCE: f64 = 1e-8;
 /// Largest correction that may count as rounding noise, as a share of the step; see [`STAGNATION_TOLERANCE`].
 const STAGNATION_SHARE: f64 = 1e-2;
-/// Largest number of Newton iterations in a step. A step that needs more is repeated with a shorter length.
+/// Largest number of Newton iterations in a step. A step that needs more iterations is repeated with a shorter length.
 const MAX_ITERATIONS: usize = 10;
-/// A limit point is accepted when the load component of the unit tangent is below this. The error of the limit load is of the order of the square of that
-/// component.
+/// A limit point is accepted when the load component of the unit tangent is below this value. The error of the limit load is of the order of the
+/// square of this component.
 const LIMIT_TOLERANCE: f64 = 1e-7;
 /// Largest number of iterations that locate a limit point between two points of the path. After these iterations, the best point found is used.
 const MAX_LIMIT_TRIALS: usize = 40;
@@ -40,15 +41,15 @@ const BIFURCATION_SHARE: f64 = 1e-3;
 /// Several bifurcations in one step are accepted when the load multiple changes by at most this share in the step.
 const MULTIPLE_BIFURCATION_SHARE: f64 = 1e-6;
 
-/// An equilibrium on a path; it may be stable or unstable.
+/// A stable or unstable equilibrium on a path.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PathPoint {
     /// Load multiple: common factor on all loads, dimensionless.
     pub multiple: f64,
     /// Displacements (mm) and rotations (rad) of the frame.
     pub motion: FrameMotion,
-    /// Number of negative eigenvalues of the tangent stiffness; 0 for a stable equilibrium. It changes by one at a simple limit point and at a simple
-    /// bifurcation.
+    /// Number of negative eigenvalues of the tangent stiffness; 0 for a stable equilibrium. This number changes by one at a simple limit point and at
+    /// a simple bifurcation.
     pub negative_pivots: usize,
 }
 
@@ -82,18 +83,20 @@ pub struct EquilibriumPath {
 /// Follows equilibria of any plane frame from rest, on stable and unstable branches. The path may pass limit points, at which the load starts to fall or to
 /// rise (snap-through), and points at which the loaded point turns back (snap-back).
 ///
-/// A step starts along the tangent of the path. Newton's method then returns to the path within the plane normal to that tangent. Its unknowns include the
-/// load multiple, so limit points need no special treatment. The change of the tangent's direction sets the step length. At a limit point the tangent has no
-/// load component. Between two points of the path, the regula falsi (Illinois) finds the step length at which this component vanishes.
+/// A step starts along the tangent of the path. Newton's method then returns to the path within the plane normal to this tangent. The unknowns of
+/// Newton's method include the load multiple, so limit points need no special treatment. The change of the tangent's direction sets the step length.
+/// At a limit point the tangent has no load component. Between two points of the path, the regula falsi (Illinois) finds the step length at which the
+/// load component vanishes.
 ///
-/// The length of a step does not depend on units or mesh. It is the root mean square over all unknowns: displacements divided by the frame's size (half the
-/// diagonal of its outline), and rotations in rad. The load multiple is scaled by the motion it causes at rest. An energy norm would also be free of units.
-/// But for a slender beam that only rotates, the stiffness at rest predicts a large elongation, whose energy would dominate that of bending beams.
+/// The length of a step does not depend on units or mesh. The length is the root mean square over all unknowns: displacements divided by the frame's
+/// size (half the diagonal of the frame's outline), and rotations in rad. The load multiple is scaled by the motion that it causes at rest. An energy
+/// norm would also be free of units. However, for a slender beam that only rotates, the stiffness at rest predicts a large elongation. The energy of
+/// this elongation would dominate the energy of bending beams.
 ///
 /// # Requirements
-/// The stiffness at rest is positive definite. The loads keep their directions. Limit points are simple. At a bifurcation the path keeps its branch, and
-/// [`PathPoint::negative_pivots`] shows the change of stability. No element bends by much more than a radian, because the energy has a kink when an end
-/// rotates by half a turn against its chord.
+/// The stiffness at rest is positive definite. The loads keep their directions. Limit points are simple. At a bifurcation the path keeps its branch,
+/// and [`PathPoint::negative_pivots`] shows the change of stability. No element bends by much more than a radian, because the energy has a kink when
+/// an end rotates by half a turn relative to its chord.
 ///
 /// # Reference
 /// E. Riks, Int. J. Solids Struct. 15 (1979) 529-551; H. B. Keller, Numerical solution of bifurcation and nonlinear
@@ -145,7 +148,7 @@ struct Station {
 }
 
 impl<'f> ArcLength<'f> {
-    /// Prepares the equations of a frame; the path is followed with the given kinematics.
+    /// Prepares the equations of a frame for a path with the given kinematics.
     pub fn new(frame: &'f PlaneFrame, kinematics: Kinematics) -> ArcLength<'f> {
         let assembly = Assembly::new(frame, kinematics);
         let size = half_diagonal(frame);
@@ -199,7 +202,8 @@ impl<'f> ArcLength<'f> {
         Ok(path)
     }
 
-    /// Returns the frame at rest and sets the weight of the load multiple from the linear motion. `None` if the stiffness is not positive definite.
+    /// Returns the frame at rest, and sets the weight of the load multiple, which follows from the linear motion. `None` if the stiffness is not
+    /// positive definite.
     fn at_rest(&mut self, loads: &[FrameLoad]) -> Option<Station> {
         let motion = FrameMotion::at_rest(self.assembly.frame());
         self.assembly.evaluate(&motion, loads, 0.0);
@@ -217,8 +221,8 @@ impl<'f> ArcLength<'f> {
         Some(Station { point: PathPoint { multiple: 0.0, motion, negative_pivots: 0 }, tangent })
     }
 
-    /// Finds the point where the path crosses the plane normal to the tangent, at the distance `length` from `from`. `None` if Newton's method does not
-    /// converge.
+    /// Finds the point at which the path crosses a plane. The plane is normal to the tangent, at the distance `length` from `from`. `None` if
+    /// Newton's method does not converge.
     fn step(&mut self, from: &Station, loads: &[FrameLoad], length: f64) -> Option<Station> {
         let constraint = self.measure.dual(&from.tangent);
         let mut point = from.point.clone();
@@ -309,7 +313,7 @@ impl Measure {
         self.product(direction, direction).sqrt()
     }
 
-    /// The direction whose unweighted product with any direction equals the weighted inner product of `of` with that direction.
+    /// Returns a direction. Its unweighted product with any other direction equals the weighted inner product of `of` with that other direction.
     fn dual(&self, of: &Direction) -> Direction {
         let unknowns = self.unknowns.iter().zip(&of.unknowns).map(|(w, u)| w * u).collect();
         Direction { unknowns, multiple: self.multiple * of.multiple }
@@ -321,8 +325,8 @@ fn turns_back(from: &Station, to: &Station) -> bool {
     from.tangent.multiple * to.tangent.multiple < 0.0
 }
 
-/// Whether the stability of two neighbouring points agrees with a path without bifurcation between them. On such a path, the bordered matrix keeps the sign
-/// of its determinant. One eigenvalue of the tangent stiffness then changes sign at a limit point, and none elsewhere.
+/// Whether the stability of two neighbouring points agrees with a path without bifurcation between them. On such a path, the bordered matrix keeps
+/// the sign of its determinant. One eigenvalue of the tangent stiffness then changes sign at a limit point, and no eigenvalue changes sign elsewhere.
 fn is_regular(from: &Station, to: &Station) -> bool {
     let changed = from.point.negative_pivots.abs_diff(to.point.negative_pivots);
     changed == usize::from(turns_back(from, to))

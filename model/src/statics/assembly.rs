@@ -66,7 +66,8 @@ impl<'f> Assembly<'f> {
         &self.equations
     }
 
-    /// Tangent stiffness of the last [`evaluate`](Assembly::evaluate). It is n x n for n unknowns, with both triangles; entries in N/mm, N or N mm.
+    /// Tangent stiffness of the last [`evaluate`](Assembly::evaluate). The matrix is n x n for n unknowns, with both triangles. Its entries are in
+    /// N/mm, N or N mm.
     pub fn stiffness(&self) -> &CsMat<f64> {
         &self.stiffness
     }

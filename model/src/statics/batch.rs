@@ -1,11 +1,12 @@
 //! Equilibria of one finger under many loads, computed several at a time in SIMD lanes.
 //!
-//! All loads share the mesh and hence the sequence of operations, so Newton's method handles one load per lane of the SIMD registers. A lane whose load has
-//! converged starts with the next load. Lanes do not depend on each other, and each lane repeats [`Statics::equilibrium`] operation by operation. The result
-//! of a load is therefore bitwise the same in any batch, for any number of threads and on any machine.
+//! All loads share the mesh and hence the sequence of operations. Newton's method therefore handles one load per lane of the SIMD registers. When the
+//! load of a lane has converged, the lane starts with the next load. Lanes do not depend on each other, and each lane repeats
+//! [`Statics::equilibrium`] operation by operation. The result of a load is therefore bitwise the same in any batch, for any number of threads and on
+//! any machine.
 //!
-//! Lanes apply the whole load in one step. The scalar solver handles loads that need more steps or have no equilibrium. It also makes the first correction of
-//! each load, because this correction needs only the stiffness at rest, which the mesh stores.
+//! Lanes apply the whole load in one step. The scalar solver handles loads that need more steps or have no equilibrium. The scalar solver also makes
+//! the first correction of each load, because this correction needs only the stiffness at rest, which the mesh stores.
 
 use super::ladder::{Balance, Factor};
 use super::load_step::{CORRECTION_TOLERANCE, LoadStep};
@@ -18,8 +19,8 @@ use crate::number::{Lanes, Number};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-/// Number of loads in a piece, which one thread solves. It keeps the lanes full until near the end of a piece, and is small compared with the number of loads
-/// in a study.
+/// Number of loads in a piece. One thread solves a piece. The number is large enough to keep the lanes full until near the end of a piece, and small
+/// compared with the number of loads in a study.
 const LOADS_A_PIECE: usize = 256;
 
 /// Equilibria under dead loads, each followed from rest, in the order of the loads. The results equal those of [`Statics::equilibrium`].
@@ -57,7 +58,7 @@ impl WithSimd for Piece<'_> {
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Piece { mesh, kinematics, loads } = self;
         let mut single = Statics::ladder(mesh, kinematics);
-        // Lanes are no faster for a single load, or for linear equilibria, which share one factorisation.
+        // Lanes are no faster for a single load, nor for linear equilibria, because these share one factorisation.
         if kinematics == Kinematics::Linear || loads.len() == 1 {
             return loads.iter().map(|loads| single.equilibrium(loads)).collect();
         }
@@ -93,7 +94,7 @@ struct Path<'a> {
 }
 
 impl<'a, I: Iterator<Item = (usize, &'a &'a [FrameLoad])>> PendingLoads<'a, I> {
-    /// The next load that needs more than one correction from rest. `motion` then holds the motion after the first correction.
+    /// The next load that needs more than one correction from rest. `motion` then contains the motion after the first correction.
     fn next(&mut self, motion: &mut FrameMotion, at_rest: &FrameMotion) -> Option<Path<'a>> {
         while let Some((index, &loads)) = self.loads.next() {
             if !loads.iter().all(FrameLoad::is_finite) {
@@ -136,7 +137,7 @@ struct Batch<'a, R: Number> {
     work: R,
     /// Squared energy norm of the solution in each lane, N mm: an argument of [`LoadStep::judge`].
     scale: R,
-    /// Largest rotation, or deviation of a rotation from its prediction, in each lane, rad: an argument of [`LoadStep::judge`].
+    /// Largest rotation in each lane, or largest deviation of a rotation from its prediction, rad: an argument of [`LoadStep::judge`].
     turn: R,
     /// The motion of the undeformed frame.
     at_rest: FrameMotion,
@@ -171,7 +172,7 @@ impl<'a, R: Number> Batch<'a, R> {
         for (lane, path) in self.paths.iter_mut().enumerate().filter(|(_, path)| path.is_none()) {
             *path = waiting.next(&mut self.of_lane, &self.at_rest);
             if path.is_none() {
-                // An idle lane stays at rest, because special numbers (such as subnormal ones) in it could slow down the other lanes.
+                // An idle lane stays at rest, because special numbers in an idle lane (such as subnormal numbers) could slow down the other lanes.
                 self.of_lane.clone_from(&self.at_rest);
             }
             self.motion.set_lane(lane, &self.of_lane);
@@ -207,7 +208,7 @@ impl<'a, R: Number> Batch<'a, R> {
         }
     }
 
-    /// Decides for each lane whether it continues. Stores the result of a lane that has finished, and frees the lane.
+    /// Decides for each lane whether its iteration continues. Stores the result of a finished lane, and frees the lane.
     fn judge(&mut self, waiting: &mut PendingLoads<'a, impl Iterator<Item = (usize, &'a &'a [FrameLoad])>>) {
         for (lane, place) in self.paths.iter_mut().enumerate() {
             let Some(path) = place else { continue };

@@ -1,7 +1,7 @@
 //! Continuation from one equilibrium to another in adaptive load steps.
 //!
-//! The length of a step follows from the previous step: from the largest length that its rotations would have allowed. Near the predicted end of the stable
-//! branch, the prediction limits the length ([`limit`](super::limit)).
+//! The length of a step follows from the largest length that the rotations of the previous step would have allowed. Near the predicted end of the
+//! stable branch, the prediction limits the length ([`limit`](super::limit)).
 
 use super::limit::Approach;
 use super::load_path::{LoadPath, LoadTransition, ProportionalLoading, TrialTransition};
@@ -120,7 +120,7 @@ impl<E: EquilibriumEquations> Statics<E> {
         let mut before: Option<FrameMotion> = None;
         let (mut done, mut step) = (0.0, 1.0);
         let (mut iterations, mut load_steps) = (0, 0);
-        // Predicts the end of the branch. It is created only at the first rejected step, because only then does the prediction matter.
+        // Predicts the end of the branch. Created only at the first rejected step, because the prediction does not matter before.
         let mut approach: Option<Approach> = None;
         let (mut failed_since, mut digits_checked, mut rejected) = (false, false, 0);
         while done < 1.0 {

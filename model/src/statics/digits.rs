@@ -1,7 +1,7 @@
 //! Number of correct digits of a solution after rounding.
 //!
 //! The stiffness of an element grows as 1 / h^3 with its length h, and its deformation shrinks with h. Finer meshes therefore lose more digits to
-//! cancellation. Newton's corrections recover the digits that the factored tangent loses, but not those that the residual loses.
+//! cancellation. Newton's corrections recover the digits that the factored tangent loses, but not the digits that the residual loses.
 
 use super::load_step::FEWEST_DIGITS;
 use super::newton::share;
@@ -9,7 +9,8 @@ use super::{Equilibrium, EquilibriumEquations, Statics, StaticsError};
 use crate::Kinematics;
 use crate::frame::{FrameLoad, FrameMotion};
 
-/// A last correction below this, relative to the solution, shows one digit more than required. The margin exists because the error may exceed the correction.
+/// If the last correction is below this share of the solution, the solution has one digit more than required. This margin exists because the error
+/// may exceed the correction.
 const SMALL_CORRECTION: f64 = 1e-5;
 /// Number of decimal digits of a number in double precision.
 const ALL_DIGITS: f64 = 15.65;
@@ -19,8 +20,8 @@ const FEWEST_NEWTON_DIGITS: f64 = 5.0;
 const HARDLY_ANY_LOAD: f64 = 1e-20;
 
 impl<E: EquilibriumEquations> Statics<E> {
-    /// Equilibrium under dead loads, followed from rest, with at least four correct digits. It linearises once more than
-    /// [`equilibrium`](Statics::equilibrium), unless the last correction already shows enough digits.
+    /// Equilibrium under dead loads, followed from rest, with at least four correct digits. Linearises once more than
+    /// [`equilibrium`](Statics::equilibrium), unless the last correction already proves that enough digits are correct.
     ///
     /// # Errors
     /// [`StaticsError`] as for [`equilibrium`](Statics::equilibrium), and [`StaticsError::TooFewDigits`] for fewer than four digits.
@@ -34,11 +35,11 @@ impl<E: EquilibriumEquations> Statics<E> {
         if digits < FEWEST_DIGITS { Err(StaticsError::TooFewDigits { digits }) } else { Ok(found) }
     }
 
-    /// Number of correct decimal digits of an equilibrium, 0 to 15.65. It follows from the relative change that one more correction makes, in energy norm or
-    /// displacement, whichever changes more.
+    /// Number of correct decimal digits of an equilibrium, 0 to 15.65. The number follows from the relative change by one more correction, in energy
+    /// norm or displacement, whichever changes more.
     ///
-    /// This is an estimate. For linear solutions with known error it is at most 0.3 digits too high. It may be three or four digits too low, because the
-    /// energy norm includes noise of single elements that barely moves any node.
+    /// The number is an estimate. For linear solutions with known error, the estimate is at most 0.3 digits too high. It may be three or four digits
+    /// too low, because the energy norm includes noise in single elements that barely moves any node.
     ///
     /// Source: corrections as error estimates, Higham, Accuracy and Stability of Numerical Algorithms, ch. 12.
     pub fn digits_left(&mut self, motion: &FrameMotion, loads: &[FrameLoad]) -> f64 {

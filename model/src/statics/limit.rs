@@ -1,29 +1,29 @@
 //! Prediction of the end of a branch of stable equilibria, from the determinant of the tangent stiffness.
 //!
-//! At the end of the branch one pivot of the tangent reaches zero, and so does its determinant D. Let s be the share of the load path, and s* its value at
-//! the end of the branch. Near this end, D falls as (1 - s / s*)^p. The exponent p is 1/2 at a fold (limit load, snap-through) and 1 at a bifurcation (a
-//! straight rib that buckles). A path that only passes close to a fold shows p = 2/3 for a while. Three equilibria determine s* and p.
+//! At the end of the branch, one pivot of the tangent and the tangent's determinant D reach zero. Let s be the share of the load path, and s* the
+//! share at the end of the branch. Near this end, D falls as (1 - s / s*)^p. The exponent p is 1/2 at a fold (limit load, snap-through) and 1 at a
+//! bifurcation (a straight rib that buckles). A path that only passes close to a fold shows p = 2/3 for a while. Three equilibria determine s* and p.
 
 /// Exponent p of the determinant of a branch that ends in a fold (limit load, snap-through).
 const FOLD: f64 = 0.5;
 /// Exponent p of the determinant of a branch that ends in a bifurcation (buckling of a straight member).
 const BIFURCATION: f64 = 1.0;
-/// Number of bisections of the interval of exponents p. It gives p to 1e-3, which is finer than the accuracy of the predictions.
+/// Number of bisections of the interval of exponents p. They determine p to 1e-3, which is finer than the accuracy of the predictions.
 const HALVINGS: usize = 9;
-/// Share of the remaining distance to a fold that a step covers. Displacements follow the square root of that distance. If a step covers 8/9 of the distance,
-/// the tangent's prediction is off by half, which is the limit for a load step.
+/// A step covers this share of the remaining distance to a fold. Displacements vary with the square root of this distance. If a step covers 8/9 of
+/// the distance, the tangent's prediction is wrong by half, which is the limit for a load step.
 const REACH_AT_FOLD: f64 = 0.8;
-/// Share of the remaining distance to a bifurcation that a step covers. Near a bifurcation, displacements are smooth functions of the load.
+/// A step covers this share of the remaining distance to a bifurcation. Near a bifurcation, displacements are smooth functions of the load.
 const REACH_AT_BIFURCATION: f64 = 0.95;
 /// A step has at least this share of the length of the last step. If the determinant falls by powers of ten, predictions are useless, and this limit applies.
 const LEAST_REACH: f64 = 0.01;
-/// Largest exponent p of the determinant that counts as a fold. The other exponents, 2/3 and 1, exceed it by more than rounding and the finite distance between
-/// equilibria can cause.
+/// Largest exponent p of the determinant that counts as a fold. The other exponents, 2/3 and 1, exceed this limit by more than rounding and the
+/// finite distance between equilibria can cause.
 const LARGEST_POWER_OF_FOLD: f64 = 0.58;
 /// A fold counts as reached when the remaining distance is below this share of the predicted end of the branch.
 const GAP_TO_FOLD: f64 = 1e-4;
-/// The end of a branch that is not a fold counts as reached when the remaining distance is below this share of the predicted end. The branch may still turn
-/// there and continue.
+/// The end of a branch that is not a fold counts as reached when the remaining distance is below this share of the predicted end. The branch may
+/// still turn at this end and continue.
 const GAP_TO_OTHERS: f64 = 1e-6;
 /// The last two predictions agree if they differ by at most this share of the remaining distance.
 const AGREEMENT: f64 = 0.5;
@@ -86,8 +86,8 @@ impl Approach {
         (before.share - end.share).abs() <= AGREEMENT * (end.share - at)
     }
 
-    /// Share of the path as far beyond the predicted end as the last equilibrium is before the end. The branch should not reach this share. `None` while the
-    /// end is not close.
+    /// A share of the path that the branch should not reach. It is as far beyond the predicted end as the last equilibrium is before it. `None` while
+    /// the end is not close.
     pub(super) fn beyond(&self) -> Option<f64> {
         let (End { share: end, power }, at) = (self.predicted?, self.at()?);
         let left = end - at;
@@ -102,7 +102,7 @@ impl Approach {
     fn end(&self) -> Option<End> {
         let [first, Some(second), Some(third)] = self.points else { return None };
         let end = |power: f64| end_of_interval(second, third, power);
-        // Fall of the determinant's logarithm between the first two equilibria: actual value minus the value that an exponent implies.
+        // Fall of the determinant's logarithm between the first two equilibria: actual fall minus the fall that the exponent `power` implies.
         let excess = |power: f64| {
             let ([first, log_first], [second, log_second]) = (first?, second);
             let end = end(power)?;
@@ -132,7 +132,8 @@ impl Approach {
     }
 }
 
-/// Share of the path at which the determinant becomes zero, if it falls as (1 - s / s*)^p between two equilibria. `None` if the determinant does not fall.
+/// Share of the path at which the determinant becomes zero, if the determinant falls as (1 - s / s*)^p between two equilibria. `None` if the
+/// determinant does not fall.
 fn end_of_interval([from, log_from]: [f64; 2], [to, log_to]: [f64; 2], power: f64) -> Option<f64> {
     let ratio = ((log_from - log_to) / power).exp();
     let left = (to - from) / (ratio - 1.0);

@@ -12,7 +12,7 @@ const MOST_REJECTED_AT_START: usize = 4;
 
 /// Loads that vary along a path. A share of 0 is the start of the path, a share of 1 its end.
 pub(super) trait LoadPath {
-    /// The loads at a share of the path, and a factor that multiplies all of them.
+    /// The loads at a share of the path, and a factor that multiplies all these loads.
     fn at(&mut self, share: f64) -> (&[FrameLoad], f64);
 
     /// Whether the path continues after the intermediate equilibrium at the given share.
@@ -58,7 +58,7 @@ impl LoadPath for ProportionalLoading<'_> {
     }
 }
 
-/// Two sets of loads: one decreases linearly to zero along the path, while the other increases linearly from zero.
+/// Two sets of loads. Along the path, the first set decreases linearly to zero, while the second set increases linearly from zero.
 pub(super) struct LoadTransition<'l> {
     pub from: &'l [FrameLoad],
     pub to: &'l [FrameLoad],

@@ -1,11 +1,12 @@
 //! Decisions of Newton's method in one load step: convergence, acceptance and rejection.
 //!
-//! The decisions are separate from the equations, so that the scalar solver and each SIMD lane of a [batch](super::equilibria) share them.
+//! The decisions are separate from the equations, so that the scalar solver and each SIMD lane of a [batch](super::equilibria) share the decisions.
 
-/// A solution with fewer correct decimal digits than this is rejected. Four digits suffice, because the tightest tolerance of a comparison is 0.01 %.
+/// A solution with fewer correct decimal digits than this number is rejected. Four digits suffice, because the tightest tolerance of a comparison is
+/// 0.01 %.
 pub(super) const FEWEST_DIGITS: f64 = 4.0;
-/// Newton's method has converged when the predicted energy norm of its *next* correction is below this share of the solution's energy norm. The last two
-/// corrections predict it, because Newton's method squares the error near the solution: e' = c e^2.
+/// Newton's method has converged when the predicted energy norm of its *next* correction is below this share of the solution's energy norm. The last
+/// two corrections predict the next one, because Newton's method squares the error near the solution: e' = c e^2.
 pub(super) const CORRECTION_TOLERANCE: f64 = 1e-11;
 /// A linear solution has converged when its last correction is at most this share of the solution.
 const LINEAR_TOLERANCE: f64 = 1e-8;
@@ -14,15 +15,15 @@ const QUADRATIC_RANGE: f64 = 1e-2;
 /// Two successive corrections below this share of the solution count as rounding noise if each exceeds a quarter of the previous correction. Very fine
 /// meshes and needle-shaped fingers show such noise. One correction alone may be large by chance and leave an error of 1e-7, although the noise is 1e-9.
 const STAGNATION_TOLERANCE: f64 = 1e-6;
-/// Largest number of Newton iterations in a load step. A step that needs more is rejected as too long.
+/// Largest number of Newton iterations in a load step. A step that needs more iterations is rejected as too long.
 const MAX_ITERATIONS: usize = 20;
 /// Largest rotation of a node in one load step, rad. A larger rotation may lead to another branch, so the step is rejected.
 const MAX_STEP_ROTATION: f64 = 0.8;
-/// A step is rejected if a rotation deviates by more than this from the prediction by the tangent at the start of the step. The limit is a share of the largest
-/// predicted rotation. On a smooth path every sufficiently short step satisfies this limit; a snap to another branch rarely does. For random fingers under
-/// random loads, the arc-length method finds 22 of 9715 accepted equilibria beyond a limit load.
+/// A step is rejected if a rotation deviates by more than this limit from the prediction by the tangent at the start of the step. The limit is a
+/// share of the largest predicted rotation. On a smooth path every sufficiently short step satisfies this limit; a snap to another branch rarely
+/// does. For random fingers under random loads, the arc-length method finds 22 of 9715 accepted equilibria beyond a limit load.
 const MAX_PREDICTION_ERROR: f64 = 0.5;
-/// Rotations up to this, rad, count as zero. In a frame that only elongates, rounding causes such rotations.
+/// Rotations up to this angle, rad, count as zero. In a frame that only elongates, rounding causes such rotations.
 const ROTATION_NOISE: f64 = 1e-9;
 /// An iteration is abandoned if the prediction error exceeds its limit by more than this factor.
 const HOPELESS: f64 = 1.25;
@@ -32,7 +33,7 @@ const HOPELESS: f64 = 1.25;
 pub(super) struct Taken {
     /// Number of Newton corrections in the step.
     pub iterations: usize,
-    /// The larger of two ratios to a limit, 0..1, dimensionless: that of the rotation and that of the prediction error.
+    /// The larger of two ratios, 0..1, dimensionless: rotation to its limit, and prediction error to its limit.
     pub used: f64,
     /// Energy norm of the last correction, as a share of the solution's norm. `None` if the iteration limit was reached.
     pub correction: Option<f64>,
@@ -42,9 +43,9 @@ pub(super) struct Taken {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Rejected {
     NotPositiveDefinite,
-    /// The step is too long. Holds the ratio of its rotation or prediction error to the limit; `None` if it is unknown.
+    /// The step is too long. The field is the ratio of the step's rotation or prediction error to the limit; `None` if this ratio is unknown.
     TooFar(Option<f64>),
-    /// Linear corrections do not shrink. Holds the number of correct digits, which is below the required number.
+    /// Linear corrections do not shrink. The field is the number of correct digits, which is below the required number.
     Rounding(f64),
 }
 
@@ -58,7 +59,7 @@ pub(super) struct LoadStep {
     iterations: usize,
     /// Energy norm of the last correction, as a share of the solution's norm.
     previous: f64,
-    /// Whether the last correction was small but shrank too little, as rounding noise does.
+    /// Whether the last correction was small but shrank too little, which is typical of rounding noise.
     stagnated: bool,
     /// Largest rotation of a node by the first correction, rad. This correction is the prediction by the tangent at the start.
     predicted_turn: f64,
@@ -74,9 +75,9 @@ impl LoadStep {
         self.iterations == 0
     }
 
-    /// Judges a correction. Returns `None` to continue, else the result of the step. `work` is the squared energy norm of the correction, and `scale` that of
-    /// the solution, both in N mm. `turn` is the largest rotation of a node, rad: for the first correction measured from the start, for later ones from the
-    /// prediction. `keeps_digits` is as in [`EquilibriumEquations`](super::EquilibriumEquations::keeps_digits).
+    /// Judges a correction. Returns `None` to continue, otherwise the result of the step. `work` and `scale` are the squared energy norms of the
+    /// correction and of the solution, N mm. `turn` is the largest rotation of a node, rad. It is measured from the start for the first correction,
+    /// and from the prediction for later corrections. `keeps_digits` is as in [`EquilibriumEquations`](super::EquilibriumEquations::keeps_digits).
     #[inline(always)]
     pub(super) fn judge(
         &mut self,

@@ -72,19 +72,20 @@ pub trait EquilibriumEquations {
     /// definite.
     fn linearise(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> bool;
 
-    /// Whether every pivot of the last factorisation lost at most three digits to cancellation. Another correction by the residual then changes nothing
-    /// significant. `false` if this is unknown.
+    /// Whether every pivot of the last factorisation lost at most three digits to cancellation. Another correction by the residual then changes
+    /// nothing significant. `false` if the loss is unknown.
     fn keeps_digits(&self) -> bool {
         false
     }
 
-    /// Natural logarithm of the determinant of the last factored tangent, up to an additive constant. `None` if it is unknown.
+    /// Natural logarithm of the determinant of the last factored tangent, up to an additive constant. `None` if the determinant is unknown.
     fn log_determinant(&mut self) -> Option<f64>;
 
     /// Elastic energy at the last linearised motion, N mm.
     fn elastic_energy(&self) -> f64;
 
-    /// Adds Newton's correction -K^-1 r to the linearised motion, with the residual r. Returns r K^-1 r, the squared energy norm of the correction, N mm.
+    /// Adds Newton's correction -K^-1 r to the linearised motion, where r is the residual. Returns r K^-1 r, the squared energy norm of the
+    /// correction, N mm.
     fn correct(&mut self, motion: &mut FrameMotion) -> f64;
 
     /// Largest magnitude of a key node's displacement in the last correction, mm; infinite if unknown.

@@ -9,7 +9,7 @@ use crate::Kinematics;
 use crate::frame::{FrameLoad, FrameMotion, PlaneFrame};
 use crate::mesh::Mesh;
 
-/// An equilibrium of a frame, and the effort of finding it.
+/// An equilibrium of a frame, and the number of steps that led to it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equilibrium {
     /// Displacements (mm) and rotations (rad) of the frame.
@@ -20,13 +20,13 @@ pub struct Equilibrium {
     pub load_steps: usize,
 }
 
-/// Solver for one structure with one kind of kinematics. It keeps all data that do not depend on the loads.
+/// Solver for one structure with one kind of kinematics. The solver stores all data that do not depend on the loads.
 #[derive(Debug, Clone)]
 pub struct Statics<E> {
     pub(super) equations: E,
     /// Rotations at the end of a load step as predicted by the tangent at its start, rad.
     predicted: Vec<f64>,
-    /// Ratio of the last correction to the solution, dimensionless: by energy norm or by displacement, whichever is larger.
+    /// Ratio of the last correction to the solution, dimensionless. Of the ratios by energy norm and by displacement, the larger ratio is stored.
     pub(super) last_correction: f64,
 }
 
@@ -110,7 +110,8 @@ impl<E: EquilibriumEquations> Statics<E> {
         }
     }
 
-    /// Motions of the structure under each load alone. With linear kinematics and unit loads, these are columns of its compliance matrix.
+    /// Motions of the structure under each load alone. With linear kinematics and unit loads, these motions are columns of the structure's compliance
+    /// matrix.
     ///
     /// # Errors
     /// [`StaticsError`] as for [`equilibrium`](Statics::equilibrium), for instance [`StaticsError::NotHeld`] if the structure is a mechanism.

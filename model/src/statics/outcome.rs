@@ -21,7 +21,7 @@ pub struct Reaction {
     pub moment_nmm: f64,
 }
 
-/// Force and moment on a node that equilibrium needs in addition to the loads. This is the reaction of a support; it is zero at a free node.
+/// Force and moment that a node needs for equilibrium in addition to the loads: the reaction of a support, and zero at a free node.
 ///
 /// Sums the forces of the beams at the node and at nodes tied to it. The node must not belong to a rigid link.
 pub fn reaction(
@@ -54,7 +54,7 @@ pub fn reaction(
         } else {
             let (end, force, moment_nmm) = load.at_end(frame);
             let potential = frame.end_load(motion, end, force, moment_nmm, kinematics == Kinematics::Linear);
-            // The potential has no gradient by the second end.
+            // The gradient of the potential by the second end is zero.
             add(&[end, end], &potential.gradient);
         }
     }

@@ -1,4 +1,4 @@
-//! Assumptions of the beam model that an equilibrium violates, and their description in words.
+//! Assumptions of the beam model that an equilibrium violates, and a description of each in words.
 
 use super::{FibreStrain, FingerMember, LARGEST_SHEAR_SHARE, LARGEST_STRAIN, StrainLimits, Validity};
 use crate::finger::Part;
@@ -13,7 +13,7 @@ pub enum Doubt {
         strain: FibreStrain,
         /// The limit, dimensionless.
         limit: f64,
-        /// Whether the scene states the limit; otherwise it is the default limit.
+        /// Whether the scene states the limit; otherwise the limit is the default.
         stated: bool,
     },
     /// Shear, which Euler-Bernoulli beams neglect, is significant.
@@ -36,7 +36,7 @@ impl Validity {
         let strain = self.largest_strain(limits).and_then(|strain| {
             let part = strain.member.part;
             let limit = limits.of(part);
-            // Written so that a NaN strain counts as not small.
+            // A NaN strain counts as not small in this comparison.
             let small = strain.strain <= limit;
             (!small).then(|| Doubt::Strain { strain: *strain, limit, stated: limits.stated(part).is_some() })
         });
@@ -82,8 +82,8 @@ impl fmt::Display for Doubt {
             }
             Doubt::Shear { share, member } => write!(
                 f,
-                "members are too thick for their length: shear, which Euler-Bernoulli beams neglect, adds up to {} % to the displacement of the \
-                 loads (limit {} %: Timoshenko's shear energy over the strain energy), most of it in {member}; such a finger needs Timoshenko beams \
+                "members are too thick for their length: shear, which Euler-Bernoulli beams neglect, increases the displacement of the loads by up \
+                 to {} % (limit {} %: Timoshenko's shear energy over the strain energy), mostly in {member}; such a finger needs Timoshenko beams \
                  or a solid model",
                 percent(*share),
                 percent(LARGEST_SHEAR_SHARE)
@@ -113,7 +113,7 @@ fn in_words(part: Part) -> &'static str {
     }
 }
 
-/// A share in per cent with two or three digits, which suffices because such limits are only approximate.
+/// A share in per cent with two or three digits. More digits are not needed, because the limits are only approximate.
 fn percent(share: f64) -> String {
     match 100.0 * share {
         p if p >= 1000.0 => format!("{p:.1e}"),

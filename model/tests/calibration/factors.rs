@@ -10,12 +10,12 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// The search ends when a step is below 1e-10; shapes are solved to about nine digits.
+/// Largest relative error of a recovered factor. The search ends when a step is below 1e-10, and shapes have about nine correct digits.
 const RECOVERED: f64 = 1e-6;
-/// Central differences with steps of 2e-3 in ln(factor): truncation about 1e-6, and as much from the rounding of shapes of
-/// some mm, good to ten digits, where the ribs change them by 0.02 mm.
+/// Error of central differences with steps of 2e-3 in ln(factor). Truncation causes about 1e-6. Rounding of shapes causes as much: shapes of some mm
+/// have ten correct digits, and ribs change shapes by only 0.02 mm.
 const DIFFERENCES: f64 = 1e-5;
-/// Noisy repetitions.
+/// Number of noisy repetitions.
 const REPEATS: usize = 200;
 const LINEAR: FactorModel = FactorModel { kinematics: Kinematics::Linear, elements: 1, noise_mm: None };
 const LARGE: FactorModel = FactorModel { kinematics: Kinematics::Corotational, elements: 1, noise_mm: None };
@@ -29,7 +29,7 @@ fn paper_with(zones: Vec<Zone>) -> Finger {
     Finger::new(FingerDescription { zones, ..paper().description().clone() }).expect("a possible finger")
 }
 
-/// Tip and base of both plates, the base ending inside a member, and ribs, with the given factors.
+/// The paper's finger with zones of the given factors: tip and base of both plates, and ribs. The zone at the base ends inside a member.
 fn zoned(factors: [f64; 5]) -> Finger {
     let [base_front, base_back, tip, next, ribs] = factors;
     paper_with(vec![
@@ -46,7 +46,7 @@ fn each_zone(finger: &Finger) -> Vec<Unknown> {
     std::iter::once(Unknown::Modulus).chain(zones).collect()
 }
 
-/// Shapes under weights of two sizes on six nodes.
+/// Shapes of the finger under weights of two sizes on six nodes.
 fn measured(finger: &Finger, model: &FactorModel) -> Vec<CalibrationCase> {
     let mesh = Mesh::with_elements_per_member(finger, model.elements);
     let loads = [14, 16, 18, 20, 22, 24].into_iter().flat_map(|node| [0.8, 2.0].map(|force| (node, force)));
@@ -84,7 +84,7 @@ fn random_factors_are_found_again() {
     }
 }
 
-/// Zones that share a factor keep the ratio that the description gave them, and zones that are not asked about stay.
+/// Zones that share a factor keep the ratio of the description. Zones that are not calibrated do not change.
 #[test]
 fn zones_may_share_a_factor() {
     let (start, truth) = (zoned([1.0, 0.5, 0.3, 1.0, 2.0]), zoned([0.4, 0.2, 0.3, 1.0, 2.0]));
@@ -97,8 +97,8 @@ fn zones_may_share_a_factor() {
     assert_eq!(unknowns[0].to_string(), "zone_1+2_modulus_factor");
 }
 
-/// Sensitivities of the key nodes against central differences, for elastic ribs on pins, undeformable ones, arms and
-/// zones that overlap and end inside elements.
+/// Sensitivities of the key nodes equal central differences, for elastic ribs on pins, undeformable ribs, arms, and zones that overlap and end inside
+/// elements.
 #[test]
 fn sensitivities_are_those_of_differences() {
     let paper = paper().description().clone();
@@ -154,7 +154,7 @@ fn sensitivities_are_those_of_differences() {
     }
 }
 
-/// Many noisy experiments: each factor scatters as stated, is covered as often as claimed, and correlates as stated.
+/// Over many noisy experiments, each factor has the stated scatter, coverage and correlation.
 #[test]
 fn sigmas_cover() {
     let truth = zoned([0.7, 0.8, 0.1, 0.3, 0.9]);
@@ -195,7 +195,7 @@ fn what_is_not_identifiable_is_refused_by_name() {
     let refusal = |start: &Finger, unknowns: &[Unknown], loads: &[CalibrationCase]| {
         factors(start, loads, unknowns, &LINEAR).expect_err("no unique answer").to_string()
     };
-    // Zones that cover the whole finger leave nothing for the general modulus.
+    // If zones cover the whole finger, the general modulus is not identifiable.
     let whole = paper_with(vec![
         zone(Part::Front, 0.0, 153.0, 1.0),
         zone(Part::Back, 0.0, 153.0, 1.0),
@@ -208,17 +208,17 @@ fn what_is_not_identifiable_is_refused_by_name() {
     {
         assert!(message.contains(name), "{message}");
     }
-    // Without the general modulus they are identifiable.
+    // Without the general modulus, the factors of the zones are identifiable.
     factors(&whole, &loads, &each_zone(&whole)[1..], &LINEAR).expect("factors");
     // The same zone twice.
     let twice = paper_with(vec![zone(Part::Front, 0.0, 30.0, 1.0), zone(Part::Front, 0.0, 30.0, 1.0)]);
     let message = refusal(&twice, &each_zone(&twice), &loads);
     assert!(message.contains("zone_1_modulus_factor, zone_2_modulus_factor") && !message.contains(" modulus_factor"));
-    // A zone of ribs that holds no rib.
+    // A zone of ribs that contains no rib.
     let empty = paper_with(vec![zone(Part::Ribs, 20.0, 22.0, 1.0)]);
     let message = refusal(&empty, &each_zone(&empty), &loads);
     assert!(message.contains("do not determine zone_1_modulus_factor;"), "{message}");
-    // A tip that nothing bends, under noise that hides what little is left.
+    // A zone at the tip that hardly bends; noise hides its small effect.
     let tip = paper_with(vec![zone(Part::Front, 150.0, 153.0, 1.0)]);
     let load = Load::at_node(NodeId(24), tip.direction(0.0) * 0.05);
     let shape = statics::solve(&Mesh::key_nodes(&tip), &[load], Kinematics::Linear).expect("a linear solution");
@@ -231,10 +231,10 @@ fn what_is_not_identifiable_is_refused_by_name() {
     );
 }
 
-/// Correlated factors are named, and others are not.
+/// Correlated factors are reported by name; uncorrelated factors are not reported.
 #[test]
 fn entangled_factors_are_named() {
-    // Two short neighbours, an element each.
+    // Two short neighbouring zones, with one element each.
     let quarter = 0.25 * 12.75;
     let neighbours =
         paper_with(vec![zone(Part::Front, 0.0, quarter, 1.0), zone(Part::Front, quarter, 2.0 * quarter, 1.0)]);
@@ -244,7 +244,7 @@ fn entangled_factors_are_named() {
     let apart = zoned([1.0; 5]);
     let found = factors(&apart, &measured(&apart, &model), &each_zone(&apart), &model).expect("factors");
     assert!(found.entangled().is_empty(), "{:?}", found.correlation);
-    // In one element they are the same.
+    // Within one element, the two zones are indistinguishable.
     let message = factors(&neighbours, &measured(&neighbours, &LINEAR), &each_zone(&neighbours), &LINEAR)
         .expect_err("the same twice")
         .to_string();

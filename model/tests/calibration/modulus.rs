@@ -1,4 +1,5 @@
-//! Calibration of one modulus with the co-rotational finger: unbiased under large deflection, intervals cover the truth, outlying markers have little effect.
+//! Calibration of one modulus with the co-rotational finger. It is unbiased under large deflection, intervals cover the truth, and outlying markers
+//! have little effect.
 
 use finray_model::calibration::{CalibrationCase, corotational_modulus, youngs_modulus};
 use finray_model::finger::Finger;
@@ -9,18 +10,18 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Elements a member: the estimate's, and finer ones of the true finger.
+/// Elements per member of the estimate. The true finger has a finer mesh.
 const ELEMENTS: usize = 8;
 const FINE: usize = 16;
 const TRUE_FACTOR: f64 = 0.9;
-/// Noisy repetitions on each finger.
+/// Number of noisy repetitions on each finger.
 const REPEATS: usize = 40;
 
 fn scene(text: &str) -> Finger {
     Scene::from_toml(text).expect("a scene").finger
 }
 
-/// Shapes of the finger with 0.9 of its modulus under weights at contact nodes.
+/// Shapes of the finger with 0.9 times its modulus, under weights at contact nodes.
 fn weighed(finger: &Finger, weights: &[(usize, f64)]) -> Vec<CalibrationCase> {
     let softer = finger.with_modulus_factor(TRUE_FACTOR).expect("a positive modulus");
     let mesh = Mesh::with_elements_per_member(&softer, FINE);
@@ -39,7 +40,8 @@ fn noisy(cases: &[CalibrationCase], rng: &mut ChaCha8Rng) -> Vec<CalibrationCase
     cases
 }
 
-/// Weights of 0.2 to 3 N bend the paper's finger by 1 to 20 mm: eq. (11) as it stands misses by 4 to 8 of its standard deviations.
+/// Weights of 0.2 to 3 N bend the paper's finger by 1 to 20 mm. The modulus from eq. (11) of the paper would have an error of 4 to 8 of its standard
+/// deviations.
 #[test]
 fn weights_that_bend_far_lead_to_the_true_modulus() {
     let cases = weighed(&paper(), &[(4, 3.0), (6, 3.0), (8, 3.0)]);
@@ -48,15 +50,15 @@ fn weights_that_bend_far_lead_to_the_true_modulus() {
     let found = corotational_modulus(&paper(), &noisy, ELEMENTS, None).expect("a factor");
     assert!((linear.factor - TRUE_FACTOR).abs() > 3.0 * linear.sigma, "{linear:?}");
     assert!((found.factor - TRUE_FACTOR).abs() < 3.0 * found.sigma, "{found:?}");
-    // What the meshes differ by stays far below the noise.
+    // The difference between the meshes is far below the noise.
     assert!(found.sigma < 0.01 && found.outliers.is_empty() && found.contradiction.is_none(), "{found:?}");
     let exact = corotational_modulus(&paper(), &cases, ELEMENTS, None).expect("a factor");
     assert!((exact.factor / TRUE_FACTOR - 1.0).abs() < 1.5e-4, "{exact:?}");
-    // Without noise sigma is the mesh's.
+    // Without noise, sigma is the error of the mesh.
     assert!((exact.factor - TRUE_FACTOR).abs() < 3.0 * exact.sigma && exact.sigma < 1e-3, "{exact:?}");
 }
 
-/// Errors over stated standard deviations are those of a normal distribution: mean 0, mean square 1, two in three within one.
+/// Errors divided by stated standard deviations follow a normal distribution: mean 0, mean square 1, and two of three within one standard deviation.
 #[test]
 fn sigmas_cover_on_three_fingers() {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
@@ -80,13 +82,13 @@ fn sigmas_cover_on_three_fingers() {
             let within = z.iter().filter(|z| z.abs() < 1.0).count() as f64 / REPEATS as f64;
             let worst = z.iter().fold(0.0, |worst: f64, z| worst.max(z.abs()));
             println!("{weights:?}: mean {mean:.2}, mean square {square:.2}, within one {within:.2}, worst {worst:.1}");
-            // Three standard errors of forty samples: 0.47 of the mean, 0.67 of the mean square, 0.22 of the share.
+            // Three standard errors of forty samples are 0.47 for the mean, 0.67 for the mean square, and 0.22 for the share.
             assert!(mean.abs() < 0.47 && (square - 1.0).abs() < 0.67 && (within - 0.683).abs() < 0.22 && worst < 4.0);
         }
     }
 }
 
-/// One marker that was taken for another moves the factor by a fraction of its standard deviation, and is named.
+/// One marker with the node number of another marker changes the factor by a fraction of its standard deviation, and is reported.
 #[test]
 fn single_bad_markers_are_forgiven_and_named() {
     let mut cases = noisy(&weighed(&paper(), &[(4, 1.0), (8, 1.5)]), &mut ChaCha8Rng::seed_from_u64(3));
@@ -99,7 +101,7 @@ fn single_bad_markers_are_forgiven_and_named() {
     assert!((found.factor - clean.factor).abs() < 0.5 * clean.sigma, "{found:?}, {clean:?}");
     let named: Vec<_> = found.outliers.iter().map(|outlier| (outlier.case, outlier.node)).collect();
     assert_eq!(named, [(1, markers[3].node), (1, markers[15].node)]);
-    // A noise that does not explain the residual is not trusted.
+    // A stated noise that does not explain the residual is not used.
     let stated = corotational_modulus(&paper(), &cases, ELEMENTS, Some(0.1 * CAMERA_NOISE_MM)).expect("a factor");
     assert!(stated.contradiction.is_some() && stated.sigma > 0.8 * clean.sigma, "{stated:?}");
 }

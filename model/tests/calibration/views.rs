@@ -14,20 +14,20 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Elements a member of truth and model alike, so that no mesh errs: each costs as much again.
+/// Elements per member of both truth and model, so that the mesh causes no error. The time of the tests is proportional to this number.
 const ELEMENTS: usize = 1;
 const NOISE_MM: f64 = 0.01;
 const BASE: BaseUncertainty =
     BaseUncertainty { sd_mm: 0.05, sd_rad: 0.001, turn_rad_per_n: 0.0, turn_sd_rad_per_n: 0.0 };
 const EYE: Vector = Vector::new(70.0, 10.0);
 const CAMERA_HEIGHT_MM: f64 = 250.0;
-/// Place along the plate, force and its angle from the undeformed normal.
+/// Position along the plate, force, and angle of the force from the undeformed normal.
 const PRESSES: [(f64, f64, f64); 5] =
     [(60.0, 1.5, 5.0), (70.0, 3.0, 12.0), (72.0, 5.0, 15.0), (90.0, 6.0, 10.0), (50.0, 4.0, -5.0)];
 
-/// What the true finger and rig have in place of what the scene has.
+/// Differences of the true finger and rig from the scene.
 struct Truth {
-    /// What the scene has.
+    /// The finger of the scene.
     stated: Finger,
     finger: Finger,
     modulus_factor: f64,
@@ -54,7 +54,7 @@ fn truth() -> Truth {
     Truth { stated: scene_finger(), finger, modulus_factor, more_height_mm: 1.5, base }
 }
 
-/// The truth as the scene's rig would have located it, each view with its own base.
+/// Views of the truth as located with the scene's rig. Each view has its own base.
 fn views_of(truth: &Truth, forces: bool, rng: &mut ChaCha8Rng) -> Vec<View> {
     views_at(&PRESSES, truth, forces, rng)
 }
@@ -71,7 +71,7 @@ fn views_at(presses: &[(f64, f64, f64)], truth: &Truth, forces: bool, rng: &mut 
         let marker = |marker: &Marker| {
             let at = truth.finger.position(marker.node) + truth.finger.marker_offset(marker.node) + marker.displacement;
             let at = (placed * Point2::from(at)).coords;
-            // Higher markers seem further from where the camera stands.
+            // Higher markers appear farther from the foot of the camera.
             let seen_at = EYE + (at - EYE) * (CAMERA_HEIGHT_MM / (CAMERA_HEIGHT_MM - truth.more_height_mm));
             let displacement = seen_at - stated.position(marker.node) - stated.marker_offset(marker.node);
             Marker { displacement, ..*marker }
@@ -127,15 +127,15 @@ fn true_value(truth: &Truth, quantity: Quantity) -> f64 {
     }
 }
 
-/// Squared errors in stated standard deviations.
+/// Squares of the errors, each divided by its stated standard deviation.
 fn squares(truth: &Truth, estimate: &ViewEstimate) -> Vec<f64> {
-    // A shared lean has no true value where forces lean independently.
+    // If forces lean independently, a shared lean has no true value.
     let quantities = estimate.quantities.iter().filter(|found| found.sought.quantity != Quantity::Lean);
     quantities.map(|found| ((found.value - true_value(truth, found.sought.quantity)) / found.sigma).powi(2)).collect()
 }
 
-/// What markers err by is found, whatever is stated of it: less than stated, or more, of which the finger then has what is beyond. Over some
-/// sets of views it is right in the mean square, as it allows for what was fitted.
+/// The noise of the markers is found, for any stated noise. If the true noise is larger than stated, the excess counts as error of the finger. Over
+/// some sets of views, the mean square is right, because the estimate accounts for the fitted parameters.
 #[test]
 fn what_markers_err_by_is_found() {
     const SETS: u64 = 8;
@@ -162,7 +162,8 @@ fn what_markers_err_by_is_found() {
     }
 }
 
-/// With measured forces: modulus, brackets, ribs, height and base at once, to what is stated, and far better than the scene has them.
+/// With measured forces, modulus, brackets, ribs, height and base are found together, with the stated accuracy, and far more accurately than the
+/// scene states them.
 #[test]
 fn a_finger_and_its_rig_are_found() {
     let truth = truth();
@@ -187,7 +188,7 @@ fn a_finger_and_its_rig_are_found() {
         let modulus = estimate.quantities[0];
         assert!((modulus.value / truth.modulus_factor - 1.0).abs() < 0.01, "{modulus:?}");
         assert!(modulus.sigma < 0.005, "{modulus:?}");
-        // Nothing but noise is left.
+        // The residual contains only noise.
         assert!(estimate.marker_errors.model_mm < NOISE_MM, "{:?}", estimate.marker_errors);
         for (view, (s_mm, force_n, angle_deg)) in estimate.views.iter().zip(PRESSES) {
             assert!((view.s_mm - s_mm).abs() < 1.0, "{view:?}");
@@ -197,12 +198,12 @@ fn a_finger_and_its_rig_are_found() {
         sum.extend(squares(&truth, &estimate));
     }
     assert!(sum.iter().all(|square| *square < 16.0), "{sum:?}");
-    // Errors of one calibration are correlated: 45 of them are worth about half as many.
+    // Errors of one calibration are correlated: 45 errors count as about half as many independent errors.
     let mean = sum.iter().sum::<f64>() / sum.len() as f64;
     assert!((0.4..1.9).contains(&mean), "mean square {mean}");
 }
 
-/// Clips of each plate, which stiffen it where ribs are: with measured forces they are found beside a modulus, to what is stated.
+/// Clips stiffen each plate at the ribs. With measured forces, their lengths are found together with a modulus, with the stated accuracy.
 #[test]
 fn clips_of_each_plate_are_found() {
     let with_clips = |finger: &Finger, clip_mm: [f64; 2]| {
@@ -221,12 +222,12 @@ fn clips_of_each_plate_are_found() {
         let mut rng = ChaCha8Rng::seed_from_u64(30 + seed);
         let seen = views_of(&truth, true, &mut rng);
         let estimate = views(&truth.stated, &seen, &all, &model(Lean::NONE)).expect("identifiable");
-        // The scene has them to 1 mm only; the back plate, which carries less, shows its own less well.
+        // The scene states the clips only to 1 mm. The back plate carries less force, so its clips are less accurate.
         let [front, back] = [0, 1].map(|i| estimate.quantities[i].sigma);
         assert!(front < 0.4 && back < 0.7, "{:?}", estimate.quantities);
         assert_eq!(estimate.quantities[0].sought.quantity.to_string(), "front_clip_mm");
         sum.extend(squares(&truth, &estimate)[..2].iter().copied());
-        // Both clips together are the same as both, one by one.
+        // Both clips as one quantity are indistinguishable from both clips as two quantities.
         let twice = [sought(&clips, None), sought(&[Quantity::Clip], None)].concat();
         let refused = views(&truth.stated, &seen, &twice, &model(Lean::NONE));
         assert!(refused.as_ref().is_err_and(|error| error.to_string().contains("clip_mm")), "{refused:?}");
@@ -235,7 +236,7 @@ fn clips_of_each_plate_are_found() {
     assert!(sum.iter().all(|square| *square < 16.0) && mean < 3.5, "{sum:?}");
 }
 
-/// Without forces, geometry is found all the same, from forces that lean somewhere within a range.
+/// Without measured forces, the geometry is still found, from forces that lean within a given range.
 #[test]
 fn geometry_is_found_without_forces() {
     let truth = truth();
@@ -253,7 +254,8 @@ fn geometry_is_found_without_forces() {
     assert!(estimate.quantities[..2].iter().all(|found| found.sigma < 0.1), "{:?}", estimate.quantities);
 }
 
-/// Forces of one object, all near an end of the stated range of friction: leans taken for independent once made their mean known 2.4 times too well.
+/// Forces of one object that all lean near one end of the stated range of friction. When leans counted as independent, the standard deviation of
+/// their mean was 2.4 times too small.
 #[test]
 fn one_friction_in_all_views_is_within_the_stated_sigmas() {
     let mut truth = truth();
@@ -277,18 +279,18 @@ fn one_friction_in_all_views_is_within_the_stated_sigmas() {
     assert!((found.value - 30.0).abs() < 2.0 * found.sigma, "{found:?}");
 }
 
-/// What nothing tells is refused by name.
+/// A quantity that no measurement determines is refused by name.
 #[test]
 fn what_is_not_identifiable_is_refused() {
     let truth = truth();
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let seen = views_of(&truth, false, &mut rng);
     let lean = Lean { from: Normal::Undeformed, ..Lean::within([-0.3, 0.5]) };
-    // Without a force, all moduli may be doubled with all forces.
+    // Without a measured force, all moduli and all forces can be doubled together.
     let refused = views(&scene_finger(), &seen, &sought(&[Quantity::Modulus], None), &model(lean));
     let by_name = |error: &CalibrationError| error.to_string().contains("modulus_factor");
     assert!(refused.as_ref().is_err_and(by_name), "{refused:?}");
-    // One view has fewer numbers than there are unknowns.
+    // One view has fewer measured coordinates than there are unknowns.
     let all: Vec<Quantity> = ribs()
         .into_iter()
         .chain([
@@ -304,7 +306,7 @@ fn what_is_not_identifiable_is_refused() {
     assert!(matches!(refused, Err(CalibrationError::TooFewMarkers { .. })), "{refused:?}");
 }
 
-/// What is open of brackets and ribs moves markers of a new view; a modulus does not.
+/// The uncertainty of brackets and ribs displaces the markers of a new view; the uncertainty of a modulus does not.
 #[test]
 fn what_is_open_of_the_geometry_counts_as_errors_of_markers() {
     let mut truth = truth();
@@ -323,8 +325,8 @@ fn what_is_open_of_the_geometry_counts_as_errors_of_markers() {
     assert!(alone < 0.01 && together > 0.05, "{alone} {together}");
 }
 
-/// A small force near the base moves markers by less than they err, and markers that hardly show a force have nothing to say against its
-/// measurement; they do against one that they show.
+/// A small force near the base moves markers by less than their errors. Markers that hardly determine a force cannot contradict its measured value.
+/// Markers that determine a force contradict a wrong measured value.
 #[test]
 fn a_force_that_markers_hardly_show_is_no_outlier() {
     let truth = truth();
@@ -344,7 +346,8 @@ fn a_force_that_markers_hardly_show_is_no_outlier() {
     }
 }
 
-/// Forces that scatter by half of themselves leave a finger that senses nothing: refused, by the view that is furthest off.
+/// If measured forces scatter by half of their size, the calibrated finger is too inaccurate for use. The calibration is refused with the name of the
+/// view that deviates most.
 #[test]
 fn a_finger_of_no_use_is_refused() {
     let truth = truth();
@@ -373,7 +376,7 @@ fn asked(builds_up: bool, between_objects: f64) -> FrictionQuestion {
     FrictionQuestion { builds_up, between_objects }
 }
 
-/// Friction that builds up, from leans that follow the law, and from leans that scatter about a constant.
+/// Friction is fitted to leans that follow the law of build-up, and to leans that scatter about a constant.
 #[test]
 fn friction_follows_from_leans() {
     let law = |force_n: f64| 20.0 * (1.0 - (-force_n / 2.5_f64).exp());
@@ -385,9 +388,9 @@ fn friction_follows_from_leans() {
     assert_eq!((found.between_objects, found.left_out.len()), (None, 0));
     let scattered = leans_of("", &[(1.0, 19.0), (2.0, 21.0), (3.0, 20.0)]);
     let found = friction_of(&scattered, Normal::Undeformed, asked(false, 0.0)).expect("identifiable").lean;
-    // The mean, and the standard deviation of three about their mean.
+    // The lean is the mean of three leans; its standard deviation is their scatter about the mean.
     assert!((found.angle_deg - 20.0).abs() < 1e-12 && (found.sd_deg - 1.0).abs() < 1e-12, "{found:?}");
-    // What objects are assumed to differ by: 0.05 of a coefficient is 0.05 cos^2 20 deg of an angle.
+    // Assumed difference between objects: 0.05 in the coefficient of friction is 0.05 cos^2 20 deg in the angle, rad.
     let other = friction_of(&scattered, Normal::Undeformed, asked(false, 0.05)).expect("identifiable").lean;
     let between_deg = (0.05 * 20.0_f64.to_radians().cos().powi(2)).to_degrees();
     assert!((other.sd_deg - 1.0_f64.hypot(between_deg)).abs() < 1e-9, "{other:?}");
@@ -395,14 +398,14 @@ fn friction_follows_from_leans() {
     assert_eq!(refused, Err(CalibrationError::TooFewViews { views: 2, unknowns: 2 }));
 }
 
-/// Leans that grow with the force up to the largest once led to an angle of 141 degrees where an object slides, and to a coefficient of -0.80.
+/// Leans that still grow at the largest force once led to a lean of 141 degrees for a sliding object, and to a coefficient of -0.80.
 #[test]
 fn friction_that_still_builds_up_has_no_coefficient() {
     let grows = leans_of("", &[2.0, 4.0, 6.0, 8.0, 10.0].map(|force_n| (force_n, 1.6 * force_n)));
     let refused = friction_of(&grows, Normal::Undeformed, asked(true, 0.05));
     let is_limit = |error: &CalibrationError| matches!(error, CalibrationError::FrictionLimit { angle_deg, largest_n, .. } if *angle_deg > 90.0 && *largest_n == 10.0);
     assert!(refused.as_ref().is_err_and(is_limit), "{refused:?}");
-    // The same law at a fifth of the lean has a tangent, but not one that was measured.
+    // At a fifth of the lean, the same law has a finite coefficient of friction, but no measurement reaches it.
     let grows = leans_of("", &[2.0, 4.0, 6.0, 8.0, 10.0].map(|force_n| (force_n, 0.3 * force_n)));
     let refused = friction_of(&grows, Normal::Undeformed, asked(true, 0.05));
     assert!(matches!(refused, Err(CalibrationError::FrictionLimit { .. })), "{refused:?}");
@@ -410,8 +413,8 @@ fn friction_that_still_builds_up_has_no_coefficient() {
     assert!((found.lean.angle_deg - 1.8).abs() < 1e-12, "{found:?}");
 }
 
-/// Balanced objects: restricted likelihood has the variance between them where their means' variance is that less the share of the variance within
-/// (Searle, Casella and McCulloch, Variance Components, 1992, sec. 3.8); each object is predicted by the mean of the others.
+/// For balanced objects, restricted likelihood has a closed form: the variance between objects is the variance of their means minus a share of the
+/// variance within objects (Searle, Casella and McCulloch, Variance Components, 1992, sec. 3.8). The mean of the other objects predicts each object.
 #[test]
 fn friction_differs_from_object_to_object() {
     let of = |object: &'static str, mean_deg: f64| {
@@ -422,7 +425,7 @@ fn friction_differs_from_object_to_object() {
         ["a", "b", "c"].iter().zip(means).flat_map(|(object, mean)| of(object, mean)).collect();
     let found = friction_of(&leans, Normal::Undeformed, asked(false, 0.05)).expect("identifiable");
     assert!((found.lean.angle_deg - 15.0).abs() < 1e-9, "{found:?}");
-    // Of three means 31, less a third of the variance within, 1.
+    // The variance of the three means is 31; a third of the variance within objects, 1, is subtracted.
     let between_deg = (31.0_f64 - 1.0 / 3.0).sqrt();
     let between = between_deg.to_radians() / 15.0_f64.to_radians().cos().powi(2);
     // Standard deviations are tried in steps of 2 %.
@@ -437,8 +440,8 @@ fn friction_differs_from_object_to_object() {
     }
 }
 
-/// Two, three and five objects over many draws: 95 % intervals of a new one hold a force in at least 89 %, whether objects hardly differ or by twice as
-/// much as is assumed.
+/// Two, three and five objects over many draws: 95 % intervals of a new object contain a force in at least 89 % of the cases, if objects hardly
+/// differ or differ twice as much as assumed.
 #[test]
 fn few_objects_leave_open_by_how_much_they_differ() {
     const DRAWS: usize = 60;
@@ -457,21 +460,21 @@ fn few_objects_leave_open_by_how_much_they_differ() {
                 let leans: Vec<MeasuredLean> =
                     NAMES[..objects].iter().flat_map(|name| object(name, &mut normal)).collect();
                 let lean = friction_of(&leans, Normal::Undeformed, asked(false, 0.05)).expect("identifiable").lean;
-                // The chance that a new force is within, of a normal one.
+                // Probability that the interval contains a normally distributed new force.
                 let new_deg = 1.5_f64.hypot(true_deg);
                 let below = |deg: f64| 0.5 * statrs::function::erf::erfc(-(deg - 20.0) / new_deg / 2.0_f64.sqrt());
                 let reach_deg = 1.96 * lean.sd_deg;
                 within += (below(lean.angle_deg + reach_deg) - below(lean.angle_deg - reach_deg)) / DRAWS as f64;
             }
-            // Two objects hardly bound by how much a third may differ; five do.
+            // Two objects hardly bound the difference of a third object; five objects do bound the difference of another.
             let most = if objects == 5 { 0.99 } else { 1.0 };
             assert!((0.89..most).contains(&within), "{within} of {objects} objects that differ by {true_deg}");
         }
     }
 }
 
-/// A line by hand: slope 0.5 and residuals of 0.1, -0.2 and 0.1, of variance 0.06 with one degree of freedom, over forces whose squares about their
-/// mean sum up to 2.
+/// A line fitted by hand: slope 0.5, residuals of 0.1, -0.2 and 0.1, and hence a variance of 0.06 with one degree of freedom. The squares of the
+/// forces about their mean sum up to 2.
 #[test]
 fn a_base_gives_way_along_a_line() {
     let found = compliance_of(&[(1.0, 1.1), (2.0, 1.3), (3.0, 2.1)]).expect("three forces");
@@ -483,7 +486,7 @@ fn a_base_gives_way_along_a_line() {
     assert_eq!(one, Err(CalibrationError::TooFewViews { views: 1, unknowns: 2 }));
 }
 
-/// A sensor that misses forces by 3 %, one by one: that is found, and the modulus is as uncertain as it makes it.
+/// A force sensor with independent errors of 3 %. The scatter is found, and the modulus has the resulting uncertainty.
 #[test]
 fn forces_that_are_missed_are_noticed() {
     let mut truth = truth();
@@ -505,17 +508,19 @@ fn forces_that_are_missed_are_noticed() {
         }
         (variance.sqrt(), squares)
     };
-    // Twelve times five forces less a modulus: a variance to within 4 standard errors of sqrt(2 / 48).
+    // Twelve calibrations with five forces and one modulus have 48 degrees of freedom. The variance is correct to 4 standard errors, each sqrt(2 /
+    // 48).
     let (force_error, squares) = found(0.03, 12);
     assert!(((force_error / 0.03).powi(2) - 1.0).abs() < 4.0 * (2.0_f64 / 48.0).sqrt(), "{force_error}");
-    // So few forces tell their scatter badly: errors of the modulus in standard deviations have Student's distribution with 4 degrees of freedom,
-    // of variance 2 (its mean over twelve within a factor of two or three).
+    // So few forces determine their scatter poorly. Errors of the modulus in standard deviations follow Student's distribution with 4 degrees of
+    // freedom and variance 2. The mean square of twelve errors equals this variance within a factor of two or three.
     assert!((0.3..5.0).contains(&squares), "{squares}");
     let (force_error, _) = found(0.0, 4);
     assert!(force_error < 0.005, "{force_error}");
 }
 
-/// Joints that differ by 0.6 mm hide the position of a small force. Its image starts a calibration all the same, and joints are found within 4 sigma.
+/// Joints that differ by 0.6 mm hide the position of a small force. A calibration with the image of this force still has a starting point, and joints
+/// are found within 4 sigma.
 #[test]
 fn an_image_whose_force_has_no_certain_position_starts_a_calibration() {
     const JOINTS_MM: f64 = 0.6;

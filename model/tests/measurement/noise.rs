@@ -12,8 +12,8 @@ const MODELS: [DisplacementNoise; 3] = [
     DisplacementNoise::Kinematic { image_sd_mm: 0.067, translation_sd_mm: 0.05, rotation_sd_rad: 0.002 },
 ];
 
-/// A generator of its own, so that the crate needs none: sums of twelve uniform numbers of a linear congruence
-/// (Irwin and Hall), of mean 0 and variance 1.
+/// A generator of random numbers, so that the test needs no other crate. It returns sums of twelve uniform numbers from a linear congruence (Irwin
+/// and Hall), with mean 0 and variance 1.
 fn normals() -> impl FnMut() -> f64 {
     let mut state = 1_u64;
     let mut uniform = move || {
@@ -23,7 +23,7 @@ fn normals() -> impl FnMut() -> f64 {
     move || (0..12).map(|_| uniform()).sum::<f64>() - 6.0
 }
 
-/// Samples of means of frames have the covariance that is stated: what is drawn and what is written down are two things.
+/// Samples of means of frames have the stated covariance, although samples and covariance are computed independently.
 #[test]
 fn samples_have_the_stated_covariance() {
     const FRAMES: usize = 4;
@@ -47,7 +47,7 @@ fn samples_have_the_stated_covariance() {
         let stated = noise.covariance_mm2(&POSITIONS, FRAMES);
         for i in 0..6 {
             for j in 0..6 {
-                // A sampled covariance scatters by sqrt((s_ii s_jj + s_ij^2) / samples); five of these among 63 figures.
+                // The standard error of a sampled covariance is sqrt((s_ii s_jj + s_ij^2) / samples). Five standard errors are allowed for 63 values.
                 let scatter = ((stated[(i, i)] * stated[(j, j)] + stated[(i, j)].powi(2)) / SAMPLES as f64).sqrt();
                 assert!((found[(i, j)] - stated[(i, j)]).abs() < 5.0 * scatter, "{noise:?} {i} {j}: {found}");
             }
@@ -55,7 +55,7 @@ fn samples_have_the_stated_covariance() {
     }
 }
 
-/// Averaging removes a frame's own error and leaves the reference's.
+/// Averaging over frames removes the errors of single frames, but not the error of the reference.
 #[test]
 fn frames_do_not_average_the_reference_away() {
     let variance = |noise: &DisplacementNoise, frames| noise.covariance_mm2(&POSITIONS, frames)[(0, 0)];
@@ -65,7 +65,7 @@ fn frames_do_not_average_the_reference_away() {
     assert!(variance(independent, many) < 1e-5 * image);
     assert!((variance(images, 1) / image - 2.0).abs() < 1e-12);
     assert!((variance(images, many) / image - 1.0).abs() < 1e-5);
-    // At (10, 29) a rotation moves x by 29 mm a rad.
+    // At (10, 29), a rotation moves x by 29 mm per rad.
     let base = 0.05_f64.powi(2) + (29.0_f64 * 0.002).powi(2);
     assert!(((variance(kinematic, many) - 1e-6 * image) / base - 1.0).abs() < 1e-12);
 }

@@ -14,14 +14,14 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::ops::Range;
 
-/// Standard deviations of a coordinate, mm: of photographs, and of rendered images.
+/// Standard deviations of a coordinate, mm, in photographs and in rendered images.
 const NOISES_MM: [f64; 2] = [0.02, 0.001];
 const ASSEMBLY: AssemblyErrors =
     AssemblyErrors { joint_sd_mm: 0.2, preload_nmm: 0.0, preload_sd_nmm: 8.0, height_sd_mm: 1.5, further: Vec::new() };
 const BASE: BaseUncertainty =
     BaseUncertainty { sd_mm: 1.0, sd_rad: 0.017, turn_rad_per_n: 0.0, turn_sd_rad_per_n: 0.0 };
 const FRICTION: [f64; 2] = [0.0, 0.6];
-/// Measures the figures of the guide, and the number of cases from which on they are recorded.
+/// Command that measures the figures of the guide, and the smallest number of cases for which figures are recorded.
 const COMMAND: &str =
     "FINRAY_TEST_CASES=60 cargo test --release --workspace --test model -- assembled_anew --nocapture";
 const RECORDED: usize = 60;
@@ -30,7 +30,7 @@ fn normal(chance: &mut ChaCha8Rng) -> f64 {
     StandardNormal.sample(chance)
 }
 
-/// A finger as it may be assembled from the parts of another.
+/// A finger assembled from the parts of another finger, with random errors of assembly.
 fn reassembled(finger: &Finger, chance: &mut ChaCha8Rng) -> Finger {
     let mut description = finger.description().clone();
     let mut off = |lengths_mm: [f64; 2]| lengths_mm.map(|mm| mm + ASSEMBLY.joint_sd_mm * normal(chance));
@@ -42,12 +42,12 @@ fn reassembled(finger: &Finger, chance: &mut ChaCha8Rng) -> Finger {
     Finger::new(description).expect("a finger")
 }
 
-/// A finger in one mounting before the camera.
+/// A finger in one mounting in front of the camera.
 struct Mounted {
     finger: Finger,
     preload_nmm: f64,
     base: Isometry2<f64>,
-    /// Point that keeps its place where the height differs, and how much larger the finger appears.
+    /// Image point that does not move if the height changes, and factor by which the finger appears larger.
     middle: Vector,
     larger: f64,
     noise_mm: f64,
@@ -69,7 +69,7 @@ impl Mounted {
         }
     }
 
-    /// Where an image has the markers.
+    /// Positions of the markers in an image.
     fn seen(&self, force: Option<Load>, chance: &mut ChaCha8Rng) -> Vec<ObservedMarker> {
         let mesh = Mesh::with_elements_per_member(&self.finger, 16);
         let preload = Load::Node { node: self.finger.tip(), force: Vector::zeros(), moment_nmm: self.preload_nmm };
@@ -94,10 +94,10 @@ impl Mounted {
 
 /// Forces of the cases, N, and their positions, mm.
 const FORCES: [Range<f64>; 2] = [2.0..8.0, 50.0..90.0];
-/// Forces so small and so near to the ends that the errors of the assembly may hide them.
+/// Forces so small, and positions so near to the ends of the plate, that errors of the assembly may hide the position.
 const HIDDEN_FORCES: [Range<f64>; 2] = [0.2..2.0, 8.0..145.0];
 
-/// Errors in stated standard deviations, and as shares of the forces, of one force on each of many fingers that were mounted anew.
+/// Errors of one force on each of many newly mounted fingers, in stated standard deviations and as shares of the forces.
 fn errors(
     noise_mm: f64,
     with_rest: bool,
@@ -146,8 +146,9 @@ fn errors(
     cases.par_iter().filter_map(of_case).collect()
 }
 
-/// Joints by 0.2 mm, a preload, another height, the base by 1 mm and 1 degree: 95 % intervals hold the force, with an image of the unloaded
-/// finger and without one, the direction known or not. Scenes that state nothing of it err by as much and say less.
+/// Joints that differ by 0.2 mm, a preload, another height, a base that differs by 1 mm and 1 degree. 95 % intervals contain the force, with or
+/// without an image of the unloaded finger, for known and unknown directions. Scenes that state no such errors have equal errors of the force, but
+/// too narrow intervals.
 #[test]
 fn intervals_hold_on_fingers_that_were_assembled_anew() {
     let cases = case_count(6, 1000);
@@ -186,8 +187,9 @@ fn intervals_hold_on_fingers_that_were_assembled_anew() {
     }
 }
 
-/// Small forces whose positions the errors of the assembly hide: intervals hold them, or they are refused. They were 4 to 10 standard deviations off, because
-/// the force is not linear in its position, or many times too large within an interval as wide.
+/// Small forces with positions that are hidden by errors of the assembly: intervals contain these forces, or the forces are refused. Such forces once
+/// had errors of 4 to 10 standard deviations, because force depends nonlinearly on position. Others were many times too large, within equally wide
+/// intervals.
 #[test]
 fn forces_at_hidden_positions_are_within_their_intervals_or_refused() {
     let few = [3, 26, 36, 75, 78];

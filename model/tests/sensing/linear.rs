@@ -13,10 +13,10 @@ use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-/// Sensed forces on noise-free data of the model itself, as a share of the largest force.
+/// Largest error of sensed forces on noise-free data of the model itself, as a share of the largest force.
 const EXACT: f64 = 1e-9;
-/// Two solutions of fingers that differ in their modulus alone round differently: thin plates stretch up to 1e5 times
-/// less than they bend, and a chain of them adds another 1e4 to the condition of the stiffness.
+/// Rounding error between solutions of two fingers that differ only in modulus. Thin plates stretch up to 1e5 times less than they bend, and a chain
+/// of plates multiplies the condition number of the stiffness by another 1e4.
 const SOLUTION_ROUNDING: f64 = 1e-6;
 
 fn measured(finger: &Finger, contacts: &[Contact], forces_n: &[f64]) -> Measurement {
@@ -35,7 +35,7 @@ fn sense(
 proptest! {
     #![proptest_config(cases(128))]
 
-    /// Any finger: what forces and moments on key nodes do adds up to what a load at any position, on a node or on an arm does.
+    /// On any finger, forces and moments on key nodes together have the same effect as a load at any position, on a node or on an arm.
     #[test]
     fn a_finger_solved_once_serves_every_load(
         finger in built_finger_with_zones(),
@@ -58,7 +58,7 @@ proptest! {
         }
     }
 
-    /// Any finger: up to three forces at nodes and between them, in any direction, come back; markers may be hidden.
+    /// On any finger, up to three forces at nodes or between nodes, in any direction, are recovered. Markers may be hidden.
     #[test]
     fn applied_forces_come_back(
         finger in built_finger_with_zones(),
@@ -77,14 +77,14 @@ proptest! {
         let largest = forces.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         match sense(&finger, &contacts, &seen, None) {
             Ok(estimate) => {
-                // What rounding of the displacements becomes is bounded by the span of the singular values.
+                // The ratio of the singular values bounds the effect of rounding errors in the displacements.
                 let values = &estimate.singular_values;
                 let span = values[0] / values[values.len() - 1];
                 for (sensed, applied) in estimate.forces_n.iter().zip(&forces) {
                     prop_assert!((sensed - applied).abs() <= EXACT * largest * (span / 1e4).max(1.0), "{sensed} against {applied}, span {span:e}");
                 }
             }
-            // Close contacts on a stiff rib are not identifiable from few markers: refused, not answered.
+            // Close contacts on a stiff rib are not identifiable from few markers, so they are refused.
             Err(error) => prop_assert!(
                 matches!(error, SensingError::TooFewMarkers { .. } | SensingError::IllConditioned { .. }),
                 "{error}"
@@ -93,14 +93,14 @@ proptest! {
     }
 }
 
-/// The stated standard deviation is that of the estimates: 4000 noise samples of three contacts, whose sample standard
-/// deviation is itself known to 1.1 % (one sigma).
+/// The stated standard deviation equals the scatter of the estimates for 4000 noise samples of three contacts. The sample standard deviation itself
+/// has an uncertainty of 1.1 % (one sigma).
 #[test]
 fn stated_sigma_is_the_scatter() {
     let finger = paper();
     let contacts = [at_node(16, -20.0), at_node(19, 0.0), at_node(24, 30.0)];
     let forces = [1.0, 2.0, 0.5];
-    // Half of the markers are seen twice as well as the others.
+    // Half of the markers are twice as accurate as the other half.
     let markers = measured(&finger, &contacts, &forces).markers().to_vec();
     let weighted = markers.into_iter().map(|m| Marker { weight: if m.node.0 % 2 == 0 { 2.0 } else { 1.0 }, ..m });
     let clean = Measurement::new(&finger, weighted).expect("the same markers");
@@ -130,13 +130,13 @@ fn stated_sigma_is_the_scatter() {
             "contact {i} is biased"
         );
     }
-    // Wider by Student's t where nothing is stated: 2.0167 for the 43 degrees of freedom of 46 coordinates, over 1.9600.
+    // Without a stated noise, Student's t widens the deviation: by 2.0167 / 1.9600 for the 43 degrees of freedom of 46 coordinates.
     let estimated = (estimated_noise / f64::from(count)).sqrt() * 1.959_96 / 2.0167;
     assert!((estimated / noise_mm - 1.0).abs() < 0.01, "noise from residuals: {estimated}");
 }
 
-/// Standard deviations that other programs found for 0.067 mm noise on the paper's finger: 0.011
-/// N at node 14, 0.004 N at 19, 0.023 N at 24; 0.035 N each for two neighbours.
+/// Standard deviations that other programs computed for 0.067 mm noise on the paper's finger: 0.011 N at node 14, 0.004 N at node 19, 0.023 N at node
+/// 24, and 0.035 N for each of two neighbouring contacts.
 #[test]
 fn sigmas_on_the_papers_finger() {
     let finger = paper();
@@ -153,7 +153,7 @@ fn sigmas_on_the_papers_finger() {
     }
 }
 
-/// Twelve normal forces at once span singular values of 363, known from an independent study.
+/// For twelve simultaneous normal forces, the largest singular value is 363 times the smallest, as an independent study also found.
 #[test]
 fn twelve_normal_forces_span_363() {
     let finger = paper();
@@ -185,11 +185,11 @@ fn ill_posed_questions_are_refused() {
     let one_marker = m.clone().without(&finger.free_nodes().filter(|n| n.0 != 18).collect::<Vec<_>>());
     let contacts = [at_node(16, 0.0), at_node(18, 0.0), at_node(20, 0.0)];
     assert!(matches!(refused(&contacts, &one_marker), SensingError::TooFewMarkers { unknowns: 3, coordinates: 2 }));
-    // Two components of one force are fine.
+    // Two components of one force are identifiable.
     assert!(sense(&finger, &[at_node(19, 0.0), at_node(19, 90.0)], &m, None).is_ok());
 }
 
-/// Ridge is the posterior mean under its prior: (C^T C + s^2 / p^2)^-1 C^T u, and its standard deviation.
+/// Ridge regression returns the mean of the posterior, (C^T C + s^2 / p^2)^-1 C^T u, and its standard deviation.
 #[test]
 fn ridge_is_the_posterior_of_its_prior() {
     let finger = paper();
@@ -211,12 +211,12 @@ fn ridge_is_the_posterior_of_its_prior() {
         assert!((ours.forces_n[i] - forces[i]).abs() < 1e-9, "{:?} against {forces}", ours.forces_n);
         assert!((ours.sigmas_n[i] - noise_mm * inverse[(i, i)].sqrt()).abs() < 1e-9);
     }
-    // It shrinks what is not identifiable of neighbours.
+    // Ridge regression shrinks the combination of neighbouring forces that is not identifiable.
     assert!(ours.forces_n[0] < 2.0 && ours.forces_n[1] > -1.0);
 }
 
-/// A finger that bends linearly carries any force. Where its answer explains the measurement and the co-rotational finger is lost, it answers with a
-/// warning; shapes of the co-rotational finger that it does not explain are refused.
+/// A finger that bends linearly has an equilibrium under any force. If the linear finger explains the measurement but the co-rotational finger has no
+/// equilibrium, the estimator returns forces with a warning. Shapes of the co-rotational finger that the linear finger does not explain are refused.
 #[test]
 fn exact_linear_data_are_not_refused_where_the_corotational_finger_is_lost() {
     let finger = paper();

@@ -13,10 +13,10 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 const NOISE_MM: f64 = 0.02;
-/// Probability of a residual below which noise does not explain it.
+/// Noise does not explain a residual with a p-value below this limit.
 const MISFIT: f64 = 1e-7;
 
-/// What the scene does not know.
+/// Difference between the true finger and the scene, which the scene does not state.
 #[derive(Debug, Clone, Copy)]
 enum Unknown {
     Ribs,
@@ -55,7 +55,7 @@ fn differing(finger: &Finger, unknown: Unknown, chance: &mut ChaCha8Rng) -> Fing
     Finger::new(description).expect("a finger")
 }
 
-/// Error of a force in standard deviations, if the finger answers and its residual is a misfit. Forces are up to `largest_n`.
+/// Error of a force in standard deviations. `None` unless the estimator returns a force and the residual is a misfit. Forces are up to `largest_n`.
 fn error(scene: &Scene, unknown: Unknown, knows_position: bool, case: u64, largest_n: f64) -> Option<f64> {
     let chance = &mut random_stream(4700, case);
     let finger = differing(&scene.finger, unknown, chance);
@@ -100,8 +100,9 @@ fn error(scene: &Scene, unknown: Unknown, knows_position: bool, case: u64, large
     is_warned.then(|| (sensed.forces_n[0] - force_n) / sensed.sigmas_n[0])
 }
 
-/// Ribs off by 0.5 mm, a softer part of the plate, a scale off by 0.5 %, a base off by 0.3 mm and 0.3 degrees, a preload: 95 % intervals beside a residual that
-/// noise does not explain hold in nine of ten cases. If the residual were noise, they would hold in five.
+/// Errors that the scene does not state: ribs by 0.5 mm, a softer part of the plate, a scale by 0.5 %, a base by 0.3 mm and 0.3 degrees, a preload.
+/// If noise does not explain the residual, 95 % intervals contain the force in nine of ten cases. If the residual counted as noise, they would
+/// contain it in five of ten cases.
 #[test]
 fn intervals_hold_on_fingers_that_do_not_fit_their_scene() {
     let cases = case_count(10, 200) as u64;

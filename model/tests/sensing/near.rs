@@ -14,7 +14,8 @@ fn seen(scene: &Scene, s_mm: f64, force_n: f64) -> Observation {
     Observation::of_shape(&scene.finger, &statics::solve(&mesh, &[load], Kinematics::Corotational).expect("carried"))
 }
 
-/// The result is the same wherever the search starts: near, at another position, or with more force than the finger carries.
+/// The result does not depend on the start of the search: near the result, at another position, or with a force for which the finger has no
+/// equilibrium.
 #[test]
 fn the_start_of_a_search_does_not_change_its_result() {
     let scene = Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("a scene");

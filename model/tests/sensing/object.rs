@@ -17,9 +17,9 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Elements a member of the mesh that the truth is made on.
+/// Elements per member of the mesh that computes the true shape.
 const FINE: usize = 32;
-/// Forces of the two meshes differ by this share at most.
+/// Forces of the two meshes differ by at most this share.
 const MESHES: f64 = 1e-3;
 
 fn bracketed() -> Finger {
@@ -35,21 +35,21 @@ fn shapes() -> [ObjectShape; 3] {
     ]
 }
 
-/// Point of the outline whose outward normal is given, before the object is turned.
+/// Point of the unrotated outline at which `normal` is the outward normal.
 fn outline_point(shape: &ObjectShape, normal: Vector) -> Vector {
     match shape {
         ObjectShape::Disc { radius_mm } => normal * *radius_mm,
         ObjectShape::Ellipse { semi_axes_mm: [a, b] } => {
             Vector::new(a * a * normal.x, b * b * normal.y) / (a * normal.x).hypot(b * normal.y)
         }
-        // A corner, that which reaches furthest.
+        // The corner that is farthest in the direction of the normal.
         ObjectShape::Polygon { corners } => {
             *corners.iter().max_by(|p, q| p.dot(&normal).total_cmp(&q.dot(&normal))).expect("corners")
         }
     }
 }
 
-/// A turn with which an object meets the plate as it should: of a polygon a corner, none of its sides along the plate.
+/// A rotation with which an object touches the plate at one point: a corner of a polygon, with no side parallel to the plate.
 fn turn_rad(shape: &ObjectShape, finger: &Finger, any_rad: f64) -> f64 {
     let ObjectShape::Polygon { corners } = shape else { return any_rad };
     let [before, corner, after] = [0, 1, 2].map(|i| corners[i]);
@@ -65,7 +65,7 @@ struct Pressed {
     pose: Isometry2<f64>,
 }
 
-/// A force that leans from the normal of the deformed plate at a node of the fine mesh, and the object that touches there.
+/// Applies a force at a node of the fine mesh, which leans from the normal of the deformed plate, and places the object in contact at this node.
 fn pressed(
     mesh: &Mesh,
     at: f64,
@@ -90,7 +90,7 @@ fn pressed(
     let mut motion = None;
     for _ in 0..40 {
         let force = finger.direction(lean_deg + turned_deg) * force_n;
-        // Friction acts before the plate; here there is none of it where the pad is thick.
+        // On a pad, friction acts at a distance from the plate, so cases with a thick pad have no friction.
         let load = mesh.frame_load(&Load::at_position(s_mm, force)).expect("on the plate");
         let found = statics.equilibrium(&[load]).expect("carried").motion;
         turned_deg = found.rotations[mesh.frame().rotation_of(node)].to_degrees();
@@ -120,7 +120,7 @@ fn sense(
     estimator.clone().estimate(seen, Some(noise_mm))
 }
 
-/// Force and place come back, with the friction that is known, whatever the object's shape and however it is turned.
+/// Force and position are recovered with known friction, for any shape and rotation of the object.
 #[test]
 fn objects_show_place_and_direction() {
     let finger = bracketed();
@@ -140,7 +140,7 @@ fn objects_show_place_and_direction() {
     }
 }
 
-/// Errors are as large as stated: noise, the object's pose, its turn and friction as their standard deviations have them.
+/// Errors are as large as stated. Noise, position and rotation of the object, and friction scatter with their standard deviations.
 #[test]
 fn stated_sigmas_hold_what_the_objects_pose_leaves_open() {
     const NOISE_MM: f64 = 0.02;
@@ -177,7 +177,7 @@ fn stated_sigmas_hold_what_the_objects_pose_leaves_open() {
     }
 }
 
-/// The stated standard deviation is what noise of each coordinate and errors of the pose do to the answer, one after the other.
+/// The stated standard deviation combines the responses of the force to the noise of each coordinate and to the errors of the pose.
 #[test]
 fn sigmas_are_responses_to_noise_and_pose() {
     const NOISE_MM: f64 = 0.02;
@@ -209,11 +209,11 @@ fn sigmas_are_responses_to_noise_and_pose() {
         }
     }
     let responses = variance.sqrt();
-    // Answers settle to a hundredth of their standard deviation; contacts close to 0.01 mm, which counts in what is stated.
+    // Forces converge to a hundredth of their standard deviation. The stated deviation also includes the tolerance of a closed contact, 0.01 mm.
     assert!((stated / responses - 1.0).abs() < 0.02, "stated {stated} N, responses {responses} N");
 }
 
-/// A pad keeps the outline from the plate by its thickness.
+/// A pad separates the outline from the plate by the pad's thickness.
 #[test]
 fn an_object_touches_the_pad() {
     let finger = bracketed();
@@ -235,7 +235,7 @@ fn an_object_touches_the_pad() {
     );
 }
 
-/// Friction anywhere in a range: both ends of it are answered too, and the truth is within what they leave.
+/// For friction within a wide range, forces are returned, and intervals contain the true forces.
 #[test]
 fn a_wide_range_of_friction_is_answered() {
     const NOISE_MM: f64 = 0.06;
@@ -259,7 +259,7 @@ fn a_wide_range_of_friction_is_answered() {
     assert!(within >= 4, "{within} of 5");
 }
 
-/// An object that is elsewhere is refused, away from the plate and inside the finger.
+/// An object at a wrong position is refused, whether it is away from the plate or inside the finger.
 #[test]
 fn an_object_that_cannot_touch_is_refused() {
     let finger = bracketed();

@@ -1,4 +1,5 @@
-//! Sensing through a pad, which distributes a force along the plate: the forces on the plate are sensed as one, within the stated interval.
+//! Sensing through a pad, which distributes a force along the plate: the distributed forces on the plate are sensed as one force, within the stated
+//! interval.
 
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{
@@ -11,16 +12,17 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 const PAD: Pad = Pad { length_mm: 8.0, thickness_mm: 3.0 };
-/// Forces that an even pressure is made of.
+/// Number of forces that represent a uniform pressure.
 const PARTS: usize = 101;
-/// Two forces differ from an even pressure, and a chord from the mean direction of the plate, by this share of the force at most.
+/// Largest error, as a share of the force, from two approximations: two forces instead of a uniform pressure, and a chord instead of the mean
+/// direction of the plate.
 const MADE_OF_PARTS: f64 = 3e-4;
 
 fn bracketed() -> Finger {
     finger_of(finray_fixtures::BRACKETED_SCENE)
 }
 
-/// What is seen where an object presses on the pad.
+/// Displacements under an object that presses on the pad.
 fn pressed(mesh: &Mesh, contact: Contact, force_n: f64) -> Measurement {
     let loads = under_pad(mesh, contact, force_n, PAD, PARTS);
     let loads: Vec<_> = loads.iter().map(|(contact, force_n)| contact.load(mesh.finger(), *force_n)).collect();
@@ -28,7 +30,7 @@ fn pressed(mesh: &Mesh, contact: Contact, force_n: f64) -> Measurement {
     Measurement::of_shape(mesh.finger(), &shape)
 }
 
-/// Force, place and lean come back from what a pressure with shear does, where a force at a point would be off by far more.
+/// Force, position and lean are recovered from the displacements under a pressure with shear. With a force at a point, the error would be far larger.
 #[test]
 fn what_a_pad_does_is_sensed() {
     let finger = bracketed();
@@ -53,7 +55,7 @@ fn what_a_pad_does_is_sensed() {
     }
 }
 
-/// With noise, and place and lean open, errors are as large as stated.
+/// With noise, and with unknown position and lean, errors are as large as stated.
 #[test]
 fn stated_sigmas_hold_with_a_pad() {
     const NOISE_MM: f64 = 0.02;

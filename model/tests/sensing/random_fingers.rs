@@ -1,6 +1,7 @@
 //! Stated intervals cover the true forces on random fingers with 0 to 12 ribs, any number of markers, and one or two forces.
 //!
-//! Includes a regression: on a finger with few ribs and markers, a second minimum gave a force of the wrong sign, many standard deviations off.
+//! Includes a regression: on a finger with few ribs and markers, a second minimum led to a force of the wrong sign, with an error of many standard
+//! deviations.
 
 use finray_model::finger::{
     BracketLengths, FingerDescription, Joints, MarkerPoints, Plate, RibDescription, RibPositions, Strip,
@@ -14,10 +15,12 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-/// An answer without a warning that is off by more is wrong, but for chance, which does it once in 16 000 normal errors.
+/// A result without a warning counts as wrong if its error exceeds this number of standard deviations. By chance, one of 16 000 normal errors exceeds
+/// this number.
 const WRONG_SIGMAS: f64 = 4.0;
 const CHANCE: f64 = 6.3e-5;
-/// Elements of the finger that bends: its mesh must err by less than the noise does, which is 6e-4 of the largest displacements.
+/// Number of elements of the finger with the true shape. The error of its mesh must be smaller than the noise, which is 6e-4 of the largest
+/// displacement.
 const ELEMENTS: usize = 600;
 
 /// A random finger, with hinged or clamped ribs.
@@ -56,7 +59,7 @@ fn random_finger(rng: &mut ChaCha8Rng) -> Finger {
     }
 }
 
-/// A random finger under random forces, as a camera sees it.
+/// A random finger under random forces, with the measurement of a camera.
 struct Case {
     finger: Finger,
     contacts: Vec<Contact>,
@@ -66,7 +69,7 @@ struct Case {
 }
 
 impl Case {
-    /// Draws until a finger carries its forces.
+    /// Draws until a finger has an equilibrium under its forces.
     fn drawn(rng: &mut ChaCha8Rng, contact_count: usize) -> Case {
         loop {
             let finger = random_finger(rng);
@@ -76,7 +79,7 @@ impl Case {
             };
             let contacts: Vec<Contact> = (0..contact_count).map(|_| contact(rng)).collect();
             let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS / (3 * finger.rib_count() + 2));
-            // As large as would bend the linear finger by a share of its length, from what a camera hardly sees on.
+            // Forces that bend the linear finger by a share of its length. The smallest share is hardly visible to a camera.
             let forces_n = contacts.iter().map(|contact| {
                 let unit = seen(&mesh, std::slice::from_ref(contact), &[1.0], Kinematics::Linear).expect("linear");
                 let moved = unit.markers().iter().map(|m| m.displacement.norm()).fold(0.0, f64::max);
@@ -94,7 +97,7 @@ impl Case {
         }
     }
 
-    /// Errors in stated standard deviations, and whether a warning stands beside them.
+    /// Errors in stated standard deviations, and whether the result has a warning.
     fn sensed(&self) -> Result<(Vec<f64>, bool), SensingError> {
         let questions: Vec<ContactQuestion> = self.contacts.iter().copied().map(ContactQuestion::from).collect();
         let found = sense_refining(
@@ -112,7 +115,7 @@ impl Case {
     }
 }
 
-/// Silent answers are right, as uncertain as is stated, and most measurements have one.
+/// Results without a warning are correct, their stated uncertainties are right, and few measurements are refused.
 fn assert_right(contact_count: usize, few: usize, most_refused: f64) {
     let cases = case_count(few, 10_000);
     let outcomes: Vec<Result<(Vec<f64>, bool), SensingError>> = (0..cases)
@@ -129,12 +132,12 @@ fn assert_right(contact_count: usize, few: usize, most_refused: f64) {
         "{cases} cases of {contact_count}: {refused} refused, {} silent, coverage {coverage:.4}",
         silent().count()
     );
-    // Of few cases none: of 200 errors chance leaves 0.013, and four standard deviations of that are 0.45.
+    // With few cases, no result may be wrong: 0.013 of 200 errors are expected by chance, and four standard deviations of this number are 0.45.
     let by_chance = CHANCE * errors.len() as f64;
     let most_wrong = by_chance + STANDARD_ERRORS * by_chance.sqrt();
     assert!(wrong.len() as f64 <= most_wrong, "wrong in silence, by so many standard deviations: {wrong:?}");
     assert!(refused as f64 <= most_refused * cases as f64, "{refused} of {cases} are refused");
-    // Errors of one measurement depend on each other.
+    // Errors of one measurement are correlated, so the number of cases counts.
     let chance = STANDARD_ERRORS * share_error(0.95, cases);
     assert!((coverage - 0.95).abs() <= 0.02 + chance, "coverage {coverage}");
 }
@@ -149,7 +152,8 @@ fn two_forces_on_a_random_finger_are_right_or_warned_of() {
     assert_right(2, 60, 0.25);
 }
 
-/// Doubling the mesh changed the force little by chance, near a limit load and for a load between nodes: 4.6 and 6.5 stated standard deviations off.
+/// Near a limit load and for a load between nodes, doubling the mesh once changed the force little by chance. The errors were 4.6 and 6.5 stated
+/// standard deviations.
 #[test]
 fn a_small_change_of_the_mesh_is_not_taken_for_convergence() {
     for number in [3095, 3914] {
@@ -158,9 +162,9 @@ fn a_small_change_of_the_mesh_is_not_taken_for_convergence() {
     }
 }
 
-/// A V without ribs whose tip is the only marker: 0.5 N were sensed as -0.085 +- 0.055 N, and 1 N denied. A small negative force moves the tip as
-/// 0.5 N do, which may be refused; nothing does as 1 or -0.5 N do, of which 8 and 9 draws are answered and half must be. A search that starts at the
-/// wrong minimum does not end there.
+/// A V without ribs and with one marker, at the tip. A force of 0.5 N was once sensed as -0.085 +- 0.055 N, and a force of 1 N was refused. A small
+/// negative force moves the tip as 0.5 N does, so 0.5 N may be refused. No other force moves the tip as 1 N or -0.5 N does: 8 and 9 draws return a
+/// force, and at least half must. A search that starts at the wrong minimum does not end at this minimum.
 #[test]
 fn a_v_seen_at_its_tip_is_given_no_force_of_the_wrong_sign() {
     let strip = |thickness_mm| Strip { thickness_mm, tip_thickness_mm: None, youngs_modulus_mpa: 18.5 };

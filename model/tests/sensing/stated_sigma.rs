@@ -1,4 +1,4 @@
-//! The stated standard deviation covers the error of the model, or a warning says why it may not.
+//! The stated standard deviation covers the error of the model, or a warning states why it may not cover this error.
 
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{
@@ -21,8 +21,8 @@ fn linear(
     LinearEstimator::new(finger, &[contact], seen)?.estimate_on(&mut linearisation, seen, noise_mm, Prior::None)
 }
 
-/// 3 N at -60 deg on node 19: the linear model senses 3.97 N, which was once stated to 0.008 N. The error of linearisation that is
-/// found from these 3.97 N alone is the true one.
+/// For 3 N at -60 deg on node 19, the linear model senses 3.97 N, once with a stated standard deviation of 0.008 N. The error of linearisation
+/// computed from the 3.97 N alone equals the true error.
 #[test]
 fn a_linear_force_a_newton_off_is_not_stated_to_8_millinewtons() {
     let finger = paper();
@@ -33,7 +33,7 @@ fn a_linear_force_a_newton_off_is_not_stated_to_8_millinewtons() {
         for noise_mm in [Some(CAMERA_NOISE_MM), None] {
             let estimate = linear(&finger, contact, &clean, noise_mm).expect("an answer");
             let true_error_n = estimate.forces_n[0] - 3.0;
-            // Four elements a member leave 0.04 % of the shape, which is 1.2 mN of 3 N.
+            // Four elements per member cause an error of 0.04 % of the shape, which is 1.2 mN for a force of 3 N.
             let off_n = estimate.model_error_n[0] - true_error_n;
             assert!(
                 off_n.abs() <= 0.01 * true_error_n.abs() + 0.0012,
@@ -45,7 +45,7 @@ fn a_linear_force_a_newton_off_is_not_stated_to_8_millinewtons() {
     }
 }
 
-/// A finger that bends linearly is no reason to warn, whatever a co-rotational one would do.
+/// A measurement of a linear finger causes no warning, whatever the error of linearisation for a co-rotational finger.
 #[test]
 fn a_linear_finger_is_taken_as_it_is() {
     let finger = paper();
@@ -60,7 +60,7 @@ fn a_linear_finger_is_taken_as_it_is() {
     assert!(estimate.warning.is_none() && estimate.sigmas_n[0] < 1e-9, "{estimate:?}");
 }
 
-/// On 25 nodes, forces at 19 and 20 were three standard deviations off.
+/// On a mesh of 25 nodes, forces at nodes 19 and 20 once had errors of three standard deviations.
 #[test]
 fn a_coarse_mesh_states_its_own_error() {
     let finger = paper();
@@ -77,7 +77,7 @@ fn a_coarse_mesh_states_its_own_error() {
         let true_error_n = estimate.forces.forces_n[0] - 3.0;
         Discretisation::new(&coarse, &finer).widen(&mut estimator, &clean, &mut estimate).expect("an error");
         let estimate = estimate.forces;
-        // Four elements a member leave a twentieth of the error, and extrapolation is as good as that.
+        // Four elements per member reduce the error to a twentieth, and extrapolation has about the same accuracy.
         let off_n = estimate.model_error_n[0] - true_error_n;
         assert!(off_n.abs() <= 0.2 * true_error_n.abs() + 1e-4, "node {node}: {off_n} of {true_error_n} N");
         assert!(true_error_n.abs() <= TWO_SIDED_95 * estimate.sigmas_n[0], "node {node}: {estimate:?}");
@@ -88,7 +88,7 @@ fn a_coarse_mesh_states_its_own_error() {
     assert!(largest > 2.5, "some node is well beyond its noise: {largest}");
 }
 
-/// Where the model holds and the noise is as stated, one measurement in a hundred is warned of.
+/// If the model is correct and the noise is as stated, one measurement in a hundred causes a warning.
 #[test]
 fn the_residual_test_keeps_its_significance() {
     let finger = paper();
@@ -104,18 +104,18 @@ fn the_residual_test_keeps_its_significance() {
         let mut answer = |stated_mm| estimator.estimate(&noisy, Some(stated_mm)).expect("an answer").forces;
         let as_stated = answer(0.1);
         warned += usize::from(as_stated.warning.is_some());
-        // The deviation rests on the stated noise where that holds, on the residual where it does not.
+        // The standard deviation follows from the stated noise, or from the residual if the residual contradicts the stated noise.
         let ratio = as_stated.noise_mm / 0.1;
         assert_eq!(ratio == 1.0, as_stated.warning.is_none(), "{as_stated:?}");
         of_twice += usize::from(answer(0.05).warning.is_some());
     }
     let expected = SIGNIFICANCE * SAMPLES as f64;
-    // Poisson: four standard deviations; markers beyond 4.5 sigma are weighted down, which hardly ever happens.
+    // The limit is four standard deviations of a Poisson distribution. Markers beyond 4.5 sigma are down-weighted, but such markers are very rare.
     assert!((warned as f64 - expected).abs() <= 4.0 * expected.sqrt(), "{warned} of {SAMPLES}");
     assert_eq!(of_twice, SAMPLES, "twice the stated noise never passes");
 }
 
-/// Residual and noise are written with as many digits as make a difference.
+/// Residual and noise are written with enough digits to show their difference.
 #[test]
 fn a_residual_is_told_apart_from_the_noise() {
     let said = |residual_sd_mm, noise_mm| {

@@ -6,12 +6,12 @@ use finray_model::{Kinematics, Load, Mesh, NodeId, Vector};
 use finray_tests::{cases, contact_node, finger_with_zones, force_for_deflection, largest, motions_apart, paper};
 use proptest::prelude::*;
 
-/// Two paths to one equilibrium, where Newton's method stops on each.
+/// Largest difference between two computations of one equilibrium, due to the tolerance of Newton's method.
 const SAME_EQUILIBRIUM: f64 = 1e-8;
-/// Relative error of the load that 32 elements leave on a column bent up to 2.6 rad.
+/// Relative error of the load with 32 elements, for a column bent up to 2.6 rad.
 const MESH_ERROR: f64 = 1e-5;
 
-/// EA of the toggle is 1e4 N: strains of 1e-14 are rounding.
+/// Rounding error of forces, N. EA of the toggle is 1e4 N, and strains of 1e-14 are rounding errors.
 const ROUNDING_N: f64 = 1e-9;
 
 /// A shallow toggle with pinned feet, all lengths times `unit`, all forces times `force_unit`.
@@ -41,7 +41,7 @@ fn toggle_path(unit: f64, force_unit: f64, load: f64) -> EquilibriumPath {
         .expect("the toggle snaps through")
 }
 
-/// The same steps are taken in mm or km, N or kN, and for a load of any size.
+/// The steps do not depend on units (mm or km, N or kN) or on the size of the load.
 #[test]
 fn paths_do_not_depend_on_units() {
     let reference = toggle_path(1.0, 1.0, 1.0);
@@ -55,7 +55,7 @@ fn paths_do_not_depend_on_units() {
     }
 }
 
-/// All points of a path are equilibria: the residual vanishes against the loads and the forces inside.
+/// All points of a path are equilibria: the residual is negligible compared with loads and internal forces.
 #[test]
 fn points_are_equilibria() {
     let (frame, apex) = toggle(1.0, 1.0);
@@ -69,7 +69,7 @@ fn points_are_equilibria() {
     }
 }
 
-/// A clamped column of length and bending rigidity one, whose compression counts for little, and its free end.
+/// A clamped column of length 1 and bending rigidity 1 with negligible compression, and its free end.
 fn column(elements: usize) -> (PlaneFrame, NodeIndex) {
     let mut frame = PlaneFrame::default();
     let section = Section { axial_rigidity_n: 1e6, bending_rigidity_nmm2: 1.0 };
@@ -82,8 +82,8 @@ fn column(elements: usize) -> (PlaneFrame, NodeIndex) {
     (frame, nodes[elements])
 }
 
-/// A straight column under a dead load loses its stability at Euler's load, without a limit point there: the path goes
-/// straight on, and one more pivot is negative, however little the column moves before.
+/// A straight column under a dead load becomes unstable at Euler's load, which is not a limit point. The path continues straight, and one more pivot
+/// is negative, however small the motion before is.
 #[test]
 fn straight_path_shows_euler_loads() {
     let (frame, tip) = column(16);
@@ -96,15 +96,14 @@ fn straight_path_shows_euler_loads() {
     for (pivots, critical) in [(0, euler), (1, 9.0 * euler)] {
         let last = path.points.iter().rposition(|point| point.negative_pivots == pivots).expect("on the path");
         let [below, above] = [last, last + 1].map(|i| path.points[i].multiple);
-        // Bracketed to a thousandth; 16 elements have the higher load to as much.
+        // The loads are bracketed to a thousandth. With 16 elements, the higher load is equally accurate.
         assert!((0.998..1.002).contains(&(below / critical)) && (0.998..1.002).contains(&(above / critical)));
         assert!(above > below);
     }
 }
 
-/// A disturbed column follows the bent branch, which closed form has as P / P_Euler = 1 / agm(1, cos(alpha / 2))^2 for
-/// the rotation alpha of its end (Timoshenko & Gere, Theory of Elastic Stability, sec. 2.7): no step leaps to the
-/// other side.
+/// A disturbed column follows the bent branch, and no step leaps to the branch on the other side. For the rotation alpha of the column's end, the
+/// closed form is P / P_Euler = 1 / agm(1, cos(alpha / 2))^2 (Timoshenko & Gere, Theory of Elastic Stability, sec. 2.7).
 #[test]
 fn disturbed_column_follows_the_elastica() {
     let agm = |mut a: f64, mut b: f64| {
@@ -132,7 +131,7 @@ fn disturbed_column_follows_the_elastica() {
     }
 }
 
-/// Loads that move nothing leave the frame at rest; a frame that is not held is refused.
+/// Loads that cause no motion leave the frame at rest. A frame that can move without deforming is refused.
 #[test]
 fn degenerate_frames() {
     let (frame, apex) = toggle(1.0, 1.0);
@@ -154,8 +153,8 @@ fn degenerate_frames() {
 proptest! {
     #![proptest_config(cases(64))]
 
-    /// On its first stable branch a path passes through the equilibria that load steps find, with arms, hinges, rigid
-    /// links, moments and loads between nodes; and where load steps end, the path has its first limit or bifurcation.
+    /// On its first stable branch, a path passes through the equilibria that load steps find, with arms, hinges, rigid links, moments and loads
+    /// between nodes. The path has its first limit point or bifurcation at the load at which load steps end.
     #[test]
     fn paths_pass_through_the_equilibria_of_load_steps(
         finger in finger_with_zones(),
@@ -187,7 +186,7 @@ proptest! {
     }
 }
 
-/// Load steps on the paper's finger, solved another way (ladder, Cholesky), end where the path has its first limit point.
+/// Load steps on the paper's finger with another solver (ladder, Cholesky) end at the first limit point of the path.
 #[test]
 fn load_steps_end_at_the_first_limit_point() {
     let finger = paper();
@@ -197,7 +196,7 @@ fn load_steps_end_at_the_first_limit_point() {
         let path = ArcLength::new(mesh.frame(), Kinematics::Corotational)
             .follow(&[load], 300, |point| point.multiple > 1.0)
             .expect("the path is followed");
-        // It snaps through and then carries the load: as many limits on the way down as on the way up.
+        // The finger snaps through and is stable at the end of the path, so the load has as many maxima as minima.
         assert!(path.points.last().is_some_and(|point| point.is_stable() && point.multiple > 1.0));
         assert_eq!(path.limits.len(), 2, "node {node}");
         let limit = &path.limits[0];

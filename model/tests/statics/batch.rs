@@ -17,7 +17,7 @@ fn one_by_one<L: AsRef<[FrameLoad]>>(
     loads.iter().map(|loads| statics.equilibrium(loads.as_ref())).collect()
 }
 
-/// A load at a node with a moment, at a position, and on a node made by refinement; how many of them is up to `kinds`.
+/// Up to three loads: at a node with a moment, at a position, and on a node that refinement adds. `kinds` is their number.
 fn load(mesh: &Mesh, at: [f64; 2], force: Vector, kinds: usize) -> Vec<FrameLoad> {
     let finger = mesh.finger();
     let node = contact_node(finger, at[0]);
@@ -29,7 +29,7 @@ fn load(mesh: &Mesh, at: [f64; 2], force: Vector, kinds: usize) -> Vec<FrameLoad
     on_finger.into_iter().chain(is_refined.then_some(inside)).take(kinds).collect()
 }
 
-/// Nothing of the results differs; the first pair that does is shown.
+/// Checks that all results are equal. Prints the first pair that differs.
 fn assert_same(batch: &[Result<Equilibrium, StaticsError>], single: &[Result<Equilibrium, StaticsError>]) {
     assert_eq!(batch.len(), single.len());
     for (index, (batch, single)) in batch.iter().zip(single).enumerate() {
@@ -40,7 +40,7 @@ fn assert_same(batch: &[Result<Equilibrium, StaticsError>], single: &[Result<Equ
 proptest! {
     #![proptest_config(cases(96))]
 
-    /// Any finger, any mesh: hinges, rigid links, arms, zones; loads of all kinds, of which the largest are refused.
+    /// Tested on any finger and mesh, with hinges, rigid links, arms, zones and loads of all kinds. The largest loads are refused.
     #[test]
     fn random_fingers_and_loads_agree(
         finger in built_finger_with_zones(),
@@ -59,7 +59,7 @@ proptest! {
     }
 }
 
-/// Normal forces at one node of the paper's finger, N: easy ones, one that takes several load steps, and refused ones.
+/// Normal forces at one node of the paper's finger, N: small forces, one force that needs several load steps, and refused forces.
 fn forces(finger: &Finger, mesh: &Mesh, forces_n: &[f64]) -> Vec<[FrameLoad; 1]> {
     let node = contact_node(finger, 0.5);
     let load = |force_n: &f64| mesh.frame_load(&Load::at_node(node, finger.direction(0.0) * *force_n));
@@ -80,7 +80,7 @@ fn a_result_does_not_depend_on_the_batch() {
             "{steps:?}, {refused} refused"
         );
         assert_eq!(single[8], Err(StaticsError::LoadNotFinite));
-        // Every number of them, and in the opposite order.
+        // Every number of loads, and the loads in reverse order.
         for count in 0..=loads.len() {
             assert_same(&equilibria(&mesh, Kinematics::Corotational, &loads[..count]), &single[..count]);
         }
@@ -95,7 +95,7 @@ fn a_result_does_not_depend_on_the_batch() {
 fn any_number_of_threads_gives_the_same() {
     let finger = paper();
     let mesh = Mesh::key_nodes(&finger);
-    // More than one thread takes at a time.
+    // More loads than one thread solves at a time.
     let forces_n: Vec<f64> = (0..1000).map(|i| 0.05 * f64::from(i)).collect();
     let loads = forces(&finger, &mesh, &forces_n);
     let single = one_by_one(&mesh, Kinematics::Corotational, &loads);
@@ -105,8 +105,8 @@ fn any_number_of_threads_gives_the_same() {
     }
 }
 
-/// What is refused at the first load step is refused for the reason that the single path finds: here a mesh so fine that its
-/// tangent has no digits.
+/// A load that is refused at the first load step is refused for the same reason in the batch and alone. In this test, the mesh is so fine that its
+/// tangent has no correct digits.
 #[test]
 fn a_mesh_that_is_too_fine_is_refused_alike() {
     let (finger, force_n) = hard_fingers().swap_remove(2);

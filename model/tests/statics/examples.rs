@@ -7,7 +7,7 @@ use finray_model::statics::{Statics, StaticsError, reaction, solve};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
 use finray_tests::paper;
 
-/// The finger of the paper, bent by 3 N in its middle, in figures that the paper's text gives: nodes and unknowns.
+/// The meshes of the paper's finger have as many nodes, elements and unknowns as stated in the paper.
 #[test]
 fn paper_mesh_has_the_papers_size() {
     let paper = paper();
@@ -17,13 +17,13 @@ fn paper_mesh_has_the_papers_size() {
     assert_eq!(Statics::sparse(mesh.frame(), Kinematics::Linear).equations().assembly().equations().count(), 69);
     let fine = Mesh::with_nodes(&paper, 684).expect("fine mesh");
     let base_line = 684 - fine.frame().node_count();
-    // 695 elements, those of the base line included, which lie between two clamps.
+    // 695 elements, including the elements of the base line, which lie between two clamps.
     assert_eq!(fine.frame().members().len() + base_line + 1, 695);
     assert_eq!(paper.position(NodeId(13)), Vector::new((153.0_f64 * 153.0 - 29.0 * 29.0).sqrt(), 0.0));
 }
 
-/// A finger whose thin back plate buckles at 3.7 % of the load: taken at once, the whole load once led to a shape far
-/// beyond (found by turning the scene).
+/// The thin back plate of a finger buckles at 3.7 % of the load. The whole load in one step once led to a shape far beyond buckling (found by
+/// rotation of the scene).
 #[test]
 fn a_buckling_load_is_not_jumped_over() {
     let strip = |thickness_mm, youngs_modulus_mpa| Strip { thickness_mm, tip_thickness_mm: None, youngs_modulus_mpa };
@@ -60,8 +60,8 @@ fn a_buckling_load_is_not_jumped_over() {
     }
 }
 
-/// A linear finger cannot snap through: what double precision cannot solve (a member 1e22 times stiffer than the next)
-/// was once refused as if it did.
+/// A linear finger cannot snap through. A finger that double precision cannot solve (a member 1e22 times stiffer than the next) was once refused
+/// because of snap-through.
 #[test]
 fn a_linear_finger_is_never_said_to_buckle() {
     let paper = paper();
@@ -81,8 +81,8 @@ fn a_linear_finger_is_never_said_to_buckle() {
     }
 }
 
-/// Newton's iteration once stopped far from the end in thin plates: the energy norms 0.02, 0.13, 4e-5 look like squaring,
-/// but the first two are no beginning of it. Reactions were then wrong by 5e-4.
+/// Newton's iteration once stopped far from convergence in thin plates. The energy norms 0.02, 0.13, 4e-5 look like quadratic convergence, but it
+/// does not start with the first two norms. Reactions were then wrong by 5e-4.
 #[test]
 fn newton_does_not_stop_early_in_thin_plates() {
     let paper = paper();
@@ -92,7 +92,7 @@ fn newton_does_not_stop_early_in_thin_plates() {
     }
     let finger = Finger::new(description).expect("possible");
     let mesh = Mesh::key_nodes(&finger);
-    // As 2 N bend plates of 1.5 mm.
+    // A force that bends these plates as 2 N bends plates of 1.5 mm.
     let force = finger.direction(0.0) * 2.0 * (0.01_f64 / 1.5).powi(3);
     let load = mesh.frame_load(&Load::at_node(NodeId(19), force)).expect("a contact node");
     let mut statics = Statics::ladder(&mesh, Kinematics::Corotational);
@@ -108,13 +108,13 @@ fn newton_does_not_stop_early_in_thin_plates() {
             .iter()
             .sum::<Vector>()
             + force * share;
-        // Newton stops at 1e-11 of the energy norm: 1e-7 of the force in plates that stretch 1e6 times less than they bend.
+        // Newton's method stops at 1e-11 of the energy norm. In plates that stretch 1e6 times less than they bend, this is 1e-7 of the force.
         assert!(left.norm() <= 1e-6 * force.norm(), "{share}: {left}");
     }
 }
 
-/// The shallow-arch strain is what makes the coarse mesh accurate: at 3 N within 1 % of the fine mesh at every node,
-/// where the strain of the chord is several per cent off.
+/// The shallow-arch strain makes the coarse mesh accurate: at 3 N, it differs from the fine mesh by at most 1 % at every node. With the strain of the
+/// chord, the difference is several per cent.
 #[test]
 fn shallow_arch_strain_makes_coarse_meshes_accurate() {
     let finger = paper();

@@ -6,15 +6,15 @@ use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, statics};
 use finray_tests::{cases, contact_node, finger, finger_with_zones, force_for_deflection, paper, shapes_apart};
 use proptest::prelude::*;
 
-/// As many as on 684 nodes. A retraction with a kink at the ends of members takes 11, Newton's corrections added as they
-/// are 190.
+/// Largest number of Newton iterations, as on 684 nodes. A retraction with a kink at the ends of members needs 11 iterations. Newton's corrections
+/// without retraction need 190.
 const MOST_ITERATIONS: usize = 6;
-/// Share by which a Richardson estimate may err: the next term of the error is some percent on 684 nodes.
+/// Largest relative error of a Richardson estimate. On 684 nodes, the next term of the error is some per cent.
 const RICHARDSON: f64 = 0.2;
-/// Error of a linear solution as a share of the largest displacement, on any mesh: stretching is up to 1e5 times stiffer
-/// than bending, and each rib and element adds its rounding.
+/// Error of a linear solution on any mesh, as a share of the largest displacement. Stretching is up to 1e5 times stiffer than bending, and each rib
+/// and element adds a rounding error.
 const ROUNDING: f64 = 1e-10;
-/// Digits that may be stated too many: a factor of two.
+/// Number of digits by which the stated digits may be too high; it corresponds to a factor of two.
 const OVERSTATED: f64 = 0.3;
 
 fn mesh(finger: &Finger, nodes: usize) -> Mesh {
@@ -25,8 +25,8 @@ fn bent(mesh: &Mesh, load: &Load) -> Result<Equilibrium, StaticsError> {
     Statics::ladder(mesh, Kinematics::Corotational).equilibrium(&[mesh.frame_load(load)?])
 }
 
-/// A hundred thousand nodes under 3 N: as many Newton iterations as two or three load steps take, and the shape that
-/// Richardson extrapolation of two coarse meshes foretells.
+/// A mesh of a hundred thousand nodes under 3 N needs as many Newton iterations as two or three load steps. Its shape equals the Richardson
+/// extrapolation of two coarse meshes.
 #[test]
 fn a_hundred_thousand_nodes_are_where_coarse_meshes_point() {
     let finger = paper();
@@ -51,9 +51,9 @@ fn a_hundred_thousand_nodes_are_where_coarse_meshes_point() {
 proptest! {
     #![proptest_config(cases(48))]
 
-    /// Zones, hinges, arms and rigid ribs: 256 elements a member take hardly more load steps than four. Adding Newton's
-    /// corrections as they are takes about sixteen times as many. Not of every finger: one whose front plate is a sixth as thick as
-    /// its back plate was seen to take 170 steps instead of 20, from 128 elements a member on.
+    /// With zones, hinges, arms and rigid ribs, 256 elements per member need hardly more load steps than four. Newton's corrections without
+    /// retraction need about sixteen times as many. There are exceptions: from 128 elements per member on, a finger with a front plate a sixth as
+    /// thick as its back plate needed 170 steps instead of 20.
     #[test]
     fn load_steps_do_not_grow_with_the_mesh(
         finger in finger_with_zones(),
@@ -64,10 +64,9 @@ proptest! {
         let node = contact_node(&finger, at);
         let load = Load::at_node(node, force_for_deflection(&finger, node, angle, share));
         let [coarse, fine] = [4, 256].map(|elements| bent(&Mesh::with_elements_per_member(&finger, elements), &load));
-        // Near a limit load one mesh may find an equilibrium and the other none.
-        // Such cases are drawn again, and counted.
+        // Near a limit load, only one of the two meshes may have an equilibrium. Such cases are replaced by new draws, and counted.
         let (Ok(coarse), Ok(fine)) = (coarse, fine) else { return Err(TestCaseError::reject("no equilibrium")) };
-        // A step that one mesh just takes and the other just does not is followed by shorter ones.
+        // If one mesh just accepts a step and the other just rejects it, shorter steps follow on the second mesh.
         let most = 2 * coarse.load_steps + 2;
         prop_assert!(fine.load_steps <= most, "{} after {}", fine.load_steps, coarse.load_steps);
     }
@@ -76,10 +75,10 @@ proptest! {
 proptest! {
     #![proptest_config(cases(48))]
 
-    /// A thousand elements a member solve the same continuous finger as sixteen, so Newton's method takes the same steps, but
-    /// for one where a correction just passes the tolerance on one mesh; and the linear shape, which no mesh changes where
-    /// there are no zones to average, keeps its digits. Near limit loads one rejected step changes all that follow; so only
-    /// what a coarse mesh does in one step is counted. An elimination node by node loses nine digits of the tangent here.
+    /// Meshes with a thousand and with sixteen elements per member approximate the same continuous finger, so Newton's method needs the same number
+    /// of iterations. One iteration more is allowed, because a correction may just pass the tolerance on one mesh. Without zones, the linear shape is
+    /// equal on all meshes and keeps its digits. Near limit loads, one rejected step changes all later steps, so only cases that a coarse mesh solves
+    /// in one step are counted. Elimination node by node would lose nine digits of the tangent on these meshes.
     #[test]
     fn iterations_and_digits_do_not_depend_on_the_mesh(
         finger in finger(),
@@ -107,8 +106,8 @@ proptest! {
     }
 }
 
-/// The paper's finger; one with plates like foil; two with a member that is 10^12 times stiffer or a million times softer.
-/// Forces in N that bend them a little.
+/// The paper's finger, a finger with plates like foil, and two fingers with a member that is 10^12 times stiffer or a million times softer. Each
+/// finger has a force, N, that bends it a little.
 pub(super) fn hard_fingers() -> Vec<(Finger, f64)> {
     let of = |change: &dyn Fn(&mut FingerDescription)| {
         let mut description = paper().description().clone();
@@ -129,8 +128,8 @@ pub(super) fn hard_fingers() -> Vec<(Finger, f64)> {
     ]
 }
 
-/// Linear solutions are known without refinement, whatever the mesh: the key nodes alone are exact. No solution has fewer
-/// digits than stated, and none is given with fewer than four.
+/// The linear solution on the key nodes alone is exact, so it is the reference for any mesh. No solution has fewer correct digits than stated, and no
+/// solution with fewer than four digits is returned.
 #[test]
 fn stated_digits_are_there() {
     let mut refused = 0;
@@ -159,7 +158,7 @@ fn stated_digits_are_there() {
     assert!((1..10).contains(&refused), "{refused} of 20 refused");
 }
 
-/// Where rounding leaves nothing, the refusal does not name snap-through.
+/// If rounding leaves no correct digits, the refusal does not name snap-through.
 #[test]
 fn meshes_that_are_too_fine_are_refused() {
     let (finger, force) = hard_fingers().swap_remove(2);

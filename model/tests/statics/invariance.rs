@@ -8,11 +8,11 @@ use finray_tests::{KINEMATICS, built_finger_with_zones, cases, contact_node, fin
 use nalgebra::Rotation2;
 use proptest::prelude::*;
 
-/// Rounding of two solutions of the same finger, as a share of the largest displacement.
+/// Rounding error between two solutions of the same finger, as a share of the largest displacement.
 const ROUNDING: f64 = 1e-8;
 
-/// The finger's frame built by hand from its key nodes: turned by an angle and with the nodes added in another order.
-/// Returns the frame, and the position in it of each key node and of the joints of each rib. Without arms and zones.
+/// The finger's frame without arms and zones, built by hand from its key nodes. The frame is rotated by an angle, and its nodes are added in another
+/// order. Returns the frame, and the indices of the frame's nodes for each key node and for the joints of each rib.
 fn built_by_hand(finger: &Finger, turn: Rotation2<f64>, order: &[usize]) -> (PlaneFrame, Vec<usize>, Vec<[usize; 2]>) {
     let mut frame = PlaneFrame::default();
     let count = finger.key_node_count();
@@ -27,7 +27,7 @@ fn built_by_hand(finger: &Finger, turn: Rotation2<f64>, order: &[usize]) -> (Pla
     }
     let description = finger.description();
     let hinged = description.ribs.joints == Joints::Hinged;
-    // Joints of the ribs, front and back: nodes of their own, that the key nodes carry.
+    // Joints of the ribs, front and back, are separate nodes that are linked to the key nodes.
     let joints: Vec<[usize; 2]> = (0..finger.rib_count())
         .map(|rib| finger.rib_nodes(rib).map(|node| frame.add_node(turn * finger.hinge(node))))
         .collect();
@@ -35,7 +35,7 @@ fn built_by_hand(finger: &Finger, turn: Rotation2<f64>, order: &[usize]) -> (Pla
         let [front, back] = finger.rib_nodes(rib).map(|node| index[node.0]);
         frame.link_rigidly(front, front_joint, false);
         if description.ribs.strip.is_none() {
-            // The other node of the pair is the master, compared with the mesh.
+            // Unlike in the mesh, the front node of the pair is the master.
             frame.link_rigidly(front_joint, back_joint, hinged);
             frame.link_rigidly(back_joint, back, false);
         } else {
@@ -71,7 +71,7 @@ fn without_arms(finger: &Finger) -> Finger {
 proptest! {
     #![proptest_config(cases(96))]
 
-    /// Turning the whole scene turns the displacements; the order in which nodes and beams are given changes nothing.
+    /// If the whole scene is rotated, the displacements rotate with it. The order of nodes and beams has no effect.
     #[test]
     fn turn_of_the_scene_and_order_of_nodes(
         finger in built_finger_with_zones(),
@@ -111,7 +111,7 @@ proptest! {
         }
     }
 
-    /// Lengths in another unit and forces in another unit give the same shape in those units.
+    /// With other units of length and force, the shape is the same in these units.
     #[test]
     fn units(finger in built_finger_with_zones(), at in 0.0..1.0, angle in -80.0..80.0, length in -3.0..3.0, force in -6.0..6.0) {
         let (length, force_unit) = (10_f64.powf(length), 10_f64.powf(force));
@@ -131,7 +131,7 @@ proptest! {
         }
     }
 
-    /// A rigid motion of the whole frame strains nothing, from 1e-9 rad to more than a full turn.
+    /// A rigid motion of the whole frame causes no strain, for rotations from 1e-9 rad to more than a full turn.
     #[test]
     fn rigid_rotation_costs_nothing(finger in finger(), exponent in -9.0..0.9, negative in any::<bool>(), shift in [-5.0..5.0, -5.0..5.0]) {
         let turn = 10_f64.powf(exponent) * if negative { -1.0 } else { 1.0 };
@@ -148,7 +148,7 @@ proptest! {
             let statics = Statics::sparse(frame, kinematics);
             let mut assembly = statics.equations().assembly().clone();
             assembly.evaluate(&motion, &[], 0.0);
-            // Against the forces that the same rotation would cause as a deformation.
+            // Compared with the forces that the same rotation would cause as a deformation.
             let stiffest = largest(assembly.stiffness().data());
             let residual = largest(assembly.residual());
             let size = finger.description().front_length_mm;

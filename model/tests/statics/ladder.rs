@@ -8,13 +8,13 @@ use finray_tests::{
 };
 use proptest::prelude::*;
 
-/// Largest difference of a displacement, as a share of the largest, up to about 684 nodes.
+/// Largest difference of a displacement, as a share of the largest displacement, for meshes of up to about 684 nodes.
 const AGREEMENT: f64 = 1e-8;
 
 proptest! {
     #![proptest_config(cases(192))]
 
-    /// Any finger, any mesh: hinges, rigid links, arms, zones; loads on nodes with moments, at positions, inside elements.
+    /// Tested on any finger and mesh, with hinges, rigid links, arms and zones. Loads act on nodes with moments, at positions, and inside elements.
     #[test]
     fn agrees_with_the_sparse_path(
         finger in built_finger_with_zones(),
@@ -27,7 +27,7 @@ proptest! {
         let mesh = Mesh::with_elements_per_member(&finger, elements);
         let node = contact_node(&finger, at[0]);
         let force = force_for_deflection(&finger, node, angle, share);
-        // A node made by refinement, inside a plate or rib, carries a little of the load too.
+        // A small part of the load acts on a node that refinement adds inside a plate or rib.
         let inside = FrameLoad::Node { node: mesh.frame().node_count() - 1, force: force * 0.1, moment_nmm: 0.1 * moment };
         let loads: Vec<FrameLoad> = [
             Load::Node { node, force: force * 0.6, moment_nmm: moment * force.norm() },
@@ -48,8 +48,8 @@ proptest! {
             for (a, b) in ladder.motion.rotations.iter().zip(&sparse.motion.rotations) {
                 prop_assert!((a - b).abs() <= AGREEMENT * largest.max(1.0));
             }
-            // A linear solution is corrected by its residual only where the ladder sees that digits were lost; and with
-            // inner nodes the ladder mends what Newton does to them, and may get there in fewer steps.
+            // The ladder corrects a linear solution by its residual only if digits were lost. With inner nodes, the ladder applies a retraction to
+            // Newton's corrections, and may need fewer steps.
             if elements == 1 && kinematics != Kinematics::Linear {
                 prop_assert_eq!(ladder.iterations, sparse.iterations, "the same Newton steps");
             }
@@ -57,7 +57,7 @@ proptest! {
     }
 }
 
-/// The paper's finger on the paper's two meshes, every contact node.
+/// Tested on the paper's finger, on the paper's two meshes, for every contact node.
 #[test]
 fn agrees_on_the_papers_meshes() {
     let finger = paper();

@@ -9,12 +9,12 @@ use finray_tests::{
 };
 use proptest::prelude::*;
 
-/// Rounding of a linear solution on a coarse mesh, where stretching is up to 1e5 times stiffer than bending.
+/// Rounding error of a linear solution on a coarse mesh. Stretching is up to 1e5 times stiffer than bending.
 const ROUNDING: f64 = 1e-9;
-/// Rounding of a fine mesh, refined by its residual.
+/// Rounding error of a solution on a fine mesh, after a correction by its residual.
 const FINE_ROUNDING: f64 = 1e-8;
 
-/// Two ways to one equilibrium, where Newton's method stops on each, as a share of the largest displacement.
+/// Largest difference between two computations of one equilibrium, due to the tolerance of Newton's method, as a share of the largest displacement.
 const SAME_EQUILIBRIUM: f64 = 1e-7;
 
 fn displacements(finger: &Finger, loads: &[Load]) -> Vec<Vector> {
@@ -37,7 +37,7 @@ proptest! {
         prop_assert!((there - back).abs() <= ROUNDING * scale, "{there} against {back}");
     }
 
-    /// Linear displacements under two loads are the sum of those under each, and grow with the load.
+    /// Linear displacements under two loads are the sum of the displacements under each load, and are proportional to the load.
     #[test]
     fn superposition(finger in built_finger_with_zones(), at in [0.0..1.0, 0.0..1.0], factors in [-3.0..3.0, -3.0..3.0]) {
         let loads = [0, 1].map(|i| Load::at_node(contact_node(&finger, at[i]), finger.direction(40.0 * i as f64)));
@@ -71,8 +71,8 @@ proptest! {
         prop_assert!(work > 0.0);
     }
 
-    /// Forces and moments of loads and supports balance in the deformed position, for every kinematics; with a moment, and
-    /// a load between nodes or on an arm.
+    /// Forces and moments of loads and supports balance in the deformed position, for every kinematics. Loads include a moment, and a load between
+    /// nodes or on an arm.
     #[test]
     fn loads_and_reactions_balance(
         finger in built_finger_with_zones(),
@@ -92,7 +92,7 @@ proptest! {
                     return Err(TestCaseError::reject("no equilibrium"));
                 };
                 let motion = &equilibrium.motion;
-                // Small displacements balance in the undeformed position.
+                // For small displacements, forces balance in the undeformed position.
                 let position = |index: usize| match kinematics {
                     Kinematics::Linear => mesh.frame().position(index),
                     _ => mesh.frame().position(index) + motion.displacements[index],
@@ -126,8 +126,8 @@ proptest! {
         prop_assert!((energy - 0.5 * work).abs() <= 1e-8 * work);
     }
 
-    /// The elastic energy of the co-rotational finger is the work of its load along the path, by Simpson's rule over
-    /// the force; how far the rule can be trusted is seen from half as many steps (near a snap it is not smooth).
+    /// The elastic energy of the co-rotational finger equals the work of its load along the path, by Simpson's rule over the force. Half as many
+    /// steps show the error of the rule, because the integrand is not smooth near a snap.
     #[test]
     fn corotational_energy_is_the_work_of_the_load(finger in built_finger_with_zones(), at in 0.0..1.0, angle in -60.0..60.0) {
         const STEPS: usize = 64;
@@ -152,8 +152,8 @@ proptest! {
         prop_assert!((energy - work).abs() <= 1e-6 * work + 5.0 * (work - rough).abs(), "{energy} against {work} ({rough})");
     }
 
-    /// The full load at once leads to the same equilibrium as 100 small steps; where the small steps meet a limit load,
-    /// the full load is refused too.
+    /// The full load at once leads to the same equilibrium as 100 small steps. If the small steps meet a limit load, the full load is refused as
+    /// well.
     #[test]
     fn no_limit_load_is_jumped_over(finger in built_finger_with_zones(), at in 0.0..1.0, angle in -80.0..80.0, share in 0.005..0.03) {
         let mesh = Mesh::key_nodes(&finger);
@@ -174,7 +174,7 @@ proptest! {
         }
     }
 
-    /// Linear frames are exact at their nodes: refinement changes rounding alone.
+    /// Linear frames are exact at their nodes, so refinement changes only rounding errors.
     #[test]
     fn refinement_changes_nothing_linear(finger in built_finger(), at in 0.0..1.0, angle in -90.0..90.0) {
         let node = contact_node(&finger, at);
@@ -186,8 +186,8 @@ proptest! {
         prop_assert!(apart <= FINE_ROUNDING, "{apart}");
     }
 
-    /// A load between nodes acts as the same load on a node put there by refinement. Not next to the clamp, where
-    /// nothing moves but rounding.
+    /// A load between nodes has the same effect as this load on a node that refinement adds at its position. Positions next to the clamp are
+    /// excluded, because displacements there are rounding errors.
     #[test]
     fn consistent_loads_are_exact_at_the_nodes(finger in built_finger(), at in 0.08..1.0, angle in -90.0..90.0) {
         let s_mm = at * finger.description().front_length_mm;
@@ -200,8 +200,8 @@ proptest! {
         }
     }
 
-    /// The tangent is the derivative of the residual and the residual that of the energy, with arms, hinges, rigid
-    /// links and loads between nodes: central differences in a random direction.
+    /// The tangent is the derivative of the residual, and the residual is the derivative of the energy, with arms, hinges, rigid links and loads
+    /// between nodes. Both are compared with central differences in a random direction.
     #[test]
     fn tangent_is_consistent(
         finger in built_finger_with_zones(),
@@ -224,7 +224,7 @@ proptest! {
             let along: Vec<f64> = (0..unknowns).map(|i| direction[i % direction.len()] * (1.0 + 0.1 * (i as f64).cos())).collect();
             let mut start = FrameMotion::at_rest(mesh.frame());
             let linear = kinematics == Kinematics::Linear;
-            // Rotations of a few degrees, displacements of a few tenths of a millimetre.
+            // The offset has rotations of a few degrees, and displacements of a few tenths of a millimetre.
             let offset: Vec<f64> = along.iter().rev().map(|x| 0.05 * x).collect();
             assembly.equations().clone().advance(mesh.frame(), &mut start, &offset, linear);
             let step = 1e-5;

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Determinants that go to zero at 0.7 with a known power, and equilibria where the approach asks for them.
+/// Determinants that fall to zero at 0.7 with a known power. Adds equilibria at the shares that the approach requests.
 fn approached(power: f64) -> (Approach, usize) {
     let mut approach = Approach::default();
     let mut share = 0.0;

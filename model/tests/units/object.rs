@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// The point of an ellipse at a parameter has the normal that the gradient gives.
+/// At a point of an ellipse, the normal has the direction of the gradient.
 #[test]
 fn points_of_an_outline_have_its_normal() {
     let shape = ObjectShape::Ellipse { semi_axes_mm: [30.0, 12.0] };

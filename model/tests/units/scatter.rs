@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Combinations with standard deviation `noise` and values in multiples of it.
+/// Combinations with standard deviation `noise`. `values` are multiples of `noise`.
 fn scatter(noise: f64, values: &[f64]) -> Scatter {
     let precision = 1.0 / (noise * noise);
     let combination = |value: &f64| Combination { precision, seen: precision * noise * value, carried: vec![0.0] };
@@ -29,7 +29,7 @@ fn a_balanced_variance_component_has_its_closed_form() {
     }
 }
 
-/// Images show each force with relative noise `noise`, up to a common factor.
+/// Images determine each force with the relative noise `noise`, up to a common factor.
 #[test]
 fn normal_equations_show_differences_of_forces() {
     let (noise, off) = (0.01_f64, [0.03, -0.01, 0.02, 0.0]);
@@ -44,13 +44,13 @@ fn normal_equations_show_differences_of_forces() {
     let variance = off.map(|value| (value - off.mean()).powi(2)).sum() / 3.0;
     let closed = (variance - noise * noise).sqrt();
     assert!((found.most_likely().unwrap() / closed - 1.0).abs() < 1e-6, "{found:?}");
-    // The common factor adds a quarter of one force's variance to that of a new force.
+    // The common factor adds a quarter of one force's variance to the variance of a new force.
     assert!((found.of_finger(0, 1.0) - 0.25).abs() < 1e-3, "{found:?}");
     assert!((found.of_parameters[0] - noise * noise / 4.0).abs() < 1e-9, "{found:?}");
 }
 
-/// Without noise an interval is Student's t: 2.571 and 2.228 standard deviations for 5 and 10 degrees of freedom (Abramowitz and Stegun, table
-/// 26.10).
+/// Without noise, the interval of a new force follows Student's t: 2.571 and 2.228 standard deviations for 5 and 10 degrees of freedom (Abramowitz
+/// and Stegun, table 26.10).
 #[test]
 fn few_forces_leave_the_scatter_open_as_students_t_has_it() {
     for (degrees_of_freedom, point) in [(5, 2.5706), (10, 2.2281)] {
@@ -60,8 +60,8 @@ fn few_forces_leave_the_scatter_open_as_students_t_has_it() {
     }
 }
 
-/// Ten forces, some of which images show ten times as well as others, over many draws. 95 % intervals of a new force hold it in 91 to 98.5 %, for scatter
-/// of zero, near the noise, and far above it.
+/// Ten forces over many draws; images determine some of these forces ten times as accurately as others. 95 % intervals contain a new force in 91 to
+/// 98.5 % of the draws, for a scatter of zero, near the noise, and far above the noise.
 #[test]
 fn intervals_hold_whatever_the_scatter() {
     const DRAWS: usize = 200;
@@ -91,7 +91,7 @@ fn one_force_has_nothing_to_be_compared_with() {
     assert_eq!((one.most_likely(), one.of_new(0.01)), (None, AddedForceError { share: 0.01, of_markers: 0.0 }));
 }
 
-/// Variances of two parts are split correctly. Variances that are equal, or fall with noise, have no part that grows with it.
+/// Variances of two parts are split correctly. Variances that are equal, or that decrease with the noise, have no part that grows with the noise.
 #[test]
 fn what_grows_with_noise_is_told_from_a_share_of_the_force() {
     let noise = [1e-4, 4e-4, 9e-4, 16e-4];

@@ -1,8 +1,8 @@
-//! The history of searches: a search that meets the path of an earlier one ends in the same minimum.
+//! The history of searches: a search that meets the path of an earlier search ends in the same minimum.
 
 use super::*;
 
-/// Forces of 1, 2 and 4 N beside 5, 6 and 7 N.
+/// Path of two forces: 1, 2 and 4 N for the first force; 5, 6 and 7 N for the second force.
 fn way(end: Option<(f64, Vec<f64>)>) -> SearchPath {
     SearchPath { points: vec![vec![1.0, 5.0], vec![2.0, 6.0], vec![4.0, 7.0]], end }
 }

@@ -34,7 +34,7 @@ impl<const D: usize> Parameter<D> {
         let Some(gradient) = self.value.grad_remove(gradients) else { return Ok(()) };
         let [first, second] = &mut self.moments;
         let moments = first.iter_mut().zip(second);
-        // One loop over plain numbers: with tensors, each of these twelve operations would be a separate pass.
+        // The loop is over plain numbers, because with tensors each of these twelve operations would be a separate pass.
         for ((number, (first, second)), gradient) in self.numbers.iter_mut().zip(moments).zip(numbers(gradient)?) {
             *first = *first * DECAY[0] + gradient * (1.0 - DECAY[0]);
             *second = *second * DECAY[1] + gradient * gradient * (1.0 - DECAY[1]);

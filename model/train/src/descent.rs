@@ -164,8 +164,8 @@ pub struct Epoch {
     pub validation_loss: f64,
 }
 
-/// Trains from `start`, and returns the weights with the smallest loss on `validation` and their epoch. `training` gives the table of an epoch, with a new
-/// noise sample for each epoch; `rng` shuffles the cases.
+/// Trains from `start`, and returns the weights with the smallest loss on `validation` and their epoch. `training` returns the table of an epoch,
+/// with a new noise sample for each epoch; `rng` shuffles the cases.
 pub(super) fn descend(
     recipe: &TrainingRecipe,
     start: &Weights,

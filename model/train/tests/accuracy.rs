@@ -11,13 +11,14 @@ use finray_train::TrainingRecipe;
 use finray_train::samples::{SampleRecipe, Samples};
 use nalgebra::{DMatrix, DVector};
 
-/// Tiny networks are measured at 1.2 to 1.6 times the Cramer-Rao bound; the rest is for other machines' rounding, which
-/// training magnifies.
+/// Limit of the error of a tiny network, as a multiple of the Cramer-Rao bound. Measured: 1.2 to 1.6. The margin covers other machines' rounding,
+/// which training magnifies.
 const OVER_BOUND: f64 = 2.0;
-/// They err by a twentieth or less of what the linear finger does, measured over all contacts below.
+/// Limit of the error of a tiny network, as a share of the error of the linear finger. Measured: a twentieth or less for all contacts of these tests.
 const OF_LINEAR: f64 = 0.1;
 
-/// Forces that the linear finger explains the displacements by, N: least squares, or with a prior ridge.
+/// Forces that fit the displacements of the linear finger, N, by least squares. A `ridge` above zero adds a prior: the ratio of noise to prior force,
+/// mm/N.
 fn linear_forces(recipe: &SampleRecipe, samples: &Samples, displacements: &DMatrix<f64>, ridge: f64) -> DMatrix<f64> {
     let finger = paper();
     let loads: Vec<Load> = recipe.contacts.iter().map(|contact| contact.unit_load(&finger)).collect();
@@ -36,8 +37,8 @@ fn linear_forces(recipe: &SampleRecipe, samples: &Samples, displacements: &DMatr
     forces_n
 }
 
-/// Cramer-Rao bound of each force, root mean square over the cases, N: noise^2 (J^T J)^-1 with J the derivatives of the
-/// co-rotational finger's displacements by the forces, from differences.
+/// Cramer-Rao bound of each force, root mean square over the cases, N. The covariance is noise^2 (J^T J)^-1. J holds the derivatives of the
+/// co-rotational finger's displacements by the forces, computed from differences.
 fn bounds_n(recipe: &SampleRecipe, samples: &Samples, noise_mm: f64) -> Vec<f64> {
     let finger = paper();
     let mesh = Mesh::with_elements_per_member(&finger, recipe.elements);
@@ -67,7 +68,7 @@ fn bounds_n(recipe: &SampleRecipe, samples: &Samples, noise_mm: f64) -> Vec<f64>
     variances.iter().map(|sum| (sum / samples.count() as f64).sqrt()).collect()
 }
 
-/// A second of training senses the co-rotational finger under noise near the bound, and far better than the linear finger.
+/// After a second of training, a network senses the noisy co-rotational finger near the bound, and far better than the linear finger.
 #[test]
 fn tiny_networks_sense_the_nonlinear_finger() {
     for nodes in [&[19][..], &[16, 20], &[19, 20]] {
@@ -86,7 +87,7 @@ fn tiny_networks_sense_the_nonlinear_finger() {
     }
 }
 
-/// The paper's recipe, smaller: inputs that are coordinates, no linear branch, the linear finger without noise.
+/// The paper's recipe with fewer cases and smaller layers: scaled coordinates as inputs, no linear branch, the linear finger without noise.
 #[test]
 fn coordinates_serve_as_inputs() {
     let recipe = TrainingRecipe {
@@ -100,11 +101,11 @@ fn coordinates_serve_as_inputs() {
     let network = trained(&recipe);
     let samples = fresh(&recipe.samples, 500);
     let found = squares(&samples, &sensed(&network, &samples, &samples.displacements))[0].rms();
-    // Measured: 0.024 N of 0 to 5 N.
+    // Measured: 0.024 N for forces of 0 to 5 N.
     assert!(found <= 0.06, "{found} N");
 }
 
-/// A network for any of three contacts mends the ridge forces of those that touch, with noise and without.
+/// A network for any subset of three contacts corrects the ridge forces of the loaded contacts, with and without noise.
 #[test]
 fn any_contacts_may_touch() {
     let mut recipe = tiny(&[16, 18, 20], 2000, 16, 60);
@@ -125,7 +126,7 @@ fn any_contacts_may_touch() {
     }
 }
 
-/// Checks errors on fresh samples against those that the network states, with what chance allows for both.
+/// Checks that errors on fresh samples agree with the errors that the network states, within the random scatter of both.
 fn assert_stated(network: &Network, found: &[Squares], noise_mm: f64) {
     for (found, stated) in found.iter().zip(&network.card.test_errors) {
         let stated_n = if noise_mm == 0.0 { stated.clean_rms_n } else { stated.rms_n };
@@ -135,7 +136,7 @@ fn assert_stated(network: &Network, found: &[Squares], noise_mm: f64) {
     }
 }
 
-/// What the card says of the error is what the estimator has on samples of another seed.
+/// The card states the error that the estimator has on samples of another seed.
 #[test]
 fn stated_errors_are_those_of_fresh_samples() {
     for (nodes, scaling) in [(&[19][..], Scaling::Principal), (&[16, 20], Scaling::Largest)] {

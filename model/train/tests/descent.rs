@@ -1,4 +1,4 @@
-//! The course of a training: reproducible, stopped by patience, from least squares to the best weights.
+//! Training is reproducible, starts from least squares, stops when patience ends, and keeps the best weights.
 
 use super::{SINGLE_PRECISION, fresh, sensed, squares, tiny, trained, watched};
 use finray_model::sensing::network::Network;
@@ -7,7 +7,7 @@ use finray_train::samples::{Samples, Stream};
 use finray_train::{Epoch, TrainingRecipe};
 use nalgebra::{DMatrix, DVector};
 
-/// The same recipe gives the same bytes on any number of threads, another seed others.
+/// The same recipe gives the same bytes on any number of threads; another seed gives other bytes.
 #[test]
 fn the_same_seed_gives_the_same_bytes() {
     let mut recipe = tiny(&[16, 20], 300, 8, 4);
@@ -19,7 +19,7 @@ fn the_same_seed_gives_the_same_bytes() {
         recipe.samples.any_of = any_of;
         let one = on(&recipe, 1);
         assert!(one == on(&recipe, 1) && one == on(&recipe, 3));
-        // The seed is written down: what it changes are the weights.
+        // The file contains the seed and therefore differs anyway; the weights must differ as well.
         let other = TrainingRecipe { seed: recipe.seed + 1, ..recipe.clone() };
         let other = Network::from_bytes(&on(&other, 1)).expect("a network");
         let one = Network::from_bytes(&one).expect("a network");
@@ -28,7 +28,7 @@ fn the_same_seed_gives_the_same_bytes() {
     }
 }
 
-/// Noise-free cases of one contact, whose validation loss is the error in units of the forces' spread.
+/// A recipe with noise-free cases of one contact. Its validation loss is the mean squared error divided by the variance of the forces.
 fn restless() -> TrainingRecipe {
     TrainingRecipe {
         noise_mm: 0.0,
@@ -40,7 +40,7 @@ fn restless() -> TrainingRecipe {
     }
 }
 
-/// Training ends once the stated number of epochs in a row were no better, and not before.
+/// Training ends as soon as the stated number of consecutive epochs brought no improvement, and not earlier.
 #[test]
 fn training_stops_when_patience_ends() {
     for patience in [1, 3] {
@@ -57,7 +57,7 @@ fn training_stops_when_patience_ends() {
     }
 }
 
-/// The weights of the best epoch are those that are kept, not those of the last.
+/// Training keeps the weights of the best epoch, not of the last epoch.
 #[test]
 fn the_best_weights_are_kept() {
     let recipe = restless();
@@ -73,7 +73,7 @@ fn the_best_weights_are_kept() {
     assert!((loss / best.validation_loss - 1.0).abs() <= SINGLE_PRECISION, "{loss}, reported {best:?}");
 }
 
-/// Steps that only do harm leave the start: linear regression on the training cases, the noise's part in closed form.
+/// If every step increases the loss, training keeps the start: linear regression on the training cases, with the effect of noise in closed form.
 #[test]
 fn harmful_steps_leave_least_squares() {
     let recipe = TrainingRecipe { learning_rate: 100.0, patience: 2, ..tiny(&[16, 20], 500, 8, 20) };
@@ -104,8 +104,8 @@ fn harmful_steps_leave_least_squares() {
     assert!(off_n <= SINGLE_PRECISION, "{off_n} N");
 }
 
-/// Both losses of progress are in the same units, also where only some outputs count: at the start they agree within
-/// chance, which leaves the mean square of 500 validation cases to a twentieth.
+/// Training loss and validation loss are in the same units, also if only some outputs count. At the start they agree within chance: the mean square
+/// of 500 validation cases has a standard error of about a twentieth.
 #[test]
 fn losses_are_in_the_same_units() {
     for any_of in [false, true] {

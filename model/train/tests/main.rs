@@ -18,12 +18,12 @@ mod descent;
 mod recipe;
 mod samples;
 
-/// Seed of the samples that networks are tested on; they are trained on others.
+/// Seed of the samples on which networks are tested; the training samples have other seeds.
 const FRESH_SEED: u64 = 99;
-/// Losses that training finds in single precision against the same from forces in N, relative.
+/// Tolerance between results of training in single precision and the same results in double precision: relative for losses, N for forces.
 const SINGLE_PRECISION: f64 = 1e-3;
 
-/// The smallest co-rotational recipe with noise that serves.
+/// The smallest co-rotational recipe with noise that gives accurate networks.
 fn tiny(nodes: &[usize], count: usize, width: usize, epochs: usize) -> TrainingRecipe {
     TrainingRecipe {
         count,
@@ -39,7 +39,7 @@ fn trained(recipe: &TrainingRecipe) -> Network {
     train(&paper(), recipe, &mut |_| {}).expect("a possible recipe")
 }
 
-/// Trains, and keeps what progress reports.
+/// Trains a network, and also returns the reported epochs.
 fn watched(recipe: &TrainingRecipe) -> (Network, Vec<Epoch>) {
     let mut epochs = Vec::new();
     let network = train(&paper(), recipe, &mut |epoch| epochs.push(epoch)).expect("a possible recipe");
@@ -50,13 +50,13 @@ fn fresh(recipe: &SampleRecipe, count: usize) -> Samples {
     recipe.draw(&paper(), count, FRESH_SEED, Stream::Test).expect("carried")
 }
 
-/// Displacements with noise from random numbers that no training has.
+/// Displacements with noise; its random numbers are not used in training.
 fn noisy_shapes(samples: &Samples, noise_mm: f64) -> DMatrix<f64> {
     let mut rng = ChaCha8Rng::seed_from_u64(FRESH_SEED);
     samples.displacements.map(|u| u + noise_mm * rng.sample::<f64, _>(StandardNormal))
 }
 
-/// Squared errors of one force, N^2, over the cases in which its contact touches.
+/// Squared errors of one force, N^2, over the cases in which a force acts at its contact.
 #[derive(Debug)]
 struct Squares(Vec<f64>);
 
@@ -69,7 +69,7 @@ impl Squares {
         self.mean().sqrt()
     }
 
-    /// Standard deviation of one square.
+    /// Standard deviation of a single squared error.
     fn scatter(&self) -> f64 {
         let mean = self.mean();
         (self.0.iter().map(|square| (square - mean).powi(2)).sum::<f64>() / self.0.len() as f64).sqrt()
@@ -85,7 +85,7 @@ fn squares(samples: &Samples, forces_n: &DMatrix<f64>) -> Vec<Squares> {
     (0..samples.forces.nrows()).map(of).collect()
 }
 
-/// Forces that the network's estimator senses, N; zero where a contact does not touch.
+/// Forces that the network's estimator senses, N; zero for contacts at which no force acts.
 fn sensed(network: &Network, samples: &Samples, displacements: &DMatrix<f64>) -> DMatrix<f64> {
     let finger = paper();
     let unloaded = statics::solve(&Mesh::key_nodes(&finger), &[], Kinematics::Linear).expect("at rest");

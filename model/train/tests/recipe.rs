@@ -8,7 +8,7 @@ use finray_tests::{CAMERA_NOISE_MM, at_nodes, paper};
 use finray_train::samples::SamplesError;
 use finray_train::{TrainError, TrainingRecipe, train};
 
-/// The card has the recipe; markers that are hidden twice, or clamped, are hidden once.
+/// The card contains the recipe. A marker that is listed twice as hidden counts once; a clamped marker does not count.
 #[test]
 fn the_card_tells_the_recipe() {
     let mut recipe = tiny(&[16, 20], 100, 4, 2);
@@ -57,7 +57,7 @@ fn impossible_recipes_are_refused() {
     names(&|recipe| recipe.batch = 0, "epochs, batch");
     names(&|recipe| recipe.samples.largest_force_n = f64::NAN, "largest_force_n");
     names(&|recipe| recipe.samples.modulus_spread = -1.0, "modulus_spread");
-    // No marker left, and two coordinates for three forces.
+    // Two invalid cases: no visible marker, and two coordinates for three forces.
     names(&|recipe| recipe.samples.hidden = paper().free_nodes().collect(), "hidden");
     let one_seen = |recipe: &mut TrainingRecipe| {
         recipe.samples.contacts = at_nodes(&[16, 18, 20]);

@@ -2,7 +2,8 @@
 
 use plotters::style::{RGBAColor, RGBColor};
 
-/// Placeholder for the page's text colour. The SVG writer replaces this colour, [`OVER_LINES`] and [`ON_MAP`]; no figure uses them otherwise.
+/// Placeholder for the page's text colour. The SVG writer replaces this colour, [`OVER_LINES`] and [`ON_MAP`]. No figure uses these three colours for
+/// anything else.
 pub(super) const TEXT: RGBColor = RGBColor(1, 2, 3);
 /// Placeholder for text that is legible on top of lines: the page's text colour, outlined in the background colour.
 pub(super) const OVER_LINES: RGBColor = RGBColor(1, 2, 4);

@@ -1,5 +1,5 @@
-//! Animated drawings to scale: a sequence of shots that CSS shows and hides, without scripts. A script of the page may control the shots instead; for this
-//! purpose, each shot has the attribute `data-shot-s` with its duration in s.
+//! Animated drawings to scale: a sequence of shots that CSS shows and hides, without scripts. A script of the page may control the shots instead; for
+//! the script, each shot has the attribute `data-shot-s` with its duration in s.
 //!
 //! If no animation runs (in print, for readers who prefer no motion, in programs without animation), one chosen shot is shown.
 

@@ -86,7 +86,7 @@ impl Map {
         (panels.grid, panels.rows, panels.columns, panels.legend) =
             ([false; 2], &self.rows, &self.columns, self.legend());
         panels.sides[1] = if self.columns.is_empty() { 4.0 * SPACE } else { 2.0 * SPACE };
-        // Notes are as wide as their plots. All have the space for as many lines as the longest note needs.
+        // Notes are as wide as their plots. All notes have the space that the longest note needs.
         let note_width = (self.frame.width - 160.0) / self.columns.len().max(1) as f64 - 2.0 * SPACE;
         let notes: Vec<Vec<String>> = (self.plots.iter())
             .map(|plot| plot.as_ref().map_or(Vec::new(), |cells| wrap(&cells.note, NOTE_TEXT, note_width)))

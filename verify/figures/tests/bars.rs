@@ -10,7 +10,7 @@ fn chart() -> Chart {
     Chart::of_bars(Frame::full("Error by node", "error by node"), [categories, Axis::linear("error, %")], bars)
 }
 
-/// Heights of the drawn bars of one colour, the legend's patch left out.
+/// Heights of the drawn bars of one colour, without the patch in the legend.
 fn heights(svg: &str, colour: &str) -> Vec<f64> {
     let bars = svg.lines().filter(|line| line.starts_with("<rect") && line.contains(colour));
     let height = |line: &str| line.split("height=\"").nth(1)?.split('"').next()?.parse().ok();

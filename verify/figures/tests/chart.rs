@@ -14,7 +14,7 @@ fn every_series_has_its_line_its_markers_and_its_words() {
     let mut chart = chart();
     chart.series[0].labels = ["first", "second", "third"].map(str::to_owned).into();
     let svg = chart.svg().unwrap();
-    // Three points and the legend's sample; the line and the legend's.
+    // Filled shapes: the symbols of three points, and one in the legend. Strokes: the line, and its sample in the legend.
     assert_eq!(svg.matches("fill=\"#1f82c4\"").count(), 4);
     assert_eq!(svg.matches("stroke=\"#d55e00\"").count(), 2);
     assert!(["10 %", "first", "second", "third", "linear"].iter().all(|words| svg.contains(&format!(">{words}<"))));
@@ -60,7 +60,7 @@ fn a_drawing_to_scale_has_its_lines_nodes_clamps_and_arrows_and_its_words() {
             .iter()
             .all(|words| svg.contains(&format!(">{words}<")))
     );
-    // Three nodes and the legend's two samples; a polygon is an arrow's head.
+    // Circles: three nodes and two samples in the legend. Polygon: the head of the arrow.
     assert_eq!((svg.matches("<circle").count(), svg.matches("<polygon").count()), (5, 1));
     let ends = |line: &str| -> Vec<f64> {
         line.split('"').nth(1).unwrap().split([' ', ',']).map(|number| number.parse().unwrap()).collect()

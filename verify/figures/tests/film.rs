@@ -15,7 +15,8 @@ fn film(count: usize, still: usize) -> Film {
     Film { frame, labels, fixed, shots: (0..count).map(shot).collect(), still, shot_s: 0.2 }
 }
 
-/// At every time one shot is seen: their delays are a shot apart, and each is seen for its part of the whole.
+/// At every time, one shot is visible. The delays of successive shots differ by the duration of a shot, and each shot is visible for its share of the
+/// whole duration.
 #[test]
 fn shots_follow_each_other() {
     let svg = film(4, 2).svg().unwrap();
@@ -25,12 +26,12 @@ fn shots_follow_each_other() {
     let style = svg.split_once("<style>").unwrap().1.split_once("</style>").unwrap().0;
     assert!(style.contains("animation:shot-4 0.80s step-end infinite"), "{style}");
     assert!(style.contains("{0%{visibility:visible}25.0200%{visibility:hidden}"), "{style}");
-    // Lines of one look are one path, of as many parts.
+    // Lines with one style are combined into one path with one part per line.
     let paths: Vec<&str> = svg.split("<path d=\"").skip(1).collect();
     assert!(paths.len() == 4 && paths.iter().all(|path| path.split('"').next().unwrap().matches('M').count() == 2));
 }
 
-/// Without animations, in print and where no motion is wanted the one that stands for all is seen, and no other.
+/// Without animation, in print, or for readers who prefer no motion, only the chosen shot is visible.
 #[test]
 fn one_shot_stands_for_all() {
     let svg = film(4, 2).svg().unwrap();

@@ -1,4 +1,4 @@
-//! The layout shared by all figures: name, ticks and their labels, line breaks, legends and labels.
+//! The layout of all figures: heading, ticks and their labels, line breaks, legends and labels.
 
 use finray_figures::{Axis, Cells, Chart, Class, FigureError, Frame, Hue, Map, Marker, Paint, Point, Series};
 
@@ -17,7 +17,7 @@ fn anchor(svg: &str, text: &str) -> Point {
     found.unwrap_or_else(|| panic!("{text} is not in {svg}")).1
 }
 
-/// Points of the lines that are drawn with this, in px.
+/// Points of the lines whose markup contains `with`, px.
 fn lines(svg: &str, with: &str) -> Vec<Vec<Point>> {
     let drawn = svg.lines().filter(|line| line.starts_with("<polyline") && line.contains(with));
     let points = drawn.map(|line| {
@@ -31,12 +31,12 @@ fn lines(svg: &str, with: &str) -> Vec<Vec<Point>> {
     points.collect()
 }
 
-/// A dotted line in the page's own ink stays clear of the colours that are looked for.
+/// A dotted line in the page's text colour; its colour differs from all colours for which the tests search.
 fn guide(points: Vec<Point>) -> Vec<Series> {
     vec![Series::guide("", points)]
 }
 
-/// Names along the upright axis, from the foot.
+/// Names of the ticks on the vertical axis, from bottom to top.
 fn ticks(y: Axis, points: Vec<Point>) -> Vec<String> {
     let frame = Frame::full("", "ticks").with_plot_height(360.0);
     let svg = Chart::new(frame, [Axis::linear("").with_ticks([]), y], guide(points)).svg().expect("a chart");
@@ -46,7 +46,7 @@ fn ticks(y: Axis, points: Vec<Point>) -> Vec<String> {
     names.into_iter().map(|(text, _)| text).collect()
 }
 
-/// Names within these ends.
+/// Names of the ticks between two limits.
 fn within(axis: Axis, low: f64, high: f64) -> String {
     ticks(axis.within(low, high), vec![[0.0, low], [1.0, high]]).join(" ")
 }
@@ -104,7 +104,7 @@ fn names_that_would_touch_are_left_out_and_their_ticks_stay() {
     let names: Vec<String> =
         words(&crowded).into_iter().map(|(text, _)| text).filter(|text| !text.is_empty()).collect();
     assert_eq!(names, ["0", "4", "10"]);
-    // The tick without a name has its line.
+    // A tick without a name still has a line.
     assert!(lines(&crowded, "currentColor").len() > lines(&drawn(&[0.0, 4.0, 10.0]), "currentColor").len());
 }
 
@@ -175,7 +175,7 @@ fn entries_go_on_in_the_next_row_and_long_words_are_broken() {
     );
 }
 
-/// Room that a label of three digits takes about its anchor, px.
+/// Width and height of a label with three digits, px.
 const LABEL_PX: [f64; 2] = [29.0, 14.0];
 
 #[test]
@@ -190,7 +190,7 @@ fn crowded_labels_hide_neither_each_other_nor_the_line() {
     let level = lines(&svg, "#1f82c4")[0][0][1];
     let at: Vec<Point> = (120..128).map(|label| anchor(&svg, &label.to_string())).collect();
     for (i, [x, y]) in at.iter().enumerate() {
-        // Letters stand on their baseline.
+        // The position of a text is on its baseline, so the letters lie above it.
         assert!(*y < level || *y > level + LABEL_PX[1] - 3.0, "{y} on {level}");
         let apart = |[left, up]: &Point| (x - left).abs() >= LABEL_PX[0] || (y - up).abs() >= LABEL_PX[1];
         assert!(at[..i].iter().all(apart), "{at:?}");
@@ -206,7 +206,7 @@ fn words_of_a_drawing_stand_outside_its_lines() {
     series.push(Series::marks("", Marker::Node, (nodes, vec!["lower".to_owned(), "upper".to_owned()])));
     let svg = Chart::to_scale(Frame::full("", "two plates"), ["x", "y"], series).svg().unwrap();
     let drawn = lines(&svg, "#1f82c4");
-    // Down the page y grows.
+    // The y coordinate grows downwards.
     assert!(anchor(&svg, "lower")[1] > drawn[0][1][1] && anchor(&svg, "upper")[1] < drawn[1][1][1]);
 }
 
@@ -220,7 +220,7 @@ fn cells_meet_halfway_and_reach_as_far_beyond_the_ends() {
     let svg = Map::new(Frame::full("", "cells"), axes, [1.0, 2.0, 3.0].map(class).into(), cells).svg().unwrap();
     let lefts = svg.lines().filter(|line| line.starts_with("<rect"));
     let lefts: Vec<f64> = lefts.map(|line| line.split('"').nth(1).unwrap().parse().unwrap()).collect();
-    // From 5 over 15 and 27.5 to 42.5.
+    // The edges of the cells are at 5, 15, 27.5 and 42.5.
     assert!(((lefts[1] - lefts[0]) / (lefts[2] - lefts[1]) - 10.0 / 12.5).abs() < 0.01, "{lefts:?}");
     let outline = lines(&svg, "currentColor").into_iter().find(|line| line.len() == 5).expect("an outline");
     assert!(((outline[1][0] - lefts[2]) / (lefts[1] - lefts[0]) - 1.5).abs() < 0.01, "{lefts:?} {outline:?}");

@@ -32,7 +32,7 @@ fn map(values: [[f64; 3]; 2]) -> Map {
     Map { missing_label: "no equilibrium".to_owned(), top, ..lone }
 }
 
-/// Filled cells, those of the legend left out.
+/// Number of filled cells without the `others`, which belong to the legend.
 fn filled(map: &Map, others: usize) -> usize {
     map.svg().unwrap().matches("<rect ").count() - others
 }

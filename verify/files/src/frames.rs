@@ -14,7 +14,7 @@ pub enum FrameError {
     /// The stream cannot be read.
     #[error("cannot be read: {0}")]
     Unreadable(#[from] std::io::Error),
-    /// The header of the stream is not that of a supported format.
+    /// The format of the stream, according to its header, is not supported.
     #[error("{0}")]
     Header(String),
     /// The stream continues with something other than a frame.
@@ -44,8 +44,8 @@ pub enum FrameError {
 enum Samples {
     /// Red, green and blue of each pixel.
     Rgb,
-    /// A plane of luma, and two planes of chroma. Width and height of the chroma planes are those of the image divided by these numbers. `None` for luma
-    /// without chroma.
+    /// A plane of luma, and two planes of chroma. These numbers are the ratios of the image's width and height to the width and height of a chroma
+    /// plane. `None` for luma without chroma.
     Yuv(Option<[usize; 2]>),
 }
 
@@ -177,7 +177,7 @@ fn samples(colour_space: &str) -> Result<Samples, FrameError> {
         "422" => Ok(Samples::Yuv(Some([2, 1]))),
         "444" => Ok(Samples::Yuv(Some([1, 1]))),
         other => Err(FrameError::Header(format!(
-            "expected 8 bits a sample in the form C444, C422, C420 or Cmono, found C{other}; ffmpeg writes it with -pix_fmt yuv444p"
+            "expected 8 bits a sample in the form C444, C422, C420 or Cmono, found C{other}; ffmpeg writes C444 with -pix_fmt yuv444p"
         ))),
     }
 }

@@ -57,7 +57,7 @@ pub enum FileError {
 }
 
 impl FileError {
-    /// The error for invalid content of a file. The message says line, key or column, and the expected content.
+    /// The error for invalid content of a file. The message states line, key or column, and the expected content.
     pub fn content(path: &Path, message: impl ToString) -> FileError {
         FileError::Content { path: path.to_owned(), message: message.to_string() }
     }

@@ -22,7 +22,7 @@ pub fn load(path: &Path, finger: &Finger, noise_mm: Option<f64>) -> Result<Vec<C
         table.rows.iter().map(|row| table.vector(row, ["ux_mm", "uy_mm"])).collect::<Result<Vec<_>, FileError>>()?;
     let clamped = LargestClampedMotion::of(noise_mm, all.iter().flatten().copied());
     for (row, displacement) in table.rows.iter().zip(all) {
-        // Empty cells mean a hidden marker, as a missing row does.
+        // Empty cells and missing rows both mean that the marker is hidden.
         let Some(displacement) = displacement else { continue };
         let force = Vector::new(table.number(row, "fx_n")?, table.number(row, "fy_n")?);
         let load = Load::at_node(table.node(row, "load_node")?, force);
@@ -35,7 +35,9 @@ pub fn load(path: &Path, finger: &Finger, noise_mm: Option<f64>) -> Result<Vec<C
         });
         let case = &mut cases[index];
         if case.load != load {
-            return Err(table.wrong(row, format!("case {name}: expected the load of the case's first row again")));
+            return Err(
+                table.wrong(row, format!("case {name}: expected the same load as in the first row of this case"))
+            );
         }
         let node = table.node(row, "node")?;
         let marker = Marker { node, displacement, weight: 1.0 };

@@ -90,7 +90,7 @@ impl ObservationTable {
         Ok(self.images.iter().map(String::as_str).collect())
     }
 
-    /// Reason why `locate` refused an image; `None` if it did not refuse the image.
+    /// Reason why `locate` refused an image; `None` for an image that was not refused.
     pub fn refused(&self, image: &str) -> Option<&str> {
         let mut of_image = self.rows.get(image)?.iter().map(|&i| self.table.cell(&self.table.rows[i], REFUSED));
         of_image.find(|reason| !reason.is_empty())
@@ -189,7 +189,7 @@ impl ObservationTable {
         })
     }
 
-    /// Whether the table states the standard deviations of the base separately from those of the markers.
+    /// Whether the table states separate standard deviations for the base and for the markers.
     fn is_base_apart(&self) -> bool {
         self.table.has(&[SIGMA, OWN_SIGMA]) && self.table.has(&BASE_COLUMNS)
     }

@@ -31,9 +31,9 @@ pub fn write_file(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), FileErr
     write_all_or_nothing(&[(path.to_owned(), contents)])
 }
 
-/// Writes several files. Each file is first written under a temporary name in its folder; then all files are renamed. A new file has the mode that
-/// the umask leaves. An existing file keeps its mode, and a symbolic link is followed. If standard output is among the paths, the files are written
-/// one after the other.
+/// Writes several files. Each file is first written under a temporary name in its folder; then all files are renamed. The umask determines the mode
+/// of a new file. An existing file keeps its mode, and a symbolic link is followed. If standard output is among the paths, the files are written one
+/// after the other.
 ///
 /// # Errors
 /// [`FileError::Unwritable`] for the first file that cannot be written, for instance a read-only one; no file is left half-written.

@@ -99,7 +99,7 @@ impl Table {
     pub fn vector(&self, row: &StringRecord, [x, y]: [&str; 2]) -> Result<Option<Vector>, FileError> {
         let is_half = |empty: &str, given: &str| {
             let message = format!(
-                "{empty}: expected a finite number, found \"\" beside {given}: a hidden marker leaves both empty"
+                "{empty}: expected a finite number, found \"\" beside {given}: for a hidden marker, leave both cells empty"
             );
             Err(self.wrong(row, message))
         };

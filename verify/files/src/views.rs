@@ -77,7 +77,9 @@ pub fn forces(path: &Path, images: &[&str]) -> Result<Vec<MeasuredForce>, FileEr
         }
         let object = table.has(&["object"]).then(|| table.cell(row, "object").to_owned());
         if object.as_ref().is_some_and(String::is_empty) {
-            return Err(table.wrong(row, "object: expected the name of what pressed the finger, found nothing"));
+            return Err(
+                table.wrong(row, "object: expected the name of the object that pressed the finger, found nothing")
+            );
         }
         forces.push(MeasuredForce { image: image.to_owned(), force, object });
     }

@@ -7,7 +7,7 @@ use finray_model::frame::Section;
 use finray_model::mesh::{Load, LoadError};
 use finray_model::{Finger, NodeId, Vector};
 
-/// A rigid body. Undeformed, its axes are parallel to those of the finger frame.
+/// A rigid body. Undeformed, its axes are parallel to the axes of the finger frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Body {
     /// Undeformed position of the centre, mm, finger frame.
@@ -276,7 +276,7 @@ fn undeformable_bar(finger: &Finger) -> Section {
     Section { axial_rigidity_n, bending_rigidity_nmm2: 0.0 }
 }
 
-/// Free lengths of all members, mm: those of the back plate, of the front plate, then of the ribs.
+/// Free lengths of all members, mm: of the back plate, then of the front plate, then of the ribs.
 fn members_mm(finger: &Finger) -> impl Iterator<Item = f64> {
     let plates = [Plate::Back, Plate::Front].into_iter().flat_map(|plate| {
         let positions = finger.plate_positions_mm(plate);

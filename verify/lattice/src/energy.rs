@@ -304,8 +304,8 @@ impl<'a> Energy<'a> {
         are_held
     }
 
-    /// Follows the equilibrium as the load factor changes from `from` to `to`. `motions` must be the equilibrium at `from`, and becomes that at `to`.
-    /// Returns the number of Newton steps.
+    /// Follows the equilibrium as the load factor changes from `from` to `to`. `motions` must be the equilibrium at `from`, and becomes the
+    /// equilibrium at `to`. Returns the number of Newton steps.
     ///
     /// # Errors
     /// [`LatticeError::NoEquilibrium`] if no further stable equilibrium is found; `motions` is then the last equilibrium on the path.

@@ -5,7 +5,7 @@
 //!
 //! Plates and ribs are cut into short segments, with a rigid body between two segments and at every rod (junction). Each segment becomes one axial spring and
 //! up to three bending springs ([`springs`]). The equilibrium is found in two ways. [`settling`] lets the bodies move in the physics engine rapier until they
-//! rest; Newton's method minimises the springs' [`energy`]. Comparing the two separates errors of the lattice from those of settling.
+//! rest; Newton's method minimises the springs' [`energy`]. Comparing both results separates errors of the lattice from errors of settling.
 //!
 //! No parameter is fitted. For small displacements the displacements of the key nodes are exact, as in a frame of slender beams. The geometrically
 //! nonlinear error decreases with the third to fourth power of the segment length.
@@ -119,7 +119,7 @@ impl Lattice {
         Lattice::with_axial_springs(finger, fineness, AxialSprings::default())
     }
 
-    /// Builds a lattice as [`new`](Lattice::new) does, but with other axial springs than those of a beam.
+    /// Builds a lattice as [`new`](Lattice::new) does, but with axial springs that may differ from the springs of a beam.
     ///
     /// # Errors
     /// As for [`new`](Lattice::new).

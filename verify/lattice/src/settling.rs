@@ -94,7 +94,7 @@ pub(crate) struct Dynamics<'a> {
     pub(crate) world: PhysicsWorld,
     /// Handles of the lattice's bodies, in their order.
     pub(crate) handles: Vec<RigidBodyHandle>,
-    /// All moving bodies: those of the lattice, then others such as a pressed object.
+    /// All moving bodies: the bodies of the lattice, then others such as a pressed object.
     moving: Vec<Moving>,
     /// Precision of the stored positions.
     positions: Precision,

@@ -70,10 +70,10 @@ pub struct Segment {
 ///
 /// Bending brings the ends of a beam closer together without axial strain. If the ends rotate by -phi and phi against the chord, an arc of length l has the
 /// chord l (1 - phi^2 / 6). Consider two points, each fixed to one end and at the distance c l from that end. The distance of the two points is l (1 - 2 c) +
-/// l (c - 1 / 6) phi^2, which is constant for c = 1 / 6. The same share holds for a segment with one pinned end.
+/// l (c - 1 / 6) phi^2, which is constant for c = 1 / 6. The same share applies to a segment with one pinned end.
 pub const AXIAL_INSET: f64 = 1.0 / 6.0;
 
-/// Properties of the segments' axial springs. The default is that of a slender beam; studies use other values to show their effect.
+/// Properties of the segments' axial springs. The default has the values of a slender beam; studies use other values to show their effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxialSprings {
     /// Distance of the spring's points from the segment ends, as a share of the segment length; see [`AXIAL_INSET`].
@@ -94,13 +94,13 @@ impl Default for AxialSprings {
 }
 
 impl Segment {
-    /// Springs that replace the segment: one axial spring and the bending springs. Bending springs are three without pinned ends, one with one pinned end, and
-    /// none with two pinned ends.
+    /// Springs that replace the segment: one axial spring and the bending springs. A segment without pinned ends has three bending springs, a segment
+    /// with one pinned end has one, and a segment with two pinned ends has none.
     ///
     /// Between two unpinned ends the elastic energy of a slender beam is EI / (2 l) turn^2 + 12 EI / (2 l^3) across^2. Here `turn` is the relative rotation
-    /// of the ends, and `across` the gap at the middle if both halves stayed straight. For symmetry, two springs of half the stiffness resist the gap: one
-    /// normal to the direction of the first end, one normal to that of the second. A segment with one pin is a cantilever, clamped at the unpinned end, with
-    /// the stiffness 3 EI / l^3. A segment with two pins has only the axial spring.
+    /// of the ends, and `across` the gap at the middle if both halves stayed straight. For symmetry, two springs of half the stiffness resist the
+    /// gap: one normal to the direction of the first end, one normal to the direction of the second end. A segment with one pin is a cantilever,
+    /// clamped at the unpinned end, with the stiffness 3 EI / l^3. A segment with two pins has only the axial spring.
     pub fn springs(&self, axial: AxialSprings) -> Vec<Spring> {
         let length = self.length_mm;
         let bending = self.section.bending_rigidity_nmm2;

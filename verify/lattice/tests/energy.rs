@@ -1,4 +1,4 @@
-//! The energy of the lattice, and its minimum.
+//! Tests of the lattice's energy and of its minimum.
 
 use finray_lattice::bodies::{Assembly, Body, BodyLoad};
 use finray_lattice::energy::{BodyMotion, Energy};
@@ -11,22 +11,24 @@ use finray_model::{Finger, Kinematics, Mesh, NodeId, Vector, statics};
 use finray_tests::{built_finger, cases, contact_node, finger_of, paper, shapes_apart};
 use proptest::prelude::*;
 
-/// Central differences over a step of 1e-5 err by its square times the third derivative, and by rounding over the step.
+/// Step of central differences. Their error is the square of the step times the third derivative, plus rounding divided by the step.
 const DIFFERENCE_STEP: f64 = 1e-5;
 const DIFFERENCE_TOLERANCE: f64 = 1e-7;
-/// A finger whose nodes move by this share of its length is linear, even if they hardly move where it bends between them.
+/// Displacement of the key nodes, as a share of the finger's length, at which the finger is linear. Between the nodes, the displacement may be
+/// larger.
 const LINEAR_SHARE: f64 = 1e-15;
 const LINEAR_TOLERANCE: f64 = 1e-6;
-/// With stiff bars for undeformable ribs: they stretch a tenth as much as plates do, which shows where little but stretching
-/// moves the nodes.
+/// Tolerance for fingers whose undeformable ribs are stiff bars. These bars stretch a tenth as much as the plates, which is visible if stretching
+/// causes most of the nodes' displacement.
 const BAR_TOLERANCE: f64 = 2e-3;
-/// Segments of the cantilever. Its chain of springs bends as an arc does but for the fourth power of their turns.
+/// Number of segments of the cantilever. The chain of springs bends like an arc, except for an error with the fourth power of the segments'
+/// rotations.
 const CANTILEVER_SEGMENTS: usize = 16;
 const ELASTICA_TOLERANCE: f64 = 2e-4;
-/// EA L^2 / EI of the cantilever: the reference does not stretch; this one does by 1e-5 at the largest load.
+/// EA L^2 / EI of the cantilever. The reference is inextensible; this cantilever stretches by 1e-5 at the largest load.
 const CANTILEVER_AXIAL_RIGIDITY: f64 = 1e6;
 
-/// A lattice whose bodies all stand somewhere else, in no order.
+/// Irregular motions of all free bodies of a lattice.
 fn disordered(assembly: &Assembly) -> Vec<BodyMotion> {
     let wave = |i: usize, phase: f64| (1.7 * i as f64 + phase).sin();
     let motion = |(i, body): (usize, &Body)| match body.fixed {
@@ -45,7 +47,7 @@ fn moved(motions: &[BodyMotion], body: usize, coordinate: usize, by: f64) -> Vec
     motions
 }
 
-/// Gradient and second derivatives of the energy are its differences, with arms, hinges, rigid ribs and a load between bodies.
+/// Gradient and second derivatives of the energy agree with finite differences, for arms, hinges, rigid ribs and a load between bodies.
 #[test]
 fn energy_has_its_derivatives() {
     for text in [finray_fixtures::ARMS_SCENE, finray_fixtures::HINGED_SCENE, finray_fixtures::RIGID_RIBS_SCENE] {
@@ -86,7 +88,7 @@ fn energy_has_its_derivatives() {
     }
 }
 
-/// A clamped chain of springs under a dead force at its end, with L = EI = 1.
+/// A clamped chain of springs with L = EI = 1, under a dead force at its end.
 fn cantilever(angle_deg: f64, load: f64) -> (Assembly, Vec<BodyLoad>) {
     let mut assembly = Assembly::default();
     let length = 1.0 / CANTILEVER_SEGMENTS as f64;
@@ -106,7 +108,7 @@ fn cantilever(angle_deg: f64, load: f64) -> (Assembly, Vec<BodyLoad>) {
     (assembly, vec![load])
 }
 
-/// Against the elastica up to P L^2 / EI = 10, where the end has turned by 82 degrees.
+/// The cantilever agrees with the elastica up to P L^2 / EI = 10, at which the end has rotated by 82 degrees.
 #[test]
 fn cantilever_is_the_elastica() {
     let rows: Vec<Vec<f64>> = finray_fixtures::ELASTICA
@@ -130,7 +132,7 @@ fn cantilever_is_the_elastica() {
 proptest! {
     #![proptest_config(cases(60))]
 
-    /// For small displacements the lattice is a frame of slender beams, exactly: any finger, at nodes and between them.
+    /// For small displacements, the lattice of any finger equals a frame of slender beams exactly, under loads at nodes and between nodes.
     #[test]
     fn small_displacements_are_those_of_linear_beams(
         finger in built_finger(), at in 0.0..1.0_f64, angle_deg in -80.0..80.0_f64, position in 0.1..1.0_f64,
@@ -138,7 +140,7 @@ proptest! {
         let lattice = Lattice::new(&finger, 1).expect("a lattice");
         let beams = |load| statics::solve(&Mesh::key_nodes(&finger), &[load], Kinematics::Linear).expect("a solution");
         let at_node = |force_n: f64| Load::at_node(contact_node(&finger, at), finger.direction(angle_deg) * force_n);
-        // Across the plate: along it, a position between two bodies is shared as across.
+        // The force between nodes is normal to the plate. The shares of the two bodies are not exact for a force along the plate.
         let position_mm = position * finger.plate_length_mm(Plate::Front);
         let at_position = |force_n: f64| Load::at_position(position_mm, finger.direction(0.0) * force_n);
         for load in [&at_node as &dyn Fn(f64) -> Load, &at_position] {
@@ -188,8 +190,8 @@ fn impossible_questions_are_refused() {
     assert_eq!(refused(Load::at_node(NodeId(19), Vector::new(f64::NAN, 0.0))), LatticeError::LoadNotFinite);
 }
 
-/// Ribs next to the clamps, mm from them. Positions in the finger's frame, as a physics engine keeps them, are rounded by 1e-14 mm; the springs of so
-/// short a segment, of 1e9 N/mm and more, make up to a hundredth of the load of that, and more of what is not quite at rest.
+/// A rib is `near_mm` from the clamps. A physics engine stores positions in the finger's frame, with rounding errors of 1e-14 mm. The springs of such
+/// short segments have 1e9 N/mm or more. They turn rounding into up to a hundredth of the load, and residual motion into more.
 #[test]
 fn a_rib_next_to_the_clamp_leaves_the_base_its_reaction() {
     for near_mm in [0.05, 0.007, 0.001] {
@@ -224,13 +226,13 @@ fn a_rib_next_to_the_clamp_leaves_the_base_its_reaction() {
         assert!(exact < 1e-6 && ours < 1e-6, "{near_mm} mm: {exact:e}, rounded {ours:e}");
         assert!(theirs > 1e4 * ours, "{near_mm} mm: {theirs:e}");
     }
-    // Ordinary fingers have no such springs.
+    // Ordinary fingers have no springs that count as rigid.
     let lattice = Lattice::new(&paper(), 4).expect("a lattice");
     let base = Energy::new(lattice.assembly()).stiff_base();
     assert!(base.iter().zip(&lattice.assembly().bodies).all(|(is_held, body)| *is_held == body.fixed));
 }
 
-/// Moment of a load about the origin where its body has moved, N mm.
+/// Moment of a load about the origin, at the displaced position of its body, N mm.
 fn moment_of(load: &BodyLoad, assembly: &Assembly, motions: &[BodyMotion]) -> f64 {
     let motion = motions[load.body];
     let position = assembly.bodies[load.body].position + motion.displacement;

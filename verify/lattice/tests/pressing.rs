@@ -24,7 +24,7 @@ impl Disc {
         finger.direction(self.direction_deg)
     }
 
-    /// Where it first meets the rods.
+    /// Position of the disc at its first contact with the line over the rods, mm.
     fn start(&self, finger: &Finger) -> Vector {
         let along = self.along(finger);
         let way_mm = (self.radius_mm + ROD_RADIUS_MM) / along.dot(&finger.direction(0.0));
@@ -47,14 +47,14 @@ impl Disc {
         Push::To(self.start(finger) + self.along(finger) * travel_mm)
     }
 
-    /// Presses to each travel in turn.
+    /// Presses the disc to each travel (mm) in turn, and returns the equilibria.
     fn pressed(&self, lattice: &Lattice, travels_mm: &[f64]) -> Vec<Pressed> {
         let mut pressing = self.pressing(lattice);
         let push = |travel_mm: &f64| pressing.push(self.at(lattice.finger(), *travel_mm)).expect("an equilibrium");
         travels_mm.iter().map(push).collect()
     }
 
-    /// Totals along the way after each travel, N.
+    /// Total contact force along the disc's motion after each travel, N.
     fn totals_n(&self, lattice: &Lattice, travels_mm: &[f64]) -> Vec<f64> {
         let along = self.along(lattice.finger());
         self.pressed(lattice, travels_mm).iter().map(|pressed| pressed.contact_force().dot(&along)).collect()
@@ -65,7 +65,7 @@ const SMOOTH: Disc = Disc { radius_mm: 20.0, friction: 0.0, at_mm: 74.0, directi
 const ROUGH: Disc = Disc { radius_mm: 15.0, friction: 0.3, at_mm: 76.5, direction_deg: 30.0 };
 
 const FLAT: Disc = Disc { radius_mm: 1000.0, friction: 0.0, at_mm: 80.0, direction_deg: 0.0 };
-/// What rapier's sweeps and measure of rest leave, as a share of force and largest displacement.
+/// Tolerance for the errors of rapier's sweeps and of its criterion of rest, as a share of the force and of the largest displacement.
 const ENGINE_TOLERANCE: f64 = 2e-3;
 
 fn assert_alike(ours: &Pressed, engine: &Pressed) {
@@ -75,7 +75,7 @@ fn assert_alike(ours: &Pressed, engine: &Pressed) {
     assert!(apart <= ENGINE_TOLERANCE, "{apart}");
 }
 
-/// Pushed to a point and pulled by a force, on a way of its own from where the object does not touch yet.
+/// rapier presses the object from a position without contact, to a point or by a force, and reaches the same equilibrium as Newton's method.
 #[test]
 fn rapier_on_its_own_way_rests_where_newton_is() {
     let lattice = Lattice::new(&paper(), 2).expect("a lattice");
@@ -86,7 +86,8 @@ fn rapier_on_its_own_way_rests_where_newton_is() {
     }
 }
 
-/// Rest with friction is not unique, so rapier begins where friction was found: it stays there. Where friction exceeds its cone it leaves.
+/// With friction, the state of rest is not unique, so rapier starts from the equilibrium of Newton's method and must stay there. With a smaller
+/// friction coefficient, the forces lie outside the cone, and rapier must leave this equilibrium.
 #[test]
 fn rapier_stays_where_friction_was_found() {
     let lattice = Lattice::new(&paper(), 2).expect("a lattice");
@@ -102,8 +103,8 @@ fn rapier_stays_where_friction_was_found() {
     }
 }
 
-/// The disc slides in monotonic travel: friction is its coefficient times the normal force at every contact that slides in all of the last step, and totals are
-/// those of an independent contact frame (Coulomb, quasi-static), however many steps are looked at.
+/// The disc slides in monotonic travel. At a contact that slides during the whole last step, friction is the coefficient times the normal force. The
+/// totals agree with an independent quasi-static frame with Coulomb contact, for any number of steps.
 #[test]
 fn friction_stands_where_the_way_left_it() {
     let lattice = Lattice::new(&paper(), 6).expect("a lattice");
@@ -121,7 +122,7 @@ fn friction_stands_where_the_way_left_it() {
     assert!((friction_n / normal_n - ROUGH.friction).abs() < 1e-9, "{friction_n} N of {normal_n} N");
 }
 
-/// A spring held the object: it stood up to 5 % before its prescribed position.
+/// A spring once held the object, which stopped up to 5 % before its prescribed position.
 #[test]
 fn the_object_is_where_it_was_told_to_be() {
     let lattice = Lattice::new(&paper(), 2).expect("a lattice");
@@ -132,7 +133,7 @@ fn the_object_is_where_it_was_told_to_be() {
     }
 }
 
-/// Rods in a row touch at once, and contacts near the clamp are stiff: rapier did not settle.
+/// Several rods in a row touch at once, and contacts near the clamp are stiff. rapier once did not settle in these cases.
 #[test]
 fn nearly_flat_objects_have_equilibria() {
     let lattice = Lattice::new(&paper(), 6).expect("a lattice");
@@ -144,7 +145,8 @@ fn nearly_flat_objects_have_equilibria() {
     }
 }
 
-/// A disc of 1 m over 80 mm is 80^2 / (2 1001.5) mm higher above the base: there it meets the clamped rod, and neither gives way.
+/// The surface of a disc of 1 m radius at 80 mm is 80^2 / (2 1001.5) mm higher above the base. After this travel, the disc meets the clamped rod, and
+/// neither yields.
 #[test]
 fn the_clamped_end_stops_the_object() {
     let lattice = Lattice::new(&paper(), 2).expect("a lattice");

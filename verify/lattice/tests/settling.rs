@@ -1,4 +1,4 @@
-//! Settling: the lattice comes to rest at the minimum of its energy, and close to beams.
+//! Tests of settling: the lattice comes to rest at the minimum of its energy, and close to the equilibrium of beams.
 
 use finray_lattice::settling::Settling;
 use finray_lattice::{Lattice, LatticeError, settling};
@@ -6,10 +6,10 @@ use finray_model::mesh::Load;
 use finray_model::{Kinematics, Mesh, NodeId, Vector, statics};
 use finray_tests::{contact_node, finger_of, paper, paper_scene_with, shapes_apart};
 
-/// Settling against the lattice's own equilibrium, as a share of the largest displacement.
+/// Tolerance between the settled lattice and its equilibrium, as a share of the largest displacement.
 const SETTLING_TOLERANCE: f64 = 5e-4;
 
-/// Arms, zones, hinges and ribs that do not deform: settled, the lattice rests where its energy is least, and beams agree.
+/// Lattices with arms, zones, hinges or undeformable ribs settle at the minimum of their energy, and beams agree.
 #[test]
 fn other_fingers_settle_where_beams_are() {
     for (text, force_n, tolerance) in [
@@ -34,7 +34,7 @@ fn other_fingers_settle_where_beams_are() {
     }
 }
 
-/// Ribs that share a junction, one of them in a corner of the base: their key nodes are one body.
+/// Ribs that share a junction, also in a corner of the base: their key nodes form one body.
 #[test]
 fn a_zigzag_of_ribs_settles_where_beams_are() {
     let zigzag =
@@ -53,7 +53,7 @@ fn a_zigzag_of_ribs_settles_where_beams_are() {
     }
 }
 
-/// Plates that taper: the lattice takes each segment's thickness in its middle, beams take mean compliances.
+/// Tapered plates: the lattice uses the thickness at the middle of each segment, and beams use mean compliances.
 #[test]
 fn lattices_of_tapered_plates_rest_where_beams_do() {
     let tapered = [("[finger.front]", 0.75), ("[finger.back]", 2.0)]
@@ -68,7 +68,7 @@ fn lattices_of_tapered_plates_rest_where_beams_do() {
     assert!(errors[0] < 2e-2 && errors[1] < 0.15 * errors[0], "{errors:?}");
 }
 
-/// Unlike loads at once, a moment and a force between nodes among them.
+/// Different loads at once: a force at a node, a force between nodes, and a moment.
 #[test]
 fn several_loads_settle_together() {
     let finger = paper();
@@ -95,21 +95,21 @@ fn what_does_not_settle_is_an_error() {
         }
         other => panic!("{other:?}"),
     }
-    // Not even the first peak.
+    // Three steps do not even reach the first peak of the kinetic energy.
     assert!(matches!(
         lattice.settle_as(&[load], within(3)),
         Err(LatticeError::NotSettled { residual, .. }) if residual.is_infinite()
     ));
 }
 
-/// Without loads it rests at once, where it was.
+/// Without loads, the lattice rests at once in its undeformed shape.
 #[test]
 fn an_unloaded_finger_stays() {
     let settled = Lattice::new(&paper(), 2).expect("a lattice").settle(&[]).expect("it rests");
     assert!(settled.shape.largest_displacement_mm() < 1e-9 && settled.steps < 100);
 }
 
-/// No finer or coarser lattice settles elsewhere than its equilibrium, and a small force is no exception.
+/// Coarser and finer lattices also settle at their equilibrium, even under a small force.
 #[test]
 fn every_fineness_settles_where_its_energy_is_least() {
     let finger = paper();

@@ -64,7 +64,8 @@ pub struct Push {
 pub enum Knowledge {
     /// Position and direction are known.
     Known,
-    /// The sensor assumes a position and a direction that deviate from the true ones by these amounts. An assumed position beyond the tip is moved to the tip.
+    /// The sensor assumes a position and a direction that deviate from the true values by these amounts. An assumed position beyond the tip is moved
+    /// to the tip.
     Off {
         /// Assumed minus true position, mm.
         by_mm: f64,
@@ -142,8 +143,8 @@ pub struct PushedFinger {
 }
 
 impl PushedFinger {
-    /// The finger of the scene with the text `scene` (TOML). `other` is the text of a scene with another finger of the same number of nodes. It can be the true
-    /// finger, so that the sensor assumes a wrong one.
+    /// The finger of the scene with the text `scene` (TOML). `other` is the text of a scene with another finger of the same number of nodes. The
+    /// other finger can be the true finger, so that the sensor assumes a wrong finger.
     ///
     /// # Errors
     /// [`SceneError`] if a scene cannot be read.

@@ -1,4 +1,4 @@
-//! Tests of the finger that a page can push.
+//! Tests of the finger that users push on a page.
 
 mod program;
 mod pushed;

@@ -1,4 +1,5 @@
-//! The program that pages carry answers as the library does. It fails after a change of the model's results, until `verify/push/build` makes it again.
+//! The program that pages embed answers as the library does. After a change of the model's results, this test fails until `verify/push/build`
+//! rebuilds the program.
 
 use finray_fixtures::{PAPER_SCENE, TWIN_SCENE};
 use finray_push::{PROGRAM, Session};
@@ -7,12 +8,12 @@ use rand::RngExt;
 use serde_json::{Value, json};
 use wasmi::{Engine, Instance, Linker, Module, Store, TypedFunc};
 
-/// Largest accepted difference of a number, relative to the largest of its answer. Both round differently, because they order sums differently.
+/// Tolerance for a number, relative to the largest number of its answer. Program and library round differently, because they order sums differently.
 const ROUNDING: f64 = 1e-12;
-/// The same for what an iteration finds: it stops within its tolerance, not at the same number.
+/// Same as [`ROUNDING`], for results of an iteration, which ends within its tolerance and not at an exact number.
 const ITERATION: f64 = 1e-9;
 
-/// The program in an interpreter.
+/// The program, run by an interpreter.
 struct Program {
     store: Store<()>,
     instance: Instance,
@@ -43,7 +44,7 @@ impl Program {
     }
 }
 
-/// Largest difference of two answers' numbers, relative to the largest number; `None` if anything else differs.
+/// Largest difference between the numbers of two answers; `None` if anything else differs. Raises `largest` to the largest magnitude of a number.
 fn apart(one: &Value, other: &Value, largest: &mut f64) -> Option<f64> {
     match (one, other) {
         (Value::Number(one), Value::Number(other)) => {
@@ -87,7 +88,7 @@ fn the_program_of_pages_answers_as_the_library_does() {
             "angle_deg": chance.random_range(-80.0..80.0),
             "force_n": chance.random_range(0.05..4.0),
             "is_other": case % 4 == 3,
-            // Searches take an interpreter long.
+            // Searches are slow in an interpreter, so few cases need one.
             "contact": contact[if case % 12 == 5 { 2 } else { case % 2 }],
             "estimator": estimators[case % 3],
             "noise_mm": 0.067,

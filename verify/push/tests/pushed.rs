@@ -1,4 +1,4 @@
-//! What a pushed finger answers.
+//! Tests of the answers of a pushed finger.
 
 use finray_fixtures::{PAPER_SCENE, SPRING_STEEL_SCENE, TWIN_SCENE};
 use finray_model::{Kinematics, Load, Mesh, Scene, statics};
@@ -43,7 +43,7 @@ fn a_pushed_finger_has_the_shape_that_statics_gives() {
     assert_eq!(found.sensed, Sensed::Unasked);
     let marked: Vec<[f64; 2]> = scene.finger.free_nodes().map(|node| shape.motion(node).displacement.into()).collect();
     assert_eq!(found.displacements, marked);
-    // Lines end at the nodes that they join.
+    // The lines of the members end at nodes.
     let at_rest = finger.drawing();
     let moved = |(from, to): (&[f64; 2], &[f64; 2])| (to[0] - from[0]).hypot(to[1] - from[1]);
     let ends = at_rest.lines.iter().zip(&found.lines).filter_map(|(from, to)| Some(moved((from.last()?, to.last()?))));
@@ -58,14 +58,14 @@ fn a_known_force_lies_in_its_interval_and_a_wrong_contact_is_wrong() {
     let images = 40;
     let holds = |contact: Knowledge, is_other| {
         let held_without_warning = |image: &u64| {
-            // Near the base, where a wrong contact and softer ends matter most.
+            // The contact is near the base, where a wrong contact and softer ends have the largest effect.
             let found = bent(&finger, &Push { image: *image, is_other, s_mm: 20.0, ..push(contact) });
             let [low, high] = force(&found).interval_n;
             low <= 2.0 && 2.0 <= high && force(&found).warnings.is_empty()
         };
         (1..=images).filter(held_without_warning).count()
     };
-    // 95 %, and four standard errors of 40.
+    // The coverage is 95 % within four standard errors for 40 images.
     assert!(holds(Knowledge::Known, false) >= 33 && holds(Knowledge::Sought, false) >= 33);
     let off = Knowledge::Off { by_mm: -1.5, by_deg: 12.5 };
     assert_eq!([holds(off, false), holds(Knowledge::Known, true)], [0, 0], "what is wrong must not look right");
@@ -106,6 +106,6 @@ fn questions_without_an_answer_say_why() {
     says(&ask(known("linear", 1.0))["bent"]["sensed"]["refused"], "least-squares");
     says(&ask(known("nonlinear", 1e6)), "not_carried");
     says(&ask(json!({ "pull": {} }))["error"], "pull");
-    // The finger is still there.
+    // Invalid questions do not remove the finger.
     assert!(ask(known("nonlinear", 1.0))["bent"]["sensed"]["force"]["force_n"].is_number());
 }

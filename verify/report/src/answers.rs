@@ -40,7 +40,7 @@ fn places(study: &Study, situations: &[Situation]) -> Option<String> {
     let share = |of: &Situation| Some(format!("{} {}", of.in_short, percent(of.all().share()?)));
     let shares = std::iter::once(known).chain(others).filter_map(share);
     Some(format!(
-        "Positions and directions within {} on average ({least_n} to {most_n} N): {}.",
+        "Positions and directions with a mean error within {} ({least_n} to {most_n} N): {}.",
         percent(TRUSTED_ERROR),
         list(shares, "; ")
     ))
@@ -58,8 +58,9 @@ fn reasons(study: &Study, situations: &[Situation]) -> Option<String> {
     };
     let assumed = situations.iter().find(|of| of.contact == ContactKnowledge::Assumed);
     let assumed = assumed.and_then(|of| of.failed_by_direction(study));
-    let assumed =
-        assumed.map(|share| format!(" Contact wrong: its direction ({}), else its position.", percent(share)));
+    let assumed = assumed.map(|share| {
+        format!(" Contact wrong: its direction ({} of the failing cells), otherwise its position.", percent(share))
+    });
     Some(format!("{known}{}", assumed.unwrap_or_default()))
 }
 
@@ -72,8 +73,12 @@ fn seeking(directions: &DirectionStudy) -> Option<String> {
     let shares: Vec<String> = directions.forces_n.into_iter().rev().filter_map(share).collect();
     let found = list(&shares, ", ");
     let seek = match directions.is_normal_better() {
-        true => format!("Little friction: assume the normal. Else seek it: found in {found}."),
-        false => format!("Seek it with the force: found in {found}."),
+        true => {
+            format!(
+                "Little friction: assume the normal. Otherwise estimate the direction: identifiable in {found} of the cells."
+            )
+        }
+        false => format!("Estimate the direction with the force: identifiable in {found} of the cells."),
     };
     (!shares.is_empty()).then_some(seek)
 }
@@ -86,9 +91,10 @@ fn coverage(study: &Study, truth: TruthId) -> Option<&CoverageRow> {
 /// Coverage of intervals without a warning.
 fn sureness(study: &Study) -> Option<String> {
     let of = |truth| coverage(study, truth)?.covered_without_warning;
-    let known = format!("95 % intervals without a warning hold in {}", percent(of(TruthId::Corotational)?));
+    let known =
+        format!("95 % intervals without a warning contain the force in {}", percent(of(TruthId::Corotational)?));
     Some(match of(TruthId::Twin) {
-        Some(softer) => format!("{known}; softer ends {}.", percent(softer)),
+        Some(softer) => format!("{known}; with softer ends, in {}.", percent(softer)),
         None => format!("{known}."),
     })
 }
@@ -96,7 +102,7 @@ fn sureness(study: &Study) -> Option<String> {
 /// Number of passed checks against other programs.
 fn checked(study: &Study) -> Option<String> {
     let counts = checks::counted(study).into_iter().find(|tally| tally.against == Against::OtherPrograms)?;
-    Some(format!("{} of {} solver checks by other programs pass.", counts.passed, counts.all))
+    Some(format!("{} of {} solver checks against other programs pass.", counts.passed, counts.all))
 }
 
 /// Results of measured images of a real finger, or the statement that there are none.
@@ -107,7 +113,8 @@ fn reality(study: &Study) -> String {
         return "Simulation only.".to_owned();
     };
     format!(
-        "{images} images with measured forces ({known}): mean error {}, {within} of {forces} intervals hold. All else is simulation.",
+        "{images} images with measured forces ({known}): mean error {}, {within} of {forces} intervals contain the force. \
+         All other results are simulated.",
         percent(error)
     )
 }
@@ -124,8 +131,9 @@ pub(super) fn caveat(study: &Study) -> String {
             let objects = if objects.is_empty() { String::new() } else { format!(" (objects {})", objects.join(", ")) };
             let error = percent_two_digits(error);
             format!(
-                "Measured: the contact force in {images} images{objects}. Sensed forces ({known}) differ from it by {error} on average, and {within} of \
-                 {forces} 95 % intervals contain it. Everything outside the section on measured images is simulation, {noise}."
+                "Measured: the contact force in {images} images{objects}. Sensed forces ({known}) differ from the measured force by {error} on \
+                 average. {within} of {forces} 95 % intervals contain the measured force. Everything outside the section on measured images is \
+                 simulation, {noise}."
             )
         }
     };

@@ -57,7 +57,8 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 fn needed(camera: &CameraStudy) -> Result<Option<Block>, FigureError> {
     let asked = percent_two_digits(ASKED_ERROR);
     let title = format!("Noise at which {} N errs by {asked}", camera.force_n);
-    let alt = format!("{title}, by contact node; above the paper's camera noise the force is sensed more accurately.");
+    let alt =
+        format!("{title}, by contact node; the force errs by less where this noise is above the paper's camera noise.");
     let rows: Vec<(String, NeededNoise)> =
         camera.needed.iter().rev().map(|needed| (needed.node.to_string(), *needed)).collect();
     let lines: [Line<NeededNoise>; 2] =
@@ -91,9 +92,9 @@ fn about(camera: &CameraStudy, is_paper: bool) -> String {
 fn times(FrameTimes { search_s, track_s }: FrameTimes) -> String {
     let [search_ms, track_ms] = [1e3 * search_s, 1e3 * track_s];
     format!(
-        "From an image in memory to node positions: {search_ms:.1} ms where the whole image is searched, {track_ms:.1} ms near the positions in the previous \
-         image (medians, one core of this computer, finger at rest). The paper's vision system takes about 40 ms on another computer, with images of a real \
-         finger."
+        "From an image in memory to node positions: {search_ms:.1} ms if the whole image is searched, {track_ms:.1} ms if only the surroundings of \
+         the previous positions are searched (medians, one core of this computer, finger at rest). The paper's vision system takes about 40 ms on \
+         another computer, with images of a real finger."
     )
 }
 
@@ -174,8 +175,9 @@ fn says(camera: &CameraStudy) -> Option<String> {
     let (rms_mm, largest_mm) = (row.displacement_rms_mm?, row.displacement_largest_mm?);
     let (node, needed_mm, item, setting) = (worst.node, worst.noise_mm, most.item, setting(most));
     Some(format!(
-        "In rendered images node displacements err by {rms_mm:.4} mm rms ({largest_mm:.4} mm at most), and forces sensed from them by {error} rms. At node \
-         {node}, the worst without the tip, an error of {asked} needs noise below {needed_mm:.3} mm; the paper's camera (0.2 mm at worst, {CAMERA_NOISE_MM} mm as a \
-         standard deviation) gives at least {papers}. Among the tested conditions, {item} ({setting}) causes the largest error: {largest}.{enough}"
+        "In rendered images node displacements err by {rms_mm:.4} mm rms ({largest_mm:.4} mm at most), and forces sensed from these displacements by \
+         {error} rms. At node {node}, the worst node except the tip, an error of {asked} requires noise below {needed_mm:.3} mm. The noise of the \
+         paper's camera (0.2 mm at worst, standard deviation {CAMERA_NOISE_MM} mm) causes an error of at least {papers}. Among the tested conditions, \
+         {item} ({setting}) causes the largest error: {largest}.{enough}"
     ))
 }

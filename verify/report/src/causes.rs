@@ -58,8 +58,8 @@ fn because(cause: Cause) -> &'static str {
         Cause::Modulus => "because the modulus is wrong",
         Cause::Direction => "because the direction is wrong",
         Cause::Position => "because the position is wrong",
-        Cause::BaseCompliance => "because the base gives way",
-        Cause::TipCompliance => "because the tip gives way",
+        Cause::BaseCompliance => "because the base is compliant",
+        Cause::TipCompliance => "because the tip is compliant",
         Cause::NetworkFit => "because the network fits badly",
     }
 }
@@ -86,13 +86,13 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 /// Errors of the assumed contact, and how shares are computed.
 fn about(study: &Study) -> String {
     let fitted = match study.causes.iter().any(|map| map.truth == FITTED) {
-        true => " The softer ends were built in; that they appear as causes is no finding.",
+        true => " The softer ends were assumed, so their appearance as causes is no finding.",
         false => "",
     };
     format!(
-        "An assumed contact is off by {POSITION_OFF_MM} mm (the radius of the paper's rods) and {DIRECTION_OFF_DEG} deg (the largest rotation of the paper's \
-         deformed normal), in both directions. The share of a cause is the error that disappears if only this cause is removed. Errors of opposite sign \
-         partly cancel, so the shares do not add up to the total.{fitted}"
+        "An assumed contact is off by {POSITION_OFF_MM} mm (the radius of the paper's rods) and {DIRECTION_OFF_DEG} deg (the largest rotation of the \
+         paper's deformed normal), with all combinations of signs. The share of a cause is the error that disappears if only this cause is removed. \
+         Errors of opposite sign partly cancel, so the shares do not add up to the total.{fitted}"
     )
 }
 
@@ -129,8 +129,8 @@ fn by_region(study: &Study) -> Table {
         error_as(format!("{}: {why}{refused}", percent(shares.rms_error)), shares.rms_error)
     };
     let caption = format!(
-        "Root mean square error at {force_n} N along the normal, its largest cause, and the error without it. Near an end: within a sixth of the plate. Amber: \
-         above 10 %, red: above 25 %"
+        "Root mean square error at {force_n} N along the normal, its largest cause, and the error without this cause. Near an end: within a sixth of \
+         the plate. Amber: above 10 %, red: above 25 %"
     );
     Columns::<&CauseMap>::new()
         .page("finger, contact", Format::Words, |map| format!("{}, {}", map.truth.label(), map.contact.name()))

@@ -6,9 +6,9 @@ use finray_studies::experiments::convergence::{Convergence, MeshSize};
 
 const CSV: &str = "convergence.csv";
 /// Text on the loads, and on the definition of a mesh's error.
-const ABOUT: &str = "A force along the normal acts at one node after the other, without the tip. The error is the largest difference between a key node's \
-                     displacement and Richardson's extrapolation, divided by the largest displacement, at the worst loaded node. Linear theory is exact at \
-                     the nodes.";
+const ABOUT: &str = "A force along the normal acts at each node except the tip, in turn. The error is the largest difference between a key node's \
+                     displacement and its Richardson extrapolation, divided by the largest displacement; the worst loaded node counts. Linear theory is \
+                     exact at the nodes.";
 /// Reference errors that the figure shows as horizontal lines, with their labels.
 const REFERENCES: [(f64, &str); 2] = [(0.01, "1 %"), (1e-4, "0.01 %")];
 

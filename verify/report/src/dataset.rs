@@ -10,7 +10,7 @@ use super::page::{self, Cell, Table};
 use finray_files::csv_text;
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
-/// Columns of a table with rows of type `R`: those of the files with their keys, and those of the page.
+/// Columns of a table with rows of type `R`: the columns of the files with their keys, and the columns of the page.
 pub struct Columns<'c, R> {
     in_files: Vec<(&'static str, Accessor<'c, R, Value>)>,
     on_page: Vec<(page::Column, Accessor<'c, R, Cell>)>,
@@ -118,7 +118,7 @@ impl<'s> Dataset<'s> {
         Self::records(csv, rows.into_iter().map(fields))
     }
 
-    /// A dataset like that of [`new`](Self::new), whose rows serialise themselves.
+    /// A dataset as made by [`new`](Self::new), but with rows that serialise themselves.
     pub fn records<T: Serialize + 's>(csv: &str, rows: impl IntoIterator<Item = T>) -> Self {
         let rows: Vec<T> = rows.into_iter().collect();
         Dataset { csv: csv.to_owned(), in_csv: !rows.is_empty(), in_summary: true, rows: Box::new(rows) }

@@ -112,8 +112,8 @@ fn where_identifiable(directions: &DirectionStudy) -> Option<String> {
         Some(everywhere) => format!("all directions are identifiable at {everywhere}"),
     };
     let nowhere = match of(false) {
-        None => "and at every position some are".to_owned(),
-        Some(nowhere) => format!("and none is at {nowhere}"),
+        None => "and some directions are identifiable at every position".to_owned(),
+        Some(nowhere) => format!("and no direction is identifiable at {nowhere}"),
     };
     let [identified, all] = directions.identified(largest_n);
     let fails = match 2 * identified > all {
@@ -123,8 +123,8 @@ fn where_identifiable(directions: &DirectionStudy) -> Option<String> {
     (!shares.is_empty()).then(|| {
         let shares = list(shares, ", ");
         format!(
-            "Both are identifiable in {shares} of the cells. Under {largest_n} N {everywhere}, {nowhere}. The paper's \"will not work\" (Fig. 13) therefore \
-             holds for {fails}."
+            "Force and direction are identifiable in {shares} of the cells. Under {largest_n} N {everywhere}, {nowhere}. The paper's \"will not \
+             work\" (Fig. 13) therefore holds for {fails}."
         )
     })
 }
@@ -149,8 +149,8 @@ fn without_friction(directions: &DirectionStudy) -> Option<String> {
     let refused = samples - answered;
     Some(format!(
         "Without friction a contact pushes along the deformed normal. If this direction is assumed, the force errs by {small_normal} at {small_n} N and by \
-         {large_normal} at {large_n} N, on average over the nodes. If the direction is unknown, it errs by {unknown} ({refused} of {samples} samples \
-         refused); with the undeformed normal by {undeformed}."
+         {large_normal} at {large_n} N, on average over the nodes. If the direction is unknown, the force errs by {unknown} ({refused} of {samples} \
+         samples refused); if the undeformed normal is assumed, by {undeformed}."
     ))
 }
 

@@ -54,8 +54,8 @@ fn says(study: &DisplacementNoiseStudy) -> Option<String> {
     let ordinary = of("motor angle").map(|row| row.ordinary_rms_n / row.bound_n);
     let ([least, greatest], ordinary) = (Span::of(worse)?.ends(), Span::of(ordinary)?.greatest);
     Some(format!(
-        "If the same camera measures the undeformed finger, the Cramer-Rao bounds shown elsewhere become sqrt(2) times as large. With undeformed positions \
-         from the motor angle (assumed errors {TRANSLATION_SD_MM} mm, {ROTATION_SD_DEG} deg) they become {least:.1} to {greatest:.1} times as large, and \
-         ordinary least squares errs by up to {ordinary:.1} times this bound."
+        "If the same camera measures the undeformed finger, the Cramer-Rao bounds shown elsewhere become sqrt(2) times as large. With undeformed \
+         positions from the motor angle (assumed errors {TRANSLATION_SD_MM} mm, {ROTATION_SD_DEG} deg) the bounds become {least:.1} to {greatest:.1} \
+         times as large, and ordinary least squares errs by up to {ordinary:.1} times this bound."
     ))
 }

@@ -12,8 +12,8 @@ const ESTIMATORS_CSV: &str = "estimators.csv";
 /// What stated intervals include, and when an estimator warns.
 const INTERVALS: &str = "Sigma, the stated standard deviation, includes the noise and the known error of the model: linearisation, mesh, training. An \
                          estimator warns if the measurement contradicts its model (chi-squared test, one false alarm in a hundred) or if its model errs by \
-                         more than the noise. If the ends are softer than modelled, intervals do not hold and often no warning is given, because another \
-                         force would give the modelled finger the same shape.";
+                         more than the noise. If the ends are softer than modelled, intervals miss the force too often, and often without a warning, \
+                         because another force would give the modelled finger the same shape.";
 
 /// Results of one estimator on the uniform finger.
 struct Row<'s> {
@@ -56,9 +56,7 @@ fn columns<'s>() -> Columns<'s, Row<'s>> {
         .page("estimator", Format::Words, |row| row.estimator.label())
         .page("within 10 %, share of cells", Format::Plain, cells)
         .page("answers without a warning", Format::Percent, |row| Some(row.coverage?.share_without_warning()))
-        .page("of these: 95 % interval contains the force in", Format::Percent, |row| {
-            row.coverage?.covered_without_warning
-        })
+        .page("of these: force in the 95 % interval", Format::Percent, |row| row.coverage?.covered_without_warning)
         .page("time per frame", Format::Plain, |row| row.seconds.map(time))
         .page("needs", Format::Words, |row| row.estimator.needs())
         .page("refuses", Format::Words, |row| row.estimator.refuses())
@@ -72,8 +70,8 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let [least_n, .., most_n] = study.forces.of_maps_n();
     let caption = format!(
-        "Uniform finger, contact known, worst force of {least_n} to {most_n} N; networks: contact nodes along the normal alone, node 13 by the \
-         network of any contact"
+        "Uniform finger, contact known, worst force of {least_n} to {most_n} N; networks: only forces along the normal at contact nodes, node 13 by the \
+         network for any contact"
     );
     let mut blocks = vec![Block::Table(columns().table(caption, ESTIMATORS_CSV, rows(study)))];
     if !study.coverage.is_empty() {
@@ -94,7 +92,8 @@ fn says(study: &Study) -> Option<String> {
     let best = best.map(|best| format!("Recommended for any contact: {}. ", best.label())).unwrap_or_default();
     (share < 0.1).then(|| {
         format!(
-            "{best}Choose by error and interval, not by time: {fastest} or {slowest} (medians) are at most {} of the {frame_ms:.0} ms between two frames at 25 Hz; finding the nodes in an image takes longer.",
+            "{best}Choose by error and interval, not by time: a force takes {fastest} to {slowest} (medians), at most {} of the {frame_ms:.0} ms \
+             between two frames at 25 Hz. Finding the nodes in an image takes longer.",
             percent(share)
         )
     })
@@ -112,6 +111,6 @@ fn intervals(study: &Study) -> Vec<Block> {
         .page("covered", Format::Percent, |row| row.covered_with_warning)
         .page("refused", Format::Percent, |row| of_samples(row, row.refused))
         .page("samples", Format::Plain, |row| row.samples);
-    let caption = "Share of noise samples answered without and with a warning, and of these the share with the true force within 1.96 sigma";
+    let caption = "Shares of noise samples answered without and with a warning; covered: share of these answers within 1.96 sigma of the true force";
     vec![Block::Table(columns.table(caption, CSV, &study.coverage)), text(INTERVALS)]
 }

@@ -17,12 +17,13 @@ use serde::Serialize;
 const CSV: &str = "grasp.csv";
 const SCENES_CSV: &str = "grasp_scenes.csv";
 /// How grasps are computed and sensed.
-const ABOUT: &str = "In simulation, two lattice fingers on the paper's linkage close on a free object, lift it, carry it and put it down: a disc off the \
-                     centre, a box in an oblique pose that the fingers rotate, and a ball in mid-air between spring-steel fingers. Every step is an \
-                     equilibrium of fingers, object, gravity and contacts with Coulomb friction. The lengths of the linkage are assumed, because the paper \
-                     gives them only in a figure that was not available. Sensing receives the motor angle and, with noise, the displacements of the key \
-                     nodes and points on both outlines. It knows which parts touch, and the coefficient of friction. Nothing was tested on a real gripper. \
-                     The object lies on rails, between which the fingers pass. A grasp ends if the fingers touch each other.";
+const ABOUT: &str = "In simulation, two lattice fingers on the paper's linkage close on a free object, lift it, carry it and put it down: a disc off \
+                     the centre, a box in an oblique pose that the fingers rotate, and a ball in mid-air between spring-steel fingers. Every step is \
+                     an equilibrium of fingers, object, gravity and contacts with Coulomb friction. The lengths of the linkage are assumed, because \
+                     the paper gives them only in a figure that was not available. Sensing receives the motor angle and, with noise, the \
+                     displacements of the key nodes and points on both outlines. Also known are the touching parts and the coefficient of friction. \
+                     Nothing was tested on a real gripper. The object lies on rails, between which the fingers pass. A grasp ends if the fingers \
+                     touch each other.";
 
 /// First column of a row of forces: the scene.
 #[derive(Serialize)]
@@ -70,8 +71,7 @@ fn scenes<'c>() -> Columns<'c, &'c GraspStudy> {
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let Some(first) = study.grasps.first() else { return Ok(None) };
     let figures = std::iter::once(moving(first)?).chain(courses(first)?.into_iter().take(1)).collect();
-    let caption =
-        "Total of a finger across the gripper, sensed with noise; 95 % intervals; errors relative to the true force";
+    let caption = "Total force of a finger across the gripper, sensed with noise; 95 % intervals; errors are relative to the true force";
     let table = scenes().table(caption, SCENES_CSV, &study.grasps);
     let blocks = vec![Block::Figures(figures), Block::Table(table)];
     Ok(Some(Section::new("grasp", "Grasping an object", blocks).saying(says(first))))
@@ -94,19 +94,20 @@ fn says(GraspStudy { name, noise_mm, noisy, clean, .. }: &GraspStudy) -> Option<
     let SensedSummary { mean_total_error, worst_total_error, worst_contact_error, totals_within_95, asked, .. } =
         sensed;
     let clean = clean.as_ref().and_then(|clean| clean.sensed.worst_total_error);
-    let clean = clean.map_or_else(String::new, |clean| format!("; without noise, by at most {}", percent(clean)));
+    let clean = clean.map_or_else(String::new, |clean| format!(" (without noise: {})", percent(clean)));
     let error = percent((*mean_total_error)?);
     let [total, contact] = [worst_total_error, worst_contact_error].map(|error| or_nothing(error.map(percent)));
     Some(format!(
-        "In simulation, each finger presses on a {name} that is grasped, carried and placed, with up to {largest_total_n:.2} N. With {noise_mm} mm noise \
-         the total errs by {error} on average and {total} at most, one of several contacts by up to {contact}{clean}. The 95 % intervals contain {totals_within_95} of {asked} true totals."
+        "In simulation, each finger presses with up to {largest_total_n:.2} N on a {name} that is grasped, carried and placed. With {noise_mm} mm noise \
+         the total errs by {error} on average and {total} at most{clean}, and the force at one of several contacts by up to {contact}. The 95 % intervals \
+         contain {totals_within_95} of {asked} true totals."
     ))
 }
 
 /// Animated drawing of the whole grasp.
 fn moving(grasp: &GraspStudy) -> Result<Figure, ReportError> {
     let svg = grasp_animation_svg(&grasp.name, &grasp.scene, &grasp.steps)?;
-    Ok(Figure::narrow(svg, "Every step of the grasp; in print, one.", CSV))
+    Ok(Figure::narrow(svg, "Every step of the grasp; in print, only one step.", CSV))
 }
 
 /// Charts of the forces of a grasp.

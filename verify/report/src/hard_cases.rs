@@ -30,7 +30,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         return Ok(None);
     }
     let broken = study.hard_cases.iter().filter(|case| !case.passes()).map(|case| unbroken(&outcome(case)));
-    let table = columns().table("Kept: answered or refused as demanded", CSV, &study.hard_cases);
+    let table = columns().table("Kept: answered or refused as required", CSV, &study.hard_cases);
     let mut blocks = vec![text(about()), details("The cases", vec![Block::Table(table)])];
     blocks.extend(broken.map(text));
     Ok(Some(Section::new("hard-cases", "Hard cases", blocks).saying([in_words(&study.hard_cases)])))
@@ -39,8 +39,8 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 /// What hard cases are, and how they are checked.
 fn about() -> String {
     format!(
-        "Variants of the finger at the limits of what can be computed. Each is compared with a scaling law, another method, a known limit or the true force, \
-         and must finish within {TIME_LIMIT_S} s. checks.csv has every number."
+        "Variants of the finger at the limits of what can be computed. Each variant is compared with a scaling law, another method, a known limit or \
+         the true force, and must finish within {TIME_LIMIT_S} s. checks.csv has every number."
     )
 }
 

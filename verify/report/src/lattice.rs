@@ -71,7 +71,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let Some(lattice) = &study.lattice else { return Ok(None) };
     let mut blocks = vec![text(words::ABOUT)];
     if lattice.settling.is_empty() {
-        blocks.push(text("This quick report compares equilibria alone, under fewer loads."));
+        blocks.push(text("This quick report compares only equilibria, under fewer loads."));
     }
     let caption = "Worst difference of the lattice's equilibrium from converged beams, by force.";
     blocks.push(Block::Figure(Figure::wide(drawing(&lattice.rows)?, caption, CSV)));
@@ -79,7 +79,8 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     blocks.push(Block::Figures(vec![map_figure(study, lattice)?, sensing_figure(lattice)?]));
     let mut folded = vec![text(words::SPRINGS), Block::Table(axial(lattice))];
     if !lattice.settling.is_empty() {
-        let caption = "The settled lattice against its equilibrium; single: positions and rotations rounded (the engine's own such build was not run)";
+        let caption = "The settled lattice against its equilibrium; single: rounded positions and rotations (the \
+                       engine's single-precision build was not run)";
         folded.push(Block::Table(settled().table(caption, SETTLING_CSV, &lattice.settling)));
     }
     folded.push(text(words::precision(lattice)));
@@ -145,7 +146,7 @@ pub fn drawing(rows: &[FinenessRow]) -> Result<String, FigureError> {
     let finenesses: Vec<f64> = rows.iter().map(|row| row.fineness as f64).collect();
     let widest = [f64::INFINITY, 0.0_f64];
     let ends = finenesses.iter().fold(widest, |[low, high], &x| [low.min(x / BESIDE), high.max(x * BESIDE)]);
-    let alt = "Worst difference of the lattice's displacements from converged beams by segments of plate between two key nodes, a line a force, \
+    let alt = "Worst difference of the lattice's displacements from converged beams by segments of plate between two key nodes, one line per force, \
                both axes logarithmic";
     let x = Axis::log("segments of plate between two key nodes").within(ends[0], ends[1]).with_ticks(finenesses);
     let axes = [x, Axis::log("difference / largest displacement")];

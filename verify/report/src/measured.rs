@@ -80,7 +80,8 @@ fn about(images: usize) -> String {
 fn says(Outcome { images, known, error, within, forces, .. }: Outcome) -> String {
     let error = percent_two_digits(error);
     format!(
-        "In {images} images of the finger itself ({known}), forces err by {error} on average; 95 % intervals contain {within} of {forces}."
+        "In {images} images of the finger itself ({known}), sensed forces err by {error} on average; {within} of {forces} 95 % \
+         intervals contain the force."
     )
 }
 
@@ -191,7 +192,7 @@ fn forces(measured: &MeasuredStudy) -> Result<Option<String>, FigureError> {
     }
     series.push(Series::guide("as measured", vec![[0.0, 0.0], [largest, largest]]));
     let title = "Sensed against measured";
-    let frame = Frame::half(title, "Sensed force over measured force, an image each, with intervals");
+    let frame = Frame::half(title, "Sensed force over measured force, one point per image, with intervals");
     Chart::new(frame, [Axis::linear("measured force, N"), Axis::linear("sensed force, N")], series).svg().map(Some)
 }
 

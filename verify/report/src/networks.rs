@@ -84,8 +84,8 @@ fn says(networks: &NetworkStudy) -> Option<String> {
     let (one, two, counts) = (errors(1)?, errors(2)?, Counts::of(&networks.rows));
     let (plural, nodes) = (if worst.nodes.len() > 1 { "s" } else { "" }, list(&worst.nodes, " and "));
     Some(format!(
-        "The shipped networks err by {one} for one force and by {two} for each of two ({counts}). Each force errs by at most {most:.2} times its Cramer-Rao \
-         bound (node{plural} {nodes}){sum}.{tolerances}"
+        "The shipped networks err by {one} for one force and by {two} for each of two forces ({counts}). Each force errs by at most {most:.2} times \
+         its Cramer-Rao bound (node{plural} {nodes}){sum}.{tolerances}"
     ))
 }
 

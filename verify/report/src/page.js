@@ -1,4 +1,4 @@
-// What the scripts of the pages share.
+// Functions that the scripts of the pages share.
 const NBSP = '\u00a0'; // keeps number and unit on one line
 const number = (x, digits = 3) => String(Number(x.toPrecision(digits)));
 /** Creates an element without the attributes that are null. Data becomes attributes and text, never markup. */

@@ -142,7 +142,7 @@ fn neighbours(noise: &NoiseStudy) -> Option<String> {
     Some(format!(
         "Forces at neighbouring nodes bend the finger almost equally. The difference of the two shapes is {near_least:.1} to {near_most:.1} times smaller \
          than their common part (three or more nodes apart: {far_least:.1} to {far_most:.1}), so each force errs by {near_errors} instead of {far_errors}. \
-         The nonlinear estimator errs by {least:.2} to {most:.2} times the Cramer-Rao bound (root mean square; random sampling alone varies this by \
-         {chance:.0} %), least squares by {linear_least:.1} to {linear_most:.0} times."
+         The nonlinear estimator errs by {least:.2} to {most:.2} times the Cramer-Rao bound (root mean square; random sampling alone varies this ratio \
+         by {chance:.0} %), least squares by {linear_least:.1} to {linear_most:.0} times this bound."
     ))
 }

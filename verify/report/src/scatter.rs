@@ -66,8 +66,9 @@ fn says(NoiseStudy { noise_mm, single, pairs, .. }: &NoiseStudy) -> Option<Strin
         Some(format!("{errors} ({})", Counts::of(rows)))
     };
     let one = errors(single)?;
-    let two = errors(pairs).map_or_else(String::new, |two| format!(", each of two with {two}"));
+    let two = errors(pairs).map_or_else(String::new, |two| format!(", and each of two forces with {two}"));
     Some(format!(
-        "With {noise_mm} mm noise the nonlinear estimator senses a force along the normal with a mean error of {one}{two}, by position."
+        "With {noise_mm} mm noise the nonlinear estimator senses a force along the normal with a mean error of {one}{two}. The \
+         error depends on the position."
     ))
 }

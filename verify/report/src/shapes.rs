@@ -47,7 +47,11 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         blocks.push(Block::Figure(Figure::wide(drawings::bent(study)?, caption, CSV)));
         blocks.extend(validity(study).map(text));
         let columns = validity_columns(study.strain_limits);
-        let table = columns.table("Of each co-rotational shape", VALIDITY_CSV, corotational(study));
+        let table = columns.table(
+            "Largest strain, and share of shear, of each co-rotational shape",
+            VALIDITY_CSV,
+            corotational(study),
+        );
         blocks.push(details("Strain and shear", vec![Block::Table(table)]));
     }
     Ok(Some(Section::new("shapes", "How the finger bends", blocks)))
@@ -87,8 +91,8 @@ fn validity(study: &Study) -> Option<String> {
     let shear = percent(sheared.shear_share);
     let [strain_limit, shear_limit] = [study.strain_limits.of(strain.member.part), LARGEST_SHEAR_SHARE].map(percent);
     Some(format!(
-        "Largest fibre strain: {strain}. Shear, which the beams neglect, would add up to {shear} to the displacement of the loads{member}. Limits: \
-         {strain_limit} of strain, {shear_limit} of shear."
+        "Largest fibre strain: {strain}. Shear, which the beams neglect, would increase the displacement of the loads by up to {shear}{member}. \
+         Limits: {strain_limit} for strain, {shear_limit} for shear."
     ))
 }
 
@@ -99,7 +103,11 @@ pub(super) fn beyond_limits(study: &Study) -> Vec<String> {
     let strain = strain.map(|(strain, limit)| format!("a strain of {} (limit {})", percent(strain), percent(limit)));
     let shear = most_sheared(study).map(|validity| validity.shear_share).filter(|share| *share > LARGEST_SHEAR_SHARE);
     let shear = shear.map(|share| {
-        format!("shear that adds up to {} to displacements (limit {})", percent(share), percent(LARGEST_SHEAR_SHARE))
+        format!(
+            "shear that increases displacements by up to {} (limit {})",
+            percent(share),
+            percent(LARGEST_SHEAR_SHARE)
+        )
     });
     let depth = most_sheared(study).map(|validity| validity.depth_ratio).filter(|ratio| *ratio < 1.0);
     let depth = depth.map(|_| "members that are less deep than thick, which may buckle out of the plane".to_owned());

@@ -51,7 +51,7 @@ fn about(solved_n: f64, sensed_n: [f64; 2], noise_mm: f64) -> String {
     format!(
         "Median time of one answer on one core against its error. Shapes: {solved_n} N along the front plate in three directions, against beams of 32 \
          elements per member. Forces: {sensed_n} N along the normal over {FRAMES_A_PERIOD} frames, {noise_mm} mm noise. A warm start begins at the previous \
-         frame's answer, a cold start at that of least squares. Times for meshing, for preparing a contact and for the model error are not included."
+         frame's answer, a cold start at the least-squares answer. Times for meshing, for preparing a contact and for the model error are not included."
     )
 }
 
@@ -72,7 +72,8 @@ fn says(study: &Study) -> Option<String> {
     });
     let (force_n, good_shape) = (study.checked_forces().drawn_n(), percent(GOOD_SHAPE));
     Some(format!(
-        "The fastest model that gives the shape under {force_n} N within {good_shape}: {good}. The most accurate: {nearest}. The fastest: {fastest}."
+        "The fastest model that computes the shape under {force_n} N within {good_shape}: {good}. The most accurate model: {nearest}. The fastest model: \
+         {fastest}."
     ))
 }
 
@@ -80,11 +81,11 @@ fn says(study: &Study) -> Option<String> {
 fn sensing(points: &[SpeedErrorPoint]) -> Option<String> {
     let of = |point: &SpeedErrorPoint| {
         let (name, setting, seconds, error) = (name(point), setting(point), time(point.seconds), percent(point.error));
-        format!("{name} ({setting}) takes {seconds}, mean error {error}")
+        format!("{name} ({setting}), takes {seconds} with a mean error of {error}")
     };
     let (way, all) = (recommended(points)?, ways(points));
     let fastest = all.iter().min_by(|a, b| a.one.seconds.total_cmp(&b.one.seconds))?;
-    Some(format!("Sensing one force: the recommended {}; the fastest, {}.", of(way.one), of(fastest.one)))
+    Some(format!("Sensing one force: the recommended estimator, {}; the fastest, {}.", of(way.one), of(fastest.one)))
 }
 
 fn is_peer(point: &SpeedErrorPoint) -> bool {
@@ -170,5 +171,5 @@ pub fn table(points: &[SpeedErrorPoint]) -> Table {
             TimedBy::Report => String::new(),
             ref other => other.to_string(),
         })
-        .table("Model error: the largest without noise, in its standard deviations", CSV, points)
+        .table("Model error: largest error without noise, in standard deviations of the noise", CSV, points)
 }

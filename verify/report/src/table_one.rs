@@ -35,7 +35,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
             let heading = format!("ours, {} deg", table.angle_deg);
             columns.page(heading, Format::Error, |i| table.rows[*i].mean_error)
         });
-    let caption = "Mean error over six weights: measured in the paper, and by geometric nonlinearity alone.";
+    let caption = "Mean error over six weights: measured in the paper, and computed from geometric nonlinearity alone.";
     let figure = Block::Figure(Figure::wide(drawings::table_one(tables)?, caption, CSV));
     let table = Block::Table(columns.table("Mean error by loaded node", CSV, 0..first.rows.len()));
     let blocks = vec![text(about(factors.ends())), figure, details("Every direction", vec![table])];
@@ -45,9 +45,9 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 /// The paper's experiment, and its simulation; `least` and `greatest` are the extreme ratios of calibrated to true modulus.
 fn about([least, greatest]: [f64; 2]) -> String {
     format!(
-        "The paper hangs 50 to 300 g on single nodes and senses them with the linear model, calibrated on nodes 17, 19 and 21 (over the true modulus: \
-         {least:.2} to {greatest:.2}). Here the uniform finger is the true one, without noise. The paper does not state the orientation of the finger, so \
-         several directions of the weights are assumed (10.9 deg: axis level)."
+        "The paper hangs 50 to 300 g on single nodes and senses them with the linear model, calibrated on nodes 17, 19 and 21 (calibrated / true \
+         modulus: {least:.2} to {greatest:.2}). Here the true finger is the uniform finger, without noise. The paper does not state the orientation \
+         of the finger, so several directions of the weights are assumed (at 10.9 deg the finger axis is level)."
     )
 }
 
@@ -64,14 +64,14 @@ fn says(tables: &[TableOne]) -> String {
     let parts = [
         part("more than half", |most, all| most == all),
         part("less than half", |most, _| most == 0),
-        part("more or less than half, by direction,", |most, all| most > 0 && most < all),
+        part("more or less than half (depending on the direction)", |most, all| most > 0 && most < all),
     ];
     let rest = match parts {
         [_, None, None] => "",
         _ => " The causes of the rest are not determined here.",
     };
     let parts = list(parts.into_iter().flatten(), "; ");
-    format!("In simulation, over the assumed directions, geometric nonlinearity alone gives {parts}.{rest}")
+    format!("In simulation, over the assumed directions, geometric nonlinearity alone accounts for {parts}.{rest}")
 }
 
 fn at_node(rows: &[&TableOneRow]) -> String {

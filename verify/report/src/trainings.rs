@@ -34,9 +34,9 @@ fn about(recorded: &[RecipeRow]) -> String {
         seeds.collect::<std::collections::BTreeSet<_>>().len()
     });
     format!(
-        "Three recipes, recorded with {a}, {spread}, {b} and {c} seeds: (a) the paper's, 150-200-150 units and 20 000 noise-free cases of the linear finger, \
-         displacements divided by the largest or the spread; (b) the same with noise; (c) that of the shipped networks, trained on the uniform finger with \
-         noise."
+        "Three recipes, recorded with {a}, {spread}, {b} and {c} seeds: (a) the paper's recipe: 150-200-150 units, 20 000 noise-free cases of the linear \
+         finger, displacements divided by the largest displacement or by their spread; (b) the same with noise; (c) the recipe of the shipped networks, \
+         trained on the uniform finger with noise."
     )
 }
 

@@ -100,8 +100,9 @@ pub(super) fn situations<'s>(study: &'s Study) -> Vec<Situation<'s>> {
     });
     let softer = softer.map(|known| Situation {
         name: "softer ends",
-        about: "contact known, but base and tip of the finger softer than its model has them, as fitted to the paper's Table I"
-            .to_owned(),
+        about:
+            "contact known, but base and tip of the finger softer than in its model, as fitted to the paper's Table I"
+                .to_owned(),
         in_words: "with base and tip softer than modelled".to_owned(),
         in_short: "base and tip softer than modelled".to_owned(),
         ..known
@@ -142,9 +143,9 @@ pub(super) fn datasets<'s>(study: &'s Study) -> Vec<Dataset<'s>> {
 pub(super) fn caption(study: &Study) -> String {
     let forces_n = list(study.forces.of_maps_n(), ", ");
     format!(
-        "Colour: the worst of the mean errors under {forces_n} N, with the nonlinear estimator. Front plate: forces along its normal. Fans: all directions, \
-         drawn on the side from which the force comes. Green is trusted; refused cells (position and direction) are not. Shares are of the cells with an \
-         equilibrium."
+        "Colour: the worst of the mean errors under {forces_n} N, with the nonlinear estimator. Front plate: forces along its normal. Fans: all \
+         directions, drawn on the side from which the force comes. Green is trusted; refused cells (position and direction) are not trusted. Shares \
+         are of the cells with an equilibrium."
     )
 }
 

@@ -90,12 +90,15 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         .page("factors", Format::Words, |fit| list(fit.factors.iter().map(|factor| figure(*factor)), ", "))
         .page("misfit", Format::Fixed(2), |fit| fit.misfit);
     let first = factors(twin).filter(|(repetition, ..)| *repetition == 1);
-    let mut folded =
-        vec![Block::Table(sets.table("Sets of zones fitted to Table I; a misfit below 1 fits", SETS_CSV, &twin.fits))];
+    let mut folded = vec![Block::Table(sets.table(
+        "Sets of zones fitted to Table I; a set with a misfit below 1 fits",
+        SETS_CSV,
+        &twin.fits,
+    ))];
     folded.extend(words::calibration(twin).map(text));
     folded.push(Block::Table(calibrated().table("One of the calibrations", CALIBRATION_CSV, first)));
     let caption = format!(
-        "Table I without noise (first three); random forces with {} mm noise, the zones in the model (last two).",
+        "First three lines: Table I without noise. Last two: random forces with {} mm noise, and the zones in the model.",
         twin.noise_mm
     );
     let mut blocks = vec![text(words::ABOUT)];

@@ -72,7 +72,7 @@ impl Args for Contacts {
                 list(AT_POSITIONS)
                     .value_name("S_MM[+-SD]|auto[@ANGLE_DEG[+-SD]|normal|friction|object|measured|auto]")
                     .value_parser(contact_at_position)
-                    .help("Contact at a position along the front plate, mm from its base, or at an unknown one"),
+                    .help("Contact at a position along the front plate, mm from its base; auto: position unknown"),
             )
     }
 

@@ -20,7 +20,7 @@ Examples:
 
 Guide: finray guide press-and-grasp";
 
-/// Simulate a gripper that grasps, carries and puts down an object: true and sensed forces.
+/// Simulate a gripper that grasps, carries and puts down an object; write true and sensed forces.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
@@ -38,7 +38,7 @@ pub struct Arguments {
     /// Standard deviation of the Gaussian image blur, px
     #[arg(long, help_heading = "Sensing", value_name = "S", default_value_t = 0.8, value_parser = not_negative, requires = "images")]
     blur_px: f64,
-    /// Estimator as for `finray sense`; contacts are then assumed exact and frictionless
+    /// Estimator, as in `finray sense`; it assumes exact contacts without friction
     #[arg(long, help_heading = "Sensing", value_name = "E", value_parser = listed(EstimatorId::ALL, EstimatorId::name))]
     estimator: Option<EstimatorId>,
     /// Seed of the noise

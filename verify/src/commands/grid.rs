@@ -33,10 +33,10 @@ pub struct GridArguments {
     /// Approximate number of contact positions along the front plate
     #[arg(long, help_heading = "Cells", value_name = "N", default_value_t = 48, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     places: u32,
-    /// Angle between directions, degrees; directions reach 80 to both sides of the normal. 90: only the normal
+    /// Angle between directions, degrees; directions range from -80 to 80. 90: only the normal
     #[arg(long, help_heading = "Cells", value_name = "D", default_value_t = 5.0, value_parser = degrees_between)]
     step_deg: f64,
-    /// Compute only share I of N; `finray merge` joins the shares
+    /// Compute only shard I of N; `finray merge` joins the shards
     #[arg(long, help_heading = "Cells", value_name = "I/N")]
     shard: Option<Shard>,
     /// Result file; - for standard output

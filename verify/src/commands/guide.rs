@@ -45,7 +45,7 @@ pub fn run(arguments: &Arguments) -> Result<Option<String>, Failure> {
 fn scene() -> String {
     format!(
         "# Scene files\n\
-         A scene is a TOML file. Lengths are in mm, forces in N, moduli in MPa; every key carries its unit. Unknown\n\
+         A scene is a TOML file. Lengths are in mm, forces in N, moduli in MPa; key names contain the unit. Unknown\n\
          keys are refused. Tables marked optional may be left out.\n\n{}\n## Example\n{PAPER_SCENE}",
         keys::reference()
     )

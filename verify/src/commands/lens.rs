@@ -65,8 +65,8 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     write_file(&arguments.out, &text)?;
     if let Some(other) = turns.iter().position(|turn| *turn != turns[0]) {
         print_message(format_args!(
-            "warning: {}: its EXIF orientation differs from that of the first image, so that its principal point is elsewhere; hold the camera the \
-             same way in all images",
+            "warning: {}: the EXIF orientation differs from the first image's, so the principal point is elsewhere; hold the camera the same way in all \
+             images",
             arguments.image[other].display()
         ));
     }
@@ -106,8 +106,8 @@ fn pose_of_plane(fit: &LensFit) -> Result<Pose, String> {
         let farther = (of[1] - origin).norm() / origin.norm();
         if turned_deg > SAME_NORMAL_DEG || farther > SAME_DISTANCE {
             return Err(format!(
-                "--plane: expected a grid that does not move between images, but the plane of image {} is rotated by \
-                 {turned_deg:.2} deg and shifted by {:.2} % of its distance from the mean of all images",
+                "--plane: expected a grid that does not move between images, but relative to the mean of all images, the plane of image {} is \
+                 rotated by {turned_deg:.2} deg and shifted by {:.2} % of its distance from the camera",
                 number + 1,
                 100.0 * farther
             ));
@@ -152,8 +152,8 @@ fn uncertain_focus(fit: &LensFit) -> Option<String> {
     let share = fit.sds[0] / fit.lens.focal_px()[0];
     (share > LARGEST_FOCAL_SHARE).then(|| {
         format!(
-            "the focal length is uncertain by {:.0} %, and so are distances from the camera, heights and slants: add images of the whole grid, \
-             slanted by 20 to 40 degrees to both sides",
+            "the focal length is uncertain by {:.0} %, and distances from the camera, heights and slants are similarly uncertain: add images of the \
+             whole grid, slanted by 20 to 40 degrees to both sides",
             100.0 * share
         )
     })
@@ -165,7 +165,7 @@ fn not_shown(fit: &LensFit) -> Option<String> {
         LENS_PARAMETERS.iter().zip(fit.is_shown).filter(|(_, shown)| !shown).map(|(name, _)| *name).collect();
     (!names.is_empty()).then(|| {
         format!(
-            "the images hardly determine {}, which a prior keeps near usual values: add images of a slanted grid",
+            "the images hardly determine {}; a prior keeps these parameters near usual values: add images of a slanted grid",
             names.join(", ")
         )
     })

@@ -25,19 +25,19 @@ Examples:
 
 Guide: finray guide live";
 
-/// Estimate contact forces in each frame of a stream, one line of JSON a frame.
+/// Estimate contact forces in each frame of a stream; write one line of JSON per frame.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// Scene file (TOML)
     scene: PathBuf,
-    /// Stream of frames (YUV4MPEG2, or raw with --format rgb24), or of positions (JSON lines, CSV); - for standard input
+    /// Stream of frames (YUV4MPEG2, or raw with --format rgb24), or of marker positions (JSON lines, CSV); - for standard input
     #[arg(long, help_heading = "Input", value_name = "FILE", default_value = "-")]
     input: PathBuf,
     /// Images (PNG, JPEG) instead of a stream, in the order in which they were taken
     #[arg(long, help_heading = "Input", value_name = "FILE", num_args = 1.., conflicts_with_all = ["input", "format", "size"])]
     image: Vec<PathBuf>,
-    /// Format of the stream [default: from its first byte]
+    /// Format of the stream [default: recognised by the first byte]
     #[arg(long, help_heading = "Input", value_enum)]
     format: Option<Format>,
     /// Size of raw frames (rgb24), px
@@ -49,7 +49,7 @@ pub struct Arguments {
     /// Measure displacements from the mean of the first N frames, which show the unloaded finger
     #[arg(long, help_heading = "Input", value_name = "N", default_value_t = 0)]
     rest_frames: usize,
-    /// Standard deviation of the noise in one coordinate, mm [default: the scene's, else that of each marker]
+    /// Standard deviation of the noise in one coordinate, mm [default: the scene's, else stated per marker]
     #[arg(long, help_heading = "Input", value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
     #[command(flatten, next_help_heading = "Question")]

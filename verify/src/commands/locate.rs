@@ -32,7 +32,7 @@ pub struct Arguments {
     /// Images of the finger (PNG, JPEG), in the order in which they were taken; - for standard input
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     image: Vec<PathBuf>,
-    /// Image of the unloaded finger; pose and displacements are then measured from it
+    /// Image of the unloaded finger; pose and displacements are then measured from this image
     #[arg(long, value_name = "FILE")]
     rest: Option<PathBuf>,
     /// Result file; - for standard output
@@ -113,7 +113,7 @@ fn images_with_their_radii(arguments: &Arguments, scene: &Scene, observer: Obser
     };
     for other in others {
         print_message(format_args!(
-            "warning: {other}{sought}: correct it; if it is right, check lens, pose, height_mm and the size of the image"
+            "warning: {other}{sought}: correct this key; if its value is right, check lens, pose, height_mm and the size of the image"
         ));
     }
     found
@@ -182,8 +182,8 @@ fn warn_of_lost(path: &Path, scene: &Scene, seen: &Observation) {
 fn warn_of_base(path: &Path, finger: &Finger, seen: &Observation) {
     if seen.base.is_some_and(|base| !base.is_known) {
         print_message(format_args!(
-            "warning: {}: two references on the base were not found, so its pose is estimated from the ribs: use these displacements only where the \
-             base is estimated with the forces, as `finray sense` does",
+            "warning: {}: no two references on the base were found, so the pose of the base is estimated from the ribs: use these displacements only \
+             with an estimate of the base, as in `finray sense`",
             path.display()
         ));
     }
@@ -218,8 +218,8 @@ fn warn_of_rest(arguments: &Arguments, observer: &Observer) {
         && residual_px > SURE_REST_PX
     {
         print_message(format_args!(
-            "warning: {}: the markers are {residual_px:.1} px (rms) away from those of the scene's unloaded finger: if the finger carries a load in \
-             this image, every sensed force is wrong by that load; markers mounted beside their nodes cause no error",
+            "warning: {}: the markers are {residual_px:.1} px (rms) away from their positions on the scene's unloaded finger: if the finger carries \
+             a load in this image, every sensed force is wrong by that load; markers mounted beside their nodes cause no error",
             path.display()
         ));
     }
@@ -242,8 +242,8 @@ fn doubt_of_pose(finger: &Finger, seen: &Observation) -> Option<String> {
         Some(marker)
     })?;
     Some(format!(
-        "the marker of clamped node {} is {:.2} mm away from its position in this pose: displacements err by at least as much, which sigma_mm does not \
-         include",
+        "the marker of clamped node {} is {:.2} mm away from its position in this pose: displacements err by at least this distance, and sigma_mm \
+         does not include this error",
         moved.node,
         moved.displacement.norm()
     ))
@@ -257,7 +257,7 @@ fn observed(observer: &mut Observer, path: &Path) -> Result<SeenImage, Failure> 
 fn warn_of_motion(path: &Path, motion_blur_px: Option<f64>) {
     if let Some(blur_px) = motion_blur_px {
         print_message(format_args!(
-            "warning: {}: markers are blurred in one direction, by {blur_px:.1} px (standard deviation), as by a motion during the exposure; \
+            "warning: {}: markers are blurred in one direction, by {blur_px:.1} px (standard deviation), probably by motion during the exposure; \
              sigma_mm includes the error that a steady motion causes",
             path.display()
         ));

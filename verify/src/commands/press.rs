@@ -36,7 +36,7 @@ pub struct Arguments {
     /// Lattice segments per plate member [default: doubled until total forces change by under 0.1 %]
     #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=100))]
     fineness: Option<u16>,
-    /// Also write the displacements of the last step to FILE, as `finray solve` writes them
+    /// Also write the displacements of the last step to FILE, in the format of `finray solve`
     #[arg(long, value_name = "FILE")]
     shape: Option<PathBuf>,
     /// Result file; - for standard output
@@ -50,11 +50,11 @@ const STOPPED_MM: f64 = 1e-6;
 pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     if let Some(shape) = &arguments.shape {
         if is_standard_stream(shape) {
-            return Err(bad_input("--shape: expected a file, found -: standard output takes the forces"));
+            return Err(bad_input("--shape: expected a file, found -: standard output receives the forces"));
         }
         if *shape == arguments.out || *shape == figure_path(&arguments.out) {
             return Err(bad_input(
-                "expected different files for --shape and --out (or the figure beside it), found the same file for two of them",
+                "expected different files for --shape and --out, and for the figure beside --out; found the same file twice",
             ));
         }
     }
@@ -102,8 +102,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let ended = match outcome {
         Ok(Refinement { fineness, change: Some(change) }) if change.share > TOTAL_TOLERANCE => {
             let TotalChange { step, share } = change;
-            let differ =
-                format!("its total force differs by {:.1} % from that with half as many segments", 100.0 * share);
+            let differ = format!("with half as many segments, the total force differs by {:.1} %", 100.0 * share);
             print_message(format_args!(
                 "warning: step {step}: a lattice of {fineness} segments per member is coarse: {differ}"
             ));

@@ -31,7 +31,7 @@ pub struct Arguments {
     /// Folder for the report; created if missing
     #[arg(long, value_name = "DIR", default_value = "finray-report")]
     out: PathBuf,
-    /// Largest force F of the report, N; its maps are for F/6, F/3, 2F/3 and F
+    /// Largest force F of the report, N; the maps are for F/6, F/3, 2F/3 and F
     #[arg(long, value_name = "F", value_parser = positive, default_value_t = ReportForces::PAPER.drawn_n())]
     force_n: f64,
     /// Compute coarser maps and fewer cases, in a fraction of the time
@@ -46,10 +46,10 @@ pub struct Arguments {
     /// Markers located in your images (file of `finray locate`)
     #[arg(long, help_heading = "Your photographs", value_name = "FILE", requires = "scene", requires = "forces")]
     measurements: Option<PathBuf>,
-    /// Measured forces, frame of the camera's pose: image,fx_n,fy_n (CSV)
+    /// Measured forces in the frame of the camera's pose (CSV: image,fx_n,fy_n)
     #[arg(long, help_heading = "Your photographs", value_name = "FILE", requires = "measurements")]
     forces: Option<PathBuf>,
-    /// Images (PNG, JPEG) among those in the file; the page draws marker residuals over them
+    /// Images (PNG, JPEG) that --measurements names; the page draws marker residuals over these images
     #[arg(long, help_heading = "Your photographs", value_name = "FILE", num_args = 1.., requires = "measurements")]
     image: Vec<PathBuf>,
     /// Open the first page in the browser when done
@@ -75,8 +75,8 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
             hints::of_refused(&seen.refused);
             if seen.misplaced_mm > SAME_MM {
                 print_message(format_args!(
-                    "warning: {}: located with another scene, or with --rest: positions of markers differ by up to {:.2} mm from those with this \
-                     scene; locate the images with this scene",
+                    "warning: {}: located with another scene, or with --rest: positions of markers differ by up to {:.2} mm from the positions with \
+                     this scene; locate the images with this scene",
                     located.display(),
                     seen.misplaced_mm
                 ));

@@ -35,7 +35,7 @@ pub struct Arguments {
     /// Network file of `finray train` [default: the shipped network]
     #[arg(long, help_heading = "Estimator", value_name = "FILE")]
     network: Option<PathBuf>,
-    /// Standard deviation of the noise in one coordinate, mm [default: the scene's, else the file's, else from the residual]
+    /// Standard deviation of the noise in one coordinate, mm [default: the scene's, else the file's, else estimated from the residual]
     #[arg(long, help_heading = "Input", value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
     /// Friction coefficient; limits the force direction of contacts with +-SD
@@ -108,7 +108,8 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     }
     if arguments.contacts.assume_normal() {
         print_message(
-            "note: `auto` has no direction: the force is taken along the plate's undeformed normal (0 degrees); auto@ANGLE_DEG states it, auto@auto estimates it",
+            "note: `auto` has no direction: the force is assumed along the plate's undeformed normal (0 degrees); auto@ANGLE_DEG states a direction, \
+             auto@auto estimates it",
         );
     }
     let text = read_text(&arguments.displacements)?;

@@ -25,7 +25,7 @@ pub struct Arguments {
     scene: PathBuf,
     #[command(flatten, next_help_heading = "Contacts")]
     contacts: Contacts,
-    /// Train for every subset of the contacts; `finray sense` then names the loaded ones
+    /// Train for every subset of the contacts; `finray sense` then finds the loaded contacts
     #[arg(long, help_heading = "Contacts", conflicts_with = "plain")]
     any_of: bool,
     /// Model of the true finger
@@ -55,7 +55,7 @@ pub struct Arguments {
     /// Widths of the hidden layers [default: 32,32; 128,128 with --any-of]
     #[arg(long, help_heading = "Network", value_name = "WIDTHS", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=4096))]
     hidden_layers: Vec<u16>,
-    /// The paper's network: all coordinates as inputs, no linear branch
+    /// Train the paper's network: all coordinates as inputs, no linear branch
     #[arg(long, help_heading = "Network")]
     plain: bool,
     /// Largest number of epochs [default: 100; 60 with --any-of or --plain]
@@ -85,7 +85,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         SensorContacts::Measured { .. } => None,
     };
     let contacts = contacts.ok_or_else(|| {
-        bad_input("a network learns the forces of known positions and directions, not of `auto`, `normal`, `friction`, `object`, `measured` or +-")
+        bad_input("a network needs contacts with known positions and directions, not `auto`, `normal`, `friction`, `object`, `measured` or +-")
     })?;
     if let Some(node) = arguments.hide.iter().find(|&&node| finger.marked_nodes().all(|free| free.0 != node)) {
         let [first, last] = [2, finger.key_node_count() - 1];

@@ -1,4 +1,4 @@
-//! Checks fail when they should.
+//! Tests that checks fail if figures are outside their tolerance.
 
 use finray_studies::check::{Against, Check, Kind, SETTLED_LATTICE, tallies, worst};
 
@@ -40,7 +40,7 @@ fn the_worst_of_nothing_is_no_number() {
     assert!(worst([1.0, f64::NAN, 2.0]).is_nan());
 }
 
-/// Other programs, our lattice that one of them settles, and ourselves are counted apart; what nothing is checked against is not counted.
+/// Checks against other programs, against our settled lattice, and against finray itself are counted separately. A group without checks is omitted.
 #[test]
 fn references_are_counted_apart() {
     let settled = Check::new(Kind::External, "problem", SETTLED_LATTICE, "error", 0.0, 0.5, 1.0);

@@ -1,4 +1,4 @@
-//! Tests of `finray-studies`: each file tests the source file of the same path. `stand_ins` has simple estimators for tests.
+//! Tests of `finray-studies`: each file tests the source file of the same path. `stand_ins` contains simple estimators for tests.
 
 mod check;
 mod claims {

@@ -13,14 +13,14 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A rod's force is recovered within this share of it.
+/// Relative tolerance of a rod's sensed force.
 const SENSED_TOLERANCE: f64 = 0.05;
-/// Contact forces and reactions cancel within this, N, and their moments about the origin, a finger's length away, N mm:
-/// MuJoCo's positions carry rounding of 1e-14 mm, its springs some 1e4 N/mm.
+/// Tolerances of the sum of contact forces and reactions, N, and of the sum of their moments about the origin, N mm. MuJoCo's positions have rounding
+/// errors of 1e-14 mm, and its springs have some 1e4 N/mm.
 const BALANCE_TOLERANCE_N: f64 = 1e-6;
 const BALANCE_TOLERANCE_NMM: f64 = 1e-4;
-/// What another formulation in MuJoCo may differ by, as a share of the largest displacement: as much as beams may. Its welds
-/// gape by 1e-4 mm and its meshes are coarse.
+/// Tolerance between two formulations in MuJoCo, as a share of the largest displacement; beams have the same tolerance. The second formulation has
+/// gaps of 1e-4 mm in its welds, and coarse meshes.
 const GUARD_TOLERANCE: f64 = 3e-4;
 
 fn folder() -> PathBuf {
@@ -99,7 +99,7 @@ fn the_manifest_tells_what_the_tables_hold() {
     }
 }
 
-/// What MuJoCo found no stable equilibrium for, beams have none for either.
+/// Beams have no equilibrium under the loads for which MuJoCo found no stable equilibrium.
 #[test]
 fn beams_cannot_carry_what_mujoco_could_not() {
     for record in list(&manifest(), "static") {
@@ -128,7 +128,7 @@ fn contact_forces_and_reactions_cancel() {
     }
 }
 
-/// Without friction a rod is pushed through its centre; with a spinning cylinder the force lies on the cone of friction.
+/// Without friction, the force on a rod acts through the rod's centre. With a spinning cylinder, the force lies on the friction cone.
 #[test]
 fn contact_forces_obey_coulomb() {
     let finger = paper();
@@ -142,7 +142,7 @@ fn contact_forces_obey_coulomb() {
     }
 }
 
-/// Where the line of the force crosses the plate: at the rod, but for friction on its surface.
+/// Contact at which the line of the force crosses the plate: at the rod, except for the effect of friction on the rod's surface.
 fn position_of_force(finger: &Finger, step: &ContactStep, rod: &TouchedRod) -> Contact {
     let tangent = nalgebra::Rotation2::new(step.shape.motion(rod.node).rotation) * finger.front_tangent();
     let (normal, along) = (finger.direction(0.0), finger.direction(90.0));

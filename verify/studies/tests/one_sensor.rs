@@ -11,7 +11,7 @@ use finray_studies::experiments::grasp::{Eyes, GraspScene};
 use finray_studies::settings::CAMERA_NOISE_MM;
 use std::path::Path;
 
-/// What a sensor makes of an observation, and of the same written to a table and read again.
+/// Forces that a sensor computes from an observation, and from the same observation after it was written to a table and read again.
 fn sensed_twice(scene: &Scene, contacts: &[MeasuredContact], friction: f64, seen: &Observation) -> [SensedForces; 2] {
     let contacts = SensorContacts::Measured { contacts: contacts.to_vec(), friction };
     let options = SensorOptions { noise_mm: Some(CAMERA_NOISE_MM), ..SensorOptions::default() };
@@ -38,7 +38,7 @@ fn press_senses_as_a_sensor_does() {
         let object = scene.object.clone().unwrap();
         let pressed = ContactScene::new(&scene, &object, &[]).unwrap().with_fineness(1);
         let run = pressed.run(|step| {
-            // Noise that is always its mean: contacts are read without error, with the standard deviations that noise gives them.
+            // All noise numbers are zero: contacts are read without error, but have the standard deviations of the noise.
             let Some(sensed) = pressed.sense(&step, CAMERA_NOISE_MM, || 0.0).unwrap() else { return };
             let felt = step.contacts.iter().filter(|contact| !contact.clamped);
             let read: Vec<_> = felt.map(|seen| read_contact(&scene.finger, seen, CAMERA_NOISE_MM, || 0.0)).collect();
@@ -61,7 +61,7 @@ fn grasp_senses_as_a_sensor_does() {
     let ended = grasp.run(&Eyes::Noise(0.0), 1, |step| {
         for finger in &step.fingers {
             let Ok(Some(sensed)) = &finger.sensed else { continue };
-            // Without noise the least that is stated counts.
+            // Without noise, the smallest stated standard deviation is used.
             let scene = Scene { noise_mm: None, ..scene.clone() };
             let contacts: Vec<MeasuredContact> = sensed.contacts.iter().map(|contact| contact.read).collect();
             let contacts = SensorContacts::Measured { contacts, friction };

@@ -4,8 +4,8 @@ use finray_model::estimators::{BeamEstimator, Estimator, EstimatorError, Estimat
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, SensingError};
 
-/// An estimator that knows nothing of the finger and states nothing: it answers every measurement with 1 N, or refuses it. It
-/// goes by the name of the network, where none takes part.
+/// An estimator without a model of the finger and without standard deviations. It answers every measurement with 1 N, or refuses every measurement.
+/// It uses the name of the network, in tests without a network.
 pub struct Constant {
     pub refuses: bool,
 }
@@ -38,7 +38,7 @@ impl PreparedEstimator for PreparedConstant {
     }
 }
 
-/// A real estimator made worse: it gets another measurement than was taken, and its answer is changed.
+/// A real estimator with additional errors: its measurement is changed by `sees`, and its force is multiplied by `force_factor`.
 pub struct Worse<'m> {
     pub estimator: BeamEstimator<'m>,
     pub sees: fn(&Measurement) -> Measurement,

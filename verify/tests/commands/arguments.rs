@@ -29,7 +29,7 @@ fn every_command_explains_itself() {
     assert_says(&finray(&["--version"]).done(), &["finray 0."]);
 }
 
-/// Pages of 90 lines, whose options stood far from what they mean, were read by nobody.
+/// The help must fit one page: nobody reads pages of 90 lines on which options are far from their descriptions.
 #[test]
 fn the_help_of_a_command_is_one_page_that_names_its_guide() {
     let help = finray(&["--help"]).done();
@@ -41,7 +41,7 @@ fn the_help_of_a_command_is_one_page_that_names_its_guide() {
     for name in names {
         let page = finray(&[name, "--help"]).done();
         assert!(page.lines().count() <= 45, "{name}: {} lines", page.lines().count());
-        // As broken for a terminal of 100 columns, but for the names of values of an option.
+        // Lines fit a terminal of 100 columns, except for the names of an option's values.
         let examples = page.lines().skip_while(|line| !line.starts_with("Examples:"));
         let long: Vec<_> = examples.filter(|line| line.len() > 100).collect();
         assert!(long.is_empty(), "{name}: {long:#?}");
@@ -50,7 +50,7 @@ fn the_help_of_a_command_is_one_page_that_names_its_guide() {
     }
 }
 
-/// The loads and contacts in the help are ones that work.
+/// The loads and contacts in the help are valid.
 #[test]
 fn the_examples_in_the_help_run() {
     let shape = finray(&["solve", PAPER, "--kinematics", "linear", "--load", "19:-0.38,-1.96"]).done();
@@ -89,13 +89,13 @@ fn unknown_words_are_refused() {
     ] {
         finray(&arguments).refused();
     }
-    // Without a word the help comes, as bad input.
+    // Without arguments, the help is printed, and the exit code is the code for bad input.
     let nothing = finray(&[]);
     assert_eq!(nothing.code, Some(2));
     assert_says(&nothing.err, &["Usage: finray"]);
 }
 
-/// A number below zero is the value of its option: what is wrong with it is said, not that it is no option.
+/// A negative number is parsed as the value of an option. The message states the fault of the value, and not that the option is unknown.
 #[test]
 fn numbers_below_zero_are_values() {
     let sense = ["sense", PAPER, "--displacements", "missing.csv", "--contact", "19"];
@@ -118,7 +118,7 @@ fn numbers_below_zero_are_values() {
         assert_says(&message, &expected);
         assert!(!message.contains("unexpected argument") && !message.contains("use '-- "), "{message}");
     }
-    // Options stay options.
+    // A letter after a dash is still parsed as an option.
     assert_says(&finray(&["solve", PAPER, "--load", "19:0,-1", "-x"]).refused(), &["unexpected argument"]);
 }
 
@@ -127,7 +127,7 @@ fn help_of_help_is_help() {
     assert_eq!(finray(&["help", "--help"]).done(), finray(&["--help"]).done());
 }
 
-/// Nobody means more than a full turn from the normal.
+/// An angle of more than a full turn is a mistake.
 #[test]
 fn angles_beyond_a_full_turn_are_refused() {
     for angle in ["361", "-361", "1e6"] {
@@ -137,7 +137,7 @@ fn angles_beyond_a_full_turn_are_refused() {
     }
 }
 
-/// What a scene lacks is said with the file and a line, as for any other key.
+/// The message for a missing table or key names file and line, as for any other key.
 #[test]
 fn what_a_scene_lacks_is_said_with_file_and_line() {
     let folder = Folder::new();

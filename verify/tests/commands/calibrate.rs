@@ -7,12 +7,12 @@ use finray_fixtures::TWIN_SCENE;
 use std::fmt::Write;
 
 const COLUMNS: &str = "case,load_node,fx_n,fy_n,node,ux_mm,uy_mm\n";
-/// Rounding of displacements, and of the search for the factor.
+/// Tolerance for rounding of the displacements and for the search for the factor.
 const RECOVERED: f64 = 1e-9;
-/// Loads of two cases: node and force.
+/// Loads of two cases: node, and force in N.
 const LOADS: [(usize, [f64; 2]); 2] = [(17, [0.1, -1.0]), (21, [-0.2, -2.0])];
 
-/// Measurements of all free nodes of a linear finger under the loads, a case each.
+/// Measurements of all free nodes of a linear finger, one case for each of [`LOADS`].
 fn measured(scene: &str) -> String {
     let mut text = COLUMNS.to_owned();
     for (case, (load_node, [fx, fy])) in LOADS.iter().enumerate() {
@@ -26,7 +26,7 @@ fn measured(scene: &str) -> String {
     text
 }
 
-/// By eq. (11) as it stands, which linear shapes fit exactly.
+/// Calibrates with eq. (11) of the paper and the linear finger, which fits linear shapes exactly.
 fn calibrate(scene: &str, measurements: &str) -> Answer {
     finray_reading(measurements.as_bytes(), &["calibrate", scene, "--measurements", "-", "--kinematics", "linear"])
 }
@@ -34,7 +34,7 @@ fn calibrate(scene: &str, measurements: &str) -> Answer {
 #[test]
 fn a_softer_finger_gives_its_own_modulus() {
     let folder = Folder::new();
-    // Every modulus by 0.8, written out: the scene has but one.
+    // The true scene states the modulus multiplied by 0.8; the scene has only one modulus.
     let truth = folder.put("truth.toml", paper_with(&[("47.976", "38.3808")]));
     let answer = Csv::of(&calibrate(PAPER, &measured(&truth)).done());
     assert_eq!(answer.header, ["parameter", "value", "sigma"]);
@@ -64,7 +64,7 @@ fn parts_of_different_moduli_are_listed_each() {
     for (ours, truth) in answer.numbers("value").into_iter().zip([50.0, 75.0, 62.5, 1.25]) {
         assert_close(&[ours], &[truth], RECOVERED);
     }
-    // Ribs that do not deform have no modulus.
+    // Undeformable ribs have no modulus.
     let load = ["solve", SPRING_STEEL, "--kinematics", "linear", "--load", "8:0,-1"];
     let shape = finray(&load).done();
     let rows: String = shape
@@ -78,7 +78,7 @@ fn parts_of_different_moduli_are_listed_each() {
     assert_close(&answer.numbers("value")[2..], &[1.0], RECOVERED);
 }
 
-/// Rows in another order and columns between them; sums of distances forgive one marker that was taken for another.
+/// Rows may have another order, and further columns are ignored. The sum of distances is robust against one wrongly assigned marker.
 #[test]
 fn order_does_not_matter_and_single_bad_markers_hardly() {
     let text = measured(PAPER);
@@ -102,8 +102,14 @@ fn measurements_that_do_not_fit_are_refused_by_file_and_line() {
     let folder = Folder::new();
     let good = "a,19,0,-1,7,0,-1\n";
     for (rows, expected) in [
-        ("a,19,0,-1,8,0,-1\na,19,0,-1.1,9,0,-1\n", "line 4: case a: expected the load of the case's first row again"),
-        ("b,19,0,-1,8,0,-1\na,18,0,-1,9,0,-1\n", "line 4: case a: expected the load of the case's first row again"),
+        (
+            "a,19,0,-1,8,0,-1\na,19,0,-1.1,9,0,-1\n",
+            "line 4: case a: expected the same load as in the first row of this case",
+        ),
+        (
+            "b,19,0,-1,8,0,-1\na,18,0,-1,9,0,-1\n",
+            "line 4: case a: expected the same load as in the first row of this case",
+        ),
         ("a,19,0,-1,7,0,-1\n", "line 3: node 7 is listed twice"),
         ("a,19,0,-1,26,0,-1\n", "line 3: node 26 does not exist"),
         ("a,19,0,-1,25,0,-1\n", "line 3: node 25 is clamped"),
@@ -129,7 +135,7 @@ fn measurements_that_do_not_fit_are_refused_by_file_and_line() {
     }
 }
 
-/// Markers on clamped nodes are seen with noise, as all others are.
+/// Markers of clamped nodes have noise, like all other markers.
 #[test]
 fn clamped_nodes_may_carry_noise() {
     let exact = measured(PAPER);
@@ -146,7 +152,7 @@ fn clamped_nodes_may_carry_noise() {
     assert_says(&calibrate(PAPER, &shifted).refused(), &["is clamped, so its displacement must be zero"]);
 }
 
-/// Options of images have no meaning for shapes under known loads, and are not ignored in silence.
+/// Options for images have no meaning for shapes under known loads; they are refused and not ignored silently.
 #[test]
 fn options_of_images_are_refused_beside_measurements() {
     let folder = Folder::new();
@@ -155,11 +161,11 @@ fn options_of_images_are_refused_beside_measurements() {
         let message = finray(&["calibrate", PAPER, "--measurements", &weights, option, "modulus"]).refused();
         assert_says(&message, &["--measurements", option, "cannot be used with"]);
     }
-    // Without either, both ways are named.
+    // Without either input, the message names both ways to calibrate.
     assert_says(&finray(&["calibrate", PAPER]).refused(), &["--measurements", "--located", "--fit"]);
 }
 
-/// A modulus that is a hundred times the scene's is more likely a unit.
+/// A modulus a hundred times as large as in the scene indicates a wrong unit.
 #[test]
 fn a_modulus_far_from_the_scene_gives_a_warning() {
     let folder = Folder::new();
@@ -186,7 +192,7 @@ fn measurements_that_tell_no_modulus_are_refused() {
     }
 }
 
-/// The twin with other factors: zones that front and back share.
+/// The twin scene with other modulus factors; its zones are common to front and back plate.
 fn twin_with(factors: [f64; 3]) -> String {
     let from = ["0.7216", "0.1528", "0.0641"].map(|factor| format!("modulus_factor = {factor}"));
     from.iter().zip(factors).fold(TWIN_SCENE.to_owned(), |scene, (from, factor)| {
@@ -195,7 +201,7 @@ fn twin_with(factors: [f64; 3]) -> String {
     })
 }
 
-/// Measurements of a scene under weights along the tangent's normal at four nodes.
+/// Measurements of a scene's finger under weights at four nodes, along the normal of the plate.
 fn measured_at_four(scene: &str, kinematics: &str) -> String {
     let mut text = COLUMNS.to_owned();
     for load_node in [14, 16, 20, 24] {
@@ -217,7 +223,7 @@ fn zones_are_found_with_their_sigmas_and_correlations() {
     let folder = Folder::new();
     let truth = folder.put("truth.toml", twin_with([0.6, 0.2, 0.1]));
     let start = folder.put("start.toml", twin_with([1.0, 1.0, 1.0]));
-    // Linear shapes are exact; the co-rotational finger is measured on a mesh of other elements.
+    // Linear shapes are exact. The co-rotational shapes come from another mesh, so the tolerance is larger.
     for (kinematics, tolerance) in [("linear", 1e-6), ("corotational", 0.01)] {
         let measurements = measured_at_four(&truth, kinematics);
         let correlations = folder.path("correlations.csv");
@@ -240,7 +246,7 @@ fn zones_are_found_with_their_sigmas_and_correlations() {
     }
 }
 
-/// Sigmas grow with the noise; front and back alone are hardly separable, and the command says so without failing.
+/// Standard deviations grow with the noise. The factors of front and back plate are hardly separable; the command reports this and succeeds.
 #[test]
 fn noise_sets_the_sigmas_of_zones() {
     let folder = Folder::new();
@@ -280,7 +286,7 @@ fn zones_that_are_not_identifiable_or_named_are_refused() {
     ] {
         assert_says(&refused(&scene, &[groups]), &["--zones", expected]);
     }
-    // The same zone twice is one unknown too many.
+    // Two identical zones have one unknown too many.
     let twice = "[[finger.zone]]\nplate = \"front\"\nfrom_mm = 0.0\nto_mm = 30.0\nmodulus_factor = 1.0\n";
     let scene = folder.put("twice.toml", format!("{}\n{twice}\n{twice}", paper_with(&[])));
     let message = refused(&scene, &["--zones", "--kinematics", "linear"]);

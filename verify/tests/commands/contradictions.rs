@@ -5,10 +5,10 @@ use crate::photographs::{PRESSES, force, images, scene};
 use rayon::prelude::*;
 use std::fmt::Write;
 
-/// Grams that weigh a newton.
+/// Mass in grams whose weight is 1 N.
 const GRAMS_A_NEWTON: f64 = 101.97;
 
-/// Images that were located, once for all.
+/// Table and forces of the located images; all cases start from them.
 struct Located {
     folder: Folder,
     scene: String,
@@ -26,7 +26,7 @@ impl Located {
         Located { folder, scene, rows, forces }
     }
 
-    /// The same rows with two names of an image exchanged.
+    /// The rows of the table, with two node names exchanged in one image.
     fn renamed(&self, image: &str, [one, other]: [&str; 2]) -> String {
         let renamed = |line: &str| {
             let mut cells: Vec<&str> = line.split(',').collect();
@@ -37,11 +37,11 @@ impl Located {
             }
             cells.join(",") + "\n"
         };
-        // Displacements belong to names, positions to markers: what was located elsewhere is taken from its position.
+        // Displacements belong to node names, and positions to markers, so the displacements after an exchange follow from the positions.
         self.rows.lines().map(renamed).collect()
     }
 
-    /// Calibrates in files of a name, all that is written beside.
+    /// Calibrates with these rows and forces. `name` distinguishes the files of the run.
     fn calibrated(&self, name: &str, rows: &str, forces: &[[f64; 2]]) -> Answer {
         let mut text = "image,fx_n,fy_n\n".to_owned();
         for (i, [fx, fy]) in forces.iter().enumerate() {
@@ -72,8 +72,8 @@ fn measurements_that_contradict_their_images_are_refused_by_name() {
     let as_measured = located.forces.clone();
     let names = ["press1.png: the marker of node", "near to node", "check the node numbers"];
     let force =
-        ["the measured force is", "times the force that its markers show", "check its sign, unit, frame and row"];
-    // What is changed, and what is said of it.
+        ["the measured force is", "times the force that the markers show", "check its sign, unit, frame and row"];
+    // Name of the case, changed rows, forces, and expected parts of the message.
     let cases = vec![
         ("front", rows("press1.png", ["7", "8"]), as_measured.clone(), names.to_vec()),
         ("back", rows("press1.png", ["3", "4"]), as_measured.clone(), names.to_vec()),
@@ -111,7 +111,7 @@ fn measurements_that_contradict_their_images_are_refused_by_name() {
     });
 }
 
-/// Rows exchanged between forces that are nearly alike, and a marker that is off by a millimetre, are said; the rest is silent.
+/// Exchanged rows of nearly equal forces, and a marker with an error of 1 mm, cause warnings; correct input causes none.
 #[test]
 fn what_stands_out_is_said() {
     let located = Located::new();
@@ -125,7 +125,7 @@ fn what_stands_out_is_said() {
         let of_image = warnings.iter().find(|warning| warning.contains(image)).expect("a warning");
         assert_says(of_image, &["the measured force is", "check its unit, frame and row"]);
     }
-    // The row of a node, a millimetre on.
+    // The row of one node, displaced by a millimetre.
     let moved = |line: &str| {
         let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
         if cells[0] == "press2.png" && cells[1] == "8" {
@@ -142,7 +142,7 @@ fn what_stands_out_is_said() {
     assert_says(of_marker, &["press2.png", "node 8"]);
 }
 
-/// Warnings of a run that did what it was asked, beside its notes.
+/// Warnings of a successful run, without its notes.
 fn warnings_of(answer: Answer) -> Vec<String> {
     assert_eq!(answer.code, Some(0), "{}", answer.err);
     answer.err.lines().filter(|line| line.starts_with("warning: ")).map(str::to_owned).collect()

@@ -10,7 +10,8 @@ use image::DynamicImage;
 use rayon::prelude::*;
 use std::fmt::Write;
 
-/// Position, force and angle of the images, and where the base is: mm, N, degrees; mm, mm, degrees. The base stands up, so that fy is along the plate.
+/// For each image: position (mm), force (N) and angle (degrees) of the load; then x (mm), y (mm) and rotation (degrees) of the base. The base is
+/// rotated by about 90 degrees, so fy is along the plate.
 const PRESSES: [([f64; 3], [f64; 3]); 3] = [
     ([60.0, 2.0, 8.0], [40.0, -70.0, 90.0]),
     ([72.0, 4.0, 15.0], [38.5, -69.2, 90.4]),
@@ -19,16 +20,16 @@ const PRESSES: [([f64; 3], [f64; 3]); 3] = [
 const MARK: &str = "radius_mm = 2.5";
 const PIN: &str = "radius_mm = 2.0\ninner";
 
-/// What a command does about a fault.
+/// How a command reacts to a fault.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Outcome {
-    /// Nothing is said: there is no fault.
+    /// The command succeeds without a message: there is no fault.
     Silent,
-    /// It does what it was asked, with a note: the fault does no harm.
+    /// The command succeeds with a note: the fault is harmless.
     Noted,
-    /// It does what it was asked, with a warning.
+    /// The command succeeds with a warning.
     Warned,
-    /// An error.
+    /// The command fails with an error.
     Refused,
 }
 
@@ -64,7 +65,7 @@ impl Rig {
         self.folder.put(&format!("{name}.toml"), text)
     }
 
-    /// Locates in all images with a changed scene.
+    /// Locates the finger in all images with a changed scene.
     fn located(&self, name: &str, changes: &[(&str, &str)]) -> Answer {
         self.located_in(&self.scene(name, changes), &self.images)
     }
@@ -74,14 +75,14 @@ impl Rig {
         finray(&[&["locate", scene, "--image"], &images[..]].concat())
     }
 
-    /// An image, changed.
+    /// Path of a changed copy of an image.
     fn changed(&self, image: usize, name: &str, change: impl Fn(&DynamicImage) -> DynamicImage) -> String {
         let path = self.folder.path(name);
         change(&image::open(&self.images[image]).expect("an image")).save(&path).expect("a file");
         path
     }
 
-    /// Calibrates with signs of the measured forces in images whose number a name begins with.
+    /// Calibrates with the measured forces, whose components are multiplied by `signs`. The name of each image begins with the number of its press.
     fn calibrated(&self, name: &str, images: &[String], signs: [f64; 2]) -> Answer {
         let scene = self.scene(name, &[]);
         let located = self.folder.put(&format!("{name}.csv"), self.located_in(&scene, images).computed());
@@ -96,7 +97,7 @@ impl Rig {
         finray(&["calibrate", &scene, "--located", &located, "--forces", &forces, "--fit", "modulus,friction"])
     }
 
-    /// What `lens` says of a board in the plane of the finger, half of which is covered.
+    /// Answer of `lens` for a board in the plane of the finger; half of the board is covered.
     fn half_of_a_board(&self) -> Answer {
         let camera = Scene::from_toml(BRACKETED_SCENE).expect("the fixture").camera.expect("a camera");
         let camera = Camera { lens: camera.lens, pose: camera.pose.expect("a pose") };
@@ -108,7 +109,7 @@ impl Rig {
     }
 }
 
-/// An image of a press in a scene.
+/// Renders the image of one of [`PRESSES`] with a scene.
 fn pressed(folder: &Folder, scene: &str, press: usize, name: &str, options: &[&str]) -> String {
     let path = folder.path(name);
     let ([s, force_n, angle], [x, y, deg]) = PRESSES[press];
@@ -146,7 +147,7 @@ fn faults_of_the_inputs_are_said() {
             vec!["the references on the base were not found: 0 and 0 marks", "base.reference.radius_mm"],
             with("marks--", MARK, "radius_mm = 1.9"),
         ),
-        // Others, of that radius and as far apart, are elsewhere: the base was there, with 3 of 8 markers.
+        // Other marks have the same radius and the same distance. Once, the base was located at these marks, with 3 of 8 markers.
         (
             "other marks in place of those of the base",
             Refused,
@@ -232,7 +233,7 @@ fn faults_of_the_inputs_are_said() {
         ),
         ("half of a board", Warned, vec!["the focal length is uncertain by"], Box::new(Rig::half_of_a_board)),
         (
-            // As `lens --plane` finds it with a pitch that is 10 % too large.
+            // `lens --plane` finds this pose if the stated pitch is 10 % too large.
             "a camera 10 % too far",
             Refused,
             vec!["references on the base were not found", "lens and pose"],

@@ -7,12 +7,12 @@ use rand_chacha::ChaCha8Rng;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
-/// Damaged copies of each input.
+/// Number of damaged copies of each input.
 const COPIES: usize = 250;
-/// Far above what a run of these commands takes, whatever the scene says by accident.
+/// Time limit of a run, far above the time that these commands need for any damaged scene.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// Texts that mean something to a reader of TOML or CSV.
+/// Texts with a meaning in TOML or CSV, which are inserted into the input.
 const SPICES: [&str; 24] = [
     "nan",
     "-inf",
@@ -40,7 +40,7 @@ const SPICES: [&str; 24] = [
     "0x",
 ];
 
-/// The input cut off, or with some bytes overwritten, taken out, doubled or spiced.
+/// The input after damage: truncated, or with some bytes overwritten, removed, doubled or replaced by one of [`SPICES`].
 fn damaged(input: &[u8], rng: &mut ChaCha8Rng) -> Vec<u8> {
     let mut bytes = input.to_vec();
     if rng.random_bool(0.2) {
@@ -66,7 +66,7 @@ fn damaged(input: &[u8], rng: &mut ChaCha8Rng) -> Vec<u8> {
     bytes
 }
 
-/// Exit code and message of a run that must end in time.
+/// Exit code and message of a run, which must end within [`PATIENCE`].
 fn outcome(input: &[u8], arguments: &[&str]) -> (Option<i32>, String) {
     let mut child = started(input, arguments, Stdio::null());
     let start = Instant::now();
@@ -81,7 +81,7 @@ fn outcome(input: &[u8], arguments: &[&str]) -> (Option<i32>, String) {
     (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
 }
 
-/// Feeds damaged copies on standard input; every run ends with one of the codes, and with one line where it fails.
+/// Runs the command with damaged copies on standard input. Every run must end with one of the codes; a failed run must print a single line.
 fn survives(name: &str, input: &str, arguments: &[&str], codes: &[i32]) {
     let mut rng = ChaCha8Rng::seed_from_u64(name.bytes().map(u64::from).sum());
     let mut met = Vec::new();
@@ -97,7 +97,7 @@ fn survives(name: &str, input: &str, arguments: &[&str], codes: &[i32]) {
         }
         met.push(code);
     }
-    // The copies are neither all good nor all bad.
+    // Some copies are valid and some are not.
     assert!(met.contains(&0) && met.contains(&2), "{name}: {met:?}");
 }
 
@@ -125,7 +125,7 @@ fn damaged_scenes_with_every_key() {
 fn damaged_tables() {
     let shape = finray(&["solve", PAPER, "--load", "19:0,-1"]).done();
     let sense = ["sense", PAPER, "--displacements", "-", "--contact", "19", "15@20"];
-    // Displacements that no finger takes may leave the search without an equilibrium.
+    // For impossible displacements, the search may find no equilibrium.
     survives("displacements", &shape, &sense, &[0, 1, 2]);
     let cells = |line: &str| line.split(',').map(str::to_owned).collect::<Vec<_>>();
     let rows: String =

@@ -39,14 +39,14 @@ fn a_grasp_writes_forces_motion_figure_and_summary() {
     let totals: Vec<usize> =
         (0..forces.texts("contact").len()).filter(|i| forces.texts("contact")[*i] == "total").collect();
     assert_eq!(totals.len(), 2 * steps, "a total a finger and step");
-    // The two totals of a step that nothing supports are equal, and their friction carries the weight of 60 g.
+    // In a step without support, the total forces of both fingers are equal, and their friction carries the weight of 60 g.
     let (force_n, friction_n) = (forces.numbers("force_n"), forces.numbers("friction_n"));
     let carried = totals.iter().position(|i| forces.texts("phase")[*i] == "carry").expect("carried");
     let [left, right] = [totals[carried], totals[carried + 1]];
     assert_eq!([forces.texts("finger")[left], forces.texts("finger")[right]], ["left", "right"]);
     assert!((force_n[left] / force_n[right] - 1.0).abs() < 2e-3);
     assert!((friction_n[left] + friction_n[right] - 0.06 * 9.81).abs() < 1e-3);
-    // Every step is a shot that says what is in the files; one stands for all.
+    // Every step is a shot whose text states the figures of the files; one shot is shown without animation.
     let animation = folder.read("one/grasp-animation.svg");
     let shots: Vec<&str> = animation.split("<g class=\"shot-").skip(1).collect();
     assert!(shots.len() == steps && steps < 60 && animation.len() < 500_000, "{} of {steps}", shots.len());
@@ -64,14 +64,14 @@ fn a_grasp_writes_forces_motion_figure_and_summary() {
         shots.iter().filter(|shot| shot.split_once('"').is_some_and(|(class, _)| class.contains("still"))).collect();
     assert!(still.len() == 1 && still[0].contains(">phase: carry, motor"), "{} stand still", still.len());
     assert!(!animation.contains("<script"));
-    // Both pictures are drawn: moments, force over steps and over the motor's angle.
+    // Both plots of the force are drawn: over the steps and over the motor's angle.
     let figure = folder.read("one/grasp.svg");
     assert!(["true (lines), sensed (symbols)", "over the motor's angle"].iter().all(|it| figure.contains(it)));
     let summary = summary(&folder, "one");
     assert_eq!(summary["ended"], "done");
     assert!(summary["worst_imbalance"].as_f64().expect("a number") < 1e-3);
     assert_eq!(summary["sensed"]["by"], "errors in all variables");
-    // A disc of 60 g between fingers with a friction of 0.4 stays where it is held.
+    // A disc of 60 g between fingers with a friction coefficient of 0.4 hardly slides.
     let slid_mm = summary["slid_mm"].as_f64().expect("a number");
     assert!(slid_mm > 0.0 && slid_mm < 1.0, "{slid_mm}");
 }
@@ -97,7 +97,7 @@ fn a_grasp_is_sensed_by_the_estimator_that_is_asked_for() {
     assert_says(&finray(&[&["grasp"], &scene[..]].concat()).refused(), &["guess", "least-squares"]);
 }
 
-/// Before each finger, and from the gripper, whose camera sees one of the fingers turned about its axis.
+/// Cameras are in front of each finger, or on the gripper; the gripper's camera sees one finger rotated about its axis.
 #[test]
 fn forces_are_sensed_in_images_of_the_fingers() {
     let folder = Folder::new();
@@ -112,7 +112,7 @@ fn forces_are_sensed_in_images_of_the_fingers() {
         let sensed = &summary(&folder, name)["sensed"];
         let count = |key: &str| sensed[key].as_u64().expect("a count");
         assert!(count("asked") > 8 && count("refused") == 0);
-        // Intervals of 95 %: of a dozen at most two may miss.
+        // Of a dozen 95 % intervals, at most two may miss the force.
         assert!(count("totals_within_95") + 2 >= count("asked"), "{sensed}");
         assert!(sensed["mean_total_error"].as_f64().expect("a number") < 0.005, "{sensed}");
     }
@@ -131,7 +131,7 @@ fn a_grasp_that_fails_says_how_and_keeps_what_was() {
     assert!(summary["slid_mm"].as_f64() > Some(7.5), "{summary}");
 }
 
-/// An object thinner than the gap between the tips that meet beside it: what was until then is written.
+/// The object is so thin that the tips of the fingers touch each other. The steps before the contact of the tips are written.
 #[test]
 fn fingers_that_touch_each_other_are_named() {
     let folder = Folder::new();

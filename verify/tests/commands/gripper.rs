@@ -70,13 +70,14 @@ fn bad_linkages_and_options_are_refused() {
     assert_says(&finray(&["gripper", &paper]).refused(), &["[gripper]", "screw_pitch_mm"]);
 }
 
-/// Each cause has a column; an angle and a play with the same standard deviation at the nut do the same. Three numbers are wanted.
+/// Each cause of error has a column. An angle and a play with the same standard deviation at the nut have the same effect. The option requires three
+/// numbers.
 #[test]
 fn errors_of_the_linkage_are_appended() {
     let rows = finray(&["gripper", SCENE, "--motor-deg", "0", "--errors", "3.6,0.138564064605510,0.05"]).computed();
     let rows = Csv::of(&rows);
     let of = |column: &str| rows.numbers(column)[0];
-    // 3.6 degrees are 0.04 mm of the screw, and so is the standard deviation of the play.
+    // 3.6 degrees move the screw by 0.04 mm, which is also the standard deviation of the play.
     assert!((of("motor_error_mm") / of("backlash_error_mm") - 1.0).abs() < 1e-9);
     assert!(of("rocker_error_mm") > 0.05 && of("link_error_mm") > 0.05 && of("fixed_joint_error_mm") > 0.05);
     let message = finray(&["gripper", SCENE, "--errors", "1,2"]).refused();

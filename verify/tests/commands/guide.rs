@@ -1,7 +1,7 @@
-//! Guides and references that the command prints. Every console example in guides and README runs and gives the output shown.
+//! Guides and references that the command prints. Every console example in guides and README runs and prints the shown output.
 //!
-//! In a block ```` ```console ````, `sh` runs each line `$ COMMAND`, with the files written by earlier blocks of the page. The lines below are its
-//! whole output, both streams. `...` stands for the rest of a number or line, and alone on a line for any number of lines.
+//! In a block ```` ```console ````, `sh` runs each line `$ COMMAND`, with the files written by earlier blocks of the page. The lines below the
+//! command are its whole output on both streams. `...` stands for the rest of a number or line, and alone on a line for any number of lines.
 //! A block ```` ```csv NAME ```` is the file NAME. Blocks of other languages (`sh`) are not run.
 
 use crate::kit::*;
@@ -13,10 +13,10 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The report takes most of a minute; tests make it once.
+/// Command of the report. It takes most of a minute, so the tests run it only once.
 const REPORT: &str = "finray report --quick";
 
-/// Whether a line is the expected one, with `...` for what differs between machines.
+/// Whether a line matches the expected line, in which `...` stands for any text.
 fn line_matches(expected: &str, line: &str) -> bool {
     let Some((first, others)) = expected.split_once("...") else { return expected == line };
     let Some(mut line) = line.strip_prefix(first) else { return false };
@@ -29,7 +29,7 @@ fn line_matches(expected: &str, line: &str) -> bool {
     line.ends_with(last)
 }
 
-/// Whether lines are the expected ones, with a line `...` for any number of them.
+/// Whether lines match the expected lines, among which a line `...` stands for any number of lines.
 fn lines_match(expected: &[&str], found: &[&str]) -> bool {
     match expected {
         [] => found.is_empty(),
@@ -44,12 +44,12 @@ fn matches(expected: &str, found: &str) -> bool {
     lines_match(&expected.lines().collect::<Vec<_>>(), &found.lines().collect::<Vec<_>>())
 }
 
-/// The fenced blocks of a page: language and name, and lines.
+/// The fenced blocks of a page: language with name, and content.
 fn blocks(page: &str) -> impl Iterator<Item = (&str, &str)> {
     page.split("\n```").skip(1).step_by(2).map(|block| block.split_once('\n').unwrap_or((block, "")))
 }
 
-/// The commands of a console block, each with the output that it shows.
+/// The commands of a console block, each with the output in the block.
 fn examples(block: &str) -> Vec<(String, String)> {
     let mut examples: Vec<(String, String)> = Vec::new();
     let mut continues = false;
@@ -66,7 +66,7 @@ fn examples(block: &str) -> Vec<(String, String)> {
     examples
 }
 
-/// Output of a command, both streams in their order, and whether it succeeded.
+/// Output of a command on both streams, in order, and whether the command succeeded.
 fn output(command: &str, folder: &Path) -> (String, bool) {
     if command.starts_with(REPORT) {
         return (PAPERS.said.clone(), true);
@@ -131,15 +131,15 @@ fn percent(share: f64) -> String {
     format!("{percent:.decimals$} %")
 }
 
-/// A figure as the guide has it: mean and largest error, and the share of intervals that hold with its standard error.
+/// A figure as in the guide: mean and largest error, and coverage of the intervals with its standard error.
 fn cells(figure: &Figure) -> String {
     let Figure { mean_error, largest_error, within, standard_error, .. } = figure;
     let within = format!("{:.0} +- {:.0} %", 100.0 * within, 100.0 * standard_error);
     format!(" {} | {} | {within} |", percent(*mean_error), percent(*largest_error))
 }
 
-/// Each recorded figure stands in its row of the guide. Figures of an earlier state of the code are named, with the command that measures
-/// them again.
+/// The guide contains each recorded figure in its row. For figures of an earlier state of the code, the test prints the command that repeats the
+/// measurement.
 #[test]
 fn figures_of_the_guide_are_those_recorded() {
     let guide = GUIDES.iter().find(|guide| guide.name == "accuracy").expect("a guide");
@@ -184,7 +184,7 @@ mod guides {
     }
 }
 
-/// The columns that a page names in its tables, below the head `| column`.
+/// The columns that a page explains in its tables with the heading `| column`.
 fn explained(section: &str) -> Vec<&str> {
     let tables = section.split("\n| column |").skip(1);
     let rows = tables.flat_map(|table| table.split("\n\n").next().into_iter().flat_map(str::lines));
@@ -215,7 +215,7 @@ fn the_reference_of_files_explains_the_columns_that_are_there_and_no_others() {
     }
 }
 
-/// All sources below a folder as one text, in which string literals that go over lines are whole.
+/// All sources below a folder as one text, in which string literals with line breaks are joined.
 fn sources(folder: &Path) -> String {
     let entries = std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
     let text = |path: PathBuf| match path.is_dir() {
@@ -226,7 +226,7 @@ fn sources(folder: &Path) -> String {
     lines.split("\\\n").map(str::trim_start).collect()
 }
 
-/// The table of refusals names messages by their words, which the program may change.
+/// The table of refusals quotes messages, which must still exist in the program.
 #[test]
 fn the_messages_that_the_guide_explains_are_those_of_the_program() {
     let page = GUIDES.iter().find(|guide| guide.name == "sense").expect("the page").text;
@@ -265,7 +265,7 @@ fn the_scene_reference_has_every_table_and_key() {
             assert!(section.contains(&format!("\n- {}: ", entry.name)), "{}.{}", table.path(), entry.name);
         }
     }
-    // The example is a scene.
+    // The example is a valid scene.
     let (_, example) = text.split_once("## Example\n").expect("an example");
     let folder = Folder::new();
     finray(&["solve", &folder.put("scene.toml", example), "--load", "19:0,-1"]).done();

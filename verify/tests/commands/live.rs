@@ -13,10 +13,10 @@ use std::io::{BufRead, BufReader};
 
 /// The paper's finger with coloured markers and a camera.
 const CAMERA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/scenes/camera.toml");
-/// Standard deviation of a coordinate, mm.
+/// Standard deviation of the noise in a coordinate, mm.
 const NOISE_MM: f64 = 0.02;
 
-/// The lines of a run.
+/// The JSON lines that a run printed.
 fn lines(out: &str) -> Vec<Value> {
     out.lines().map(|line| serde_json::from_str(line).expect("a line of JSON")).collect()
 }
@@ -29,7 +29,7 @@ fn force_n(line: &Value) -> f64 {
     line["contacts"][0]["force_n"].as_f64().unwrap_or_else(|| panic!("{line}"))
 }
 
-/// Images of the finger under forces at 80 mm, -20 degrees, N.
+/// Images of the finger under forces (N) at 80 mm and -20 degrees.
 fn images(folder: &Folder, forces_n: &[f64]) -> Vec<RgbImage> {
     let image = |force_n: &f64| {
         let (path, load) = (folder.path("image.png"), format!("80:{force_n},-20"));
@@ -39,13 +39,13 @@ fn images(folder: &Folder, forces_n: &[f64]) -> Vec<RgbImage> {
     forces_n.iter().map(image).collect()
 }
 
-/// A byte of luma or chroma from floating-point weights of red, green and blue (ITU-R BT.601), and the offset.
+/// A byte of luma or chroma, from weights of red, green and blue (ITU-R BT.601) and an offset.
 fn weighted(rgb: [u8; 3], [red, green, blue]: [f64; 3], offset: f64) -> u8 {
     let [r, g, b] = rgb.map(f64::from);
     (offset + red * r + green * g + blue * b).round().clamp(0.0, 255.0) as u8
 }
 
-/// Frames as YUV4MPEG2, encoded by another formula than that which decodes them. Chroma has every `across`-th column and `down`-th row.
+/// Frames as YUV4MPEG2, encoded in floating point, independent of the decoder. Chroma has every `across`-th column and `down`-th row.
 fn yuv4mpeg2(images: &[RgbImage], colour_space: &str, [across, down]: [u32; 2], is_full_range: bool) -> Vec<u8> {
     let (width, height) = images[0].dimensions();
     let range = if is_full_range { " XCOLORRANGE=FULL" } else { "" };
@@ -99,7 +99,7 @@ fn pushed(s_mm: f64, force_n: f64) -> Load {
     Load::at_position(s_mm, finger().direction(0.0) * force_n)
 }
 
-/// A video gives the forces of its frames: chroma of every form, both ranges, and raw frames.
+/// The forces of a video's frames are sensed for every form of chroma, for both ranges, and for raw frames.
 #[test]
 fn forces_are_found_in_every_form_of_video() {
     let folder = Folder::new();
@@ -144,7 +144,7 @@ fn decoded_colours_are_those_that_were_encoded() {
         assert!(reader.read(&mut bytes).expect("a frame"));
         reader.layout().to_rgb(&bytes, &mut found);
         for (found, expected) in found.iter().zip(image.iter()) {
-            // Rounding of luma by half a step and of chroma by half a step, times the largest gain of 1.772 x 255 / 224.
+            // The tolerance covers rounding of luma and chroma by half a step each, with the largest gain of 1.772 x 255 / 224.
             assert!(found.abs_diff(*expected) <= 2, "{found} for {expected}");
         }
         assert!(!reader.read(&mut bytes).expect("the end"));
@@ -152,7 +152,7 @@ fn decoded_colours_are_those_that_were_encoded() {
     assert_eq!(FrameLayout::rgb([7, 5]).byte_count(), 105);
 }
 
-/// Positions as JSON and as a table give the force and sigma of `sense`.
+/// Positions as JSON and as a table give the same force and standard deviation as `sense`.
 #[test]
 fn positions_give_the_forces_of_sense() {
     let folder = Folder::new();
@@ -168,7 +168,7 @@ fn positions_give_the_forces_of_sense() {
     // The readers of JSON and CSV round numbers differently in their last digit.
     assert!((force_n(&of_json[1]) / force_n(&of_table[1]) - 1.0).abs() < 1e-12);
     assert_eq!(of_table[1]["time_s"], 1.0);
-    // `sense` takes displacements.
+    // `sense` reads displacements, so the undeformed positions are subtracted.
     let rest = finger();
     let mut displaced = "node,ux_mm,uy_mm,sigma_mm\n".to_owned();
     for row in frames[1][1].lines() {
@@ -186,7 +186,7 @@ fn positions_give_the_forces_of_sense() {
     }
 }
 
-/// Two forces at unknown positions are found as two, one as one, and none as none; a wrong position is refused.
+/// The number of forces at unknown positions is found for two forces, one force and no force. A wrong position is refused.
 #[test]
 fn the_number_of_contacts_is_found() {
     let frame = |loads: &[Load], case| positions(&shape(loads), 0.0, case)[0].clone();
@@ -204,7 +204,8 @@ fn the_number_of_contacts_is_found() {
     assert_says(at_100[0]["refused"].as_str().expect("a reason"), &["contradicts the model"]);
 }
 
-/// Noise alone is taken for a force in less than 1 % of free frames, and intervals hold in 93 to 97 % of frames in contact.
+/// Noise alone is reported as a force in less than 1 % of the frames without contact. The intervals contain the force in 93 to 97 % of the frames
+/// with contact.
 #[test]
 fn free_frames_show_no_force_and_intervals_hold() {
     let count = finray_tests::case_count(200, 1000) as u64;
@@ -225,7 +226,7 @@ fn free_frames_show_no_force_and_intervals_hold() {
     assert!((held - 0.95).abs() < allowed, "{held}");
 }
 
-/// With markers that all stand 0.3 mm off, the finger seems pressed, unless the first frames show where the markers rest.
+/// If all markers are displaced by 0.3 mm, the finger seems pressed, unless the first frames show the markers without load.
 #[test]
 fn first_frames_may_show_the_unloaded_finger() {
     let shapes = [shape(&[]), shape(&[pushed(70.0, 1.0)])];
@@ -235,7 +236,7 @@ fn first_frames_may_show_the_unloaded_finger() {
         .map(|mut line| {
             for marker in line["markers"].as_array_mut().expect("markers") {
                 let node = marker["node"].as_u64().expect("a node");
-                // Clamped markers of this finger are nodes 1 and 25.
+                // Nodes 1 and 25 of this finger are clamped.
                 let off_mm = if node == 1 || node == 25 { 0.0 } else { 0.3 };
                 marker["y_mm"] = (marker["y_mm"].as_f64().expect("a number") + off_mm).into();
             }
@@ -248,7 +249,7 @@ fn first_frames_may_show_the_unloaded_finger() {
     let found = lines(&finray_reading(shifted.as_bytes(), &[&live[..], &["--rest-frames", "5"]].concat()).done());
     assert_eq!(states(&found), ["none", "none", "none", "none", "none", "none", "none", "contact"]);
     assert!((force_n(&found[7]) - 1.0).abs() < 0.05, "{}", found[7]);
-    // A stated noise includes that of the mean, too: with one frame at rest it is 1.4 times larger.
+    // The noise includes the noise of the mean position at rest. With one frame at rest, the noise is 1.4 times as large.
     let folder = Folder::new();
     let free: String = (0..200).map(|i| positions(&shapes[0], 0.0, 500 + i)[0].clone()).collect();
     let path = folder.put("free", free);
@@ -258,7 +259,7 @@ fn first_frames_may_show_the_unloaded_finger() {
     assert!(wrong < 2, "{wrong} of 200");
 }
 
-/// What cannot be used is said, with the frame, and the other frames are evaluated.
+/// A frame that cannot be evaluated is reported with its number, and the other frames are evaluated.
 #[test]
 fn broken_frames_are_refused_alone() {
     let folder = Folder::new();
@@ -276,7 +277,7 @@ fn broken_frames_are_refused_alone() {
         lines(&finray_reading(table.as_bytes(), &["live", CAMERA, "--contact-at", "auto@0", "--every-frame"]).done());
     assert_eq!(states(&found), ["contact", "refused"]);
     assert_says(found[1]["refused"].as_str().expect("a reason"), &["line 27", "x_mm", "\"here\""]);
-    // A frame without the finger is lost; the next one is found again.
+    // In a frame without the finger, the finger is lost; in the next frame it is found again.
     let mut images = images(&folder, &[2.0]);
     images.insert(1, RgbImage::new(images[0].width(), images[0].height()));
     images.push(images[0].clone());
@@ -290,7 +291,7 @@ fn broken_frames_are_refused_alone() {
     assert_says(&warnings[0], &["frame 2 is cut off"]);
 }
 
-/// Streams of an unknown form are refused with what was expected.
+/// Streams of an unknown format are refused, and the message states the expected format.
 #[test]
 fn streams_of_another_form_are_refused() {
     let live = ["live", CAMERA, "--contact-at", "auto@0"];
@@ -302,7 +303,7 @@ fn streams_of_another_form_are_refused() {
     refused(b"YUV4MPEG2 W10\n", &["width and height"]);
     refused(b"YUV4MPEG2 W10 H10 It\n", &["progressive"]);
     assert_says(&finray(&["live", CAMERA, "--contact-at", "auto@0", "--format", "rgb24"]).refused(), &["--size"]);
-    // Frames of another size than the camera's, and a result file that is then as before.
+    // Frames whose size differs from the camera's images are refused, and the result file stays unchanged.
     let folder = Folder::new();
     let out = folder.put("out.jsonl", "before");
     let small = finray_reading(b"YUV4MPEG2 W10 H10\n", &[&live[..], &["--out", &out]].concat());
@@ -316,7 +317,7 @@ fn streams_of_another_form_are_refused() {
     assert_says(&answer.err, &["changed: frame 1", "FRAME", "size"]);
 }
 
-/// Each line arrives while the stream goes on, and a reader that leaves ends the run without an error.
+/// Each line is written before the stream ends, and a reader that closes the pipe ends the run without an error.
 #[test]
 fn lines_arrive_at_once_and_the_reader_may_leave() {
     let one = pressed_frame();
@@ -328,7 +329,7 @@ fn lines_arrive_at_once_and_the_reader_may_leave() {
     for _ in 0..3 {
         std::io::Write::write_all(&mut input, one.as_bytes()).expect("a frame");
         let mut line = String::new();
-        // The input is still open, so this waits for ever if the line is not written at once.
+        // The input is still open, so this call waits for ever if the line is not written at once.
         out.read_line(&mut line).expect("a line");
         assert_eq!(states(&lines(&line)), ["contact"]);
     }

@@ -1,6 +1,6 @@
-//! Tests that run `finray` as users do. There is one module per command. Further modules test the command line (`arguments`), output files
-//! (`output`), refused scenes (`scene_errors`, `scene_geometry`), damaged input (`garbage`), and warnings of the beam model (`validity`). `kit` runs
-//! the command and parses its output. Tests of the library are in `tests/tests`.
+//! Tests that run `finray` as users do. Each command has one module. Further modules test the command line (`arguments`), output files (`output`),
+//! refused scenes (`scene_errors`, `scene_geometry`), damaged input (`garbage`), and warnings of the beam model (`validity`). `kit` runs the command
+//! and parses its output. Tests of the library are in `tests/tests`.
 
 mod kit;
 

@@ -15,9 +15,10 @@ const HEADER: [&str; 11] = [
     "covered",
     "covered_warned",
 ];
-/// Residual error of a linear finger, sensed linearly without noise.
+/// Tolerance of the error for the linear finger, sensed with the linear estimator without noise.
 const ROUNDING: f64 = 1e-9;
-/// Four segments a plate member are within 1e-4 of beams; sensing enlarges that near the base.
+/// Tolerance of the lattice's map. With four segments per plate member, the lattice agrees with beams to 1e-4; sensing amplifies this difference near
+/// the base.
 const LATTICE_TOLERANCE: f64 = 2e-3;
 
 fn quick_noisy_map(out: &str) -> [&str; 12] {
@@ -111,13 +112,13 @@ fn the_seed_decides_the_noise_and_more_samples_average_it_out() {
     let first = map("1", "40");
     assert_eq!(first, map("1", "40"));
     assert_ne!(first, map("2", "40"));
-    // The linear finger is sensed without bias: over n samples the mean wanders by spread / sqrt(n).
+    // Sensing the linear finger has no bias. The mean of n samples scatters by spread / sqrt(n).
     for (bias, spread) in first.numbers("bias").iter().zip(first.numbers("spread")) {
         assert!(bias.abs() < 5.0 * spread / 40.0_f64.sqrt(), "{bias} of {spread}");
     }
 }
 
-/// Spread of the sensed force, for one cell as `sense` says it.
+/// The spread of the sensed force in a cell agrees with the standard deviation that `sense` states.
 #[test]
 fn the_spread_is_the_uncertainty_that_sense_gives() {
     let arguments = [
@@ -141,7 +142,7 @@ fn the_spread_is_the_uncertainty_that_sense_gives() {
     let all = ["sense", PAPER, "--displacements", "-", "--contact", "19@-20", "--noise-mm", "0.067"];
     let all = [&all[..], &["--estimator", "least-squares"]].concat();
     let sigma = Csv::of(&finray_reading(shape.as_bytes(), &all).done()).numbers("sigma_n")[0];
-    // A standard deviation from 400 numbers scatters by 1 / sqrt(800) = 3.5 %.
+    // A standard deviation that is estimated from 400 numbers scatters by 1 / sqrt(800) = 3.5 %.
     assert_close(&[spread[cell]], &[sigma / 2.0], 4.0 / 800.0_f64.sqrt());
 }
 
@@ -150,7 +151,7 @@ fn without_noise_the_linear_finger_is_sensed_exactly() {
     let map = Csv::of(&finray(&["map", PAPER, "--estimator", "least-squares", "--truth", "linear"]).done());
     assert!(map.numbers("mean_error").iter().all(|error| *error < ROUNDING));
     assert!(map.numbers("spread").iter().all(|spread| *spread == 0.0));
-    // The camera of a scene brings its noise.
+    // The noise of a scene's camera is used.
     let folder = Folder::new();
     let scene = folder.put("scene.toml", paper_with(&[]) + "\n[camera]\nnoise_mm = 0.1\n");
     let camera = finray(&["map", &scene, "--estimator", "least-squares", "--truth", "linear", "--seeds", "10"]).done();
@@ -170,7 +171,7 @@ fn without_noise_the_linear_finger_is_sensed_exactly() {
     assert_eq!(camera, stated);
 }
 
-/// On the co-rotational finger the error of a cell is what `solve` on the fine mesh and `sense` make of it.
+/// On the co-rotational finger, the error of a cell equals the error of `sense` for the shape from `solve` on the fine mesh.
 #[test]
 fn a_cell_of_the_corotational_map_is_solve_and_sense() {
     let folder = Folder::new();
@@ -188,7 +189,7 @@ fn a_cell_of_the_corotational_map_is_solve_and_sense() {
     }
 }
 
-/// Where the finger cannot carry the force the cell stays empty.
+/// A cell is empty if the finger cannot carry the force.
 #[test]
 fn cells_without_equilibrium_are_empty() {
     let folder = Folder::new();
@@ -223,7 +224,7 @@ fn maps_that_make_no_sense_are_refused() {
     }
 }
 
-/// The finger as bodies and springs answers as beams do, so the maps are alike.
+/// The lattice of bodies and springs deforms like beams, so both maps agree.
 #[test]
 fn the_lattice_gives_the_map_of_beams() {
     let hinged = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/opensees/hinged.toml");
@@ -261,12 +262,12 @@ fn the_twin_is_of_the_papers_finger_alone() {
     assert_says(&message, &["--truth twin", "the paper's finger"]);
 }
 
-/// The map of the twin shows Table I along the normal: positions of nodes 14, 19 and 24.
+/// The map of the twin reproduces Table I along the normal, at the positions of nodes 14, 19 and 24.
 #[test]
 fn the_map_of_the_twin_fails_at_tip_and_base() {
     let map =
         Csv::of(&finray(&["map", PAPER, "--estimator", "least-squares", "--truth", "twin", "--force-n", "1"]).done());
-    // Far from the normal the soft tip folds: no error there.
+    // Far from the normal, the soft tip folds, and the cells have no error.
     let errors = map.texts("mean_error").into_iter().map(|cell| cell.parse::<f64>().unwrap_or(f64::NAN));
     let cells: Vec<_> = map.numbers("s_mm").into_iter().zip(map.numbers("angle_deg")).zip(errors).collect();
     let error = |s_mm: f64| {

@@ -7,7 +7,7 @@ use std::process::Stdio;
 const MEASURED: &str = "node,ux_mm,uy_mm\n7,0.1,-1\n18,0.1,-1\n";
 const WEIGHTS: &str = "case,load_node,fx_n,fy_n,node,ux_mm,uy_mm\na,19,0,-1,7,0.1,-1\na,19,0,-1,18,0.1,-1\n";
 
-/// A folder with inputs, and each command as it succeeds within a moment, without `--out`.
+/// A folder with inputs, and for each command arguments without `--out` with which it succeeds quickly.
 fn commands() -> (Folder, Vec<Vec<String>>) {
     let folder = Folder::new();
     let measured = folder.put("measured.csv", MEASURED);
@@ -110,7 +110,7 @@ fn a_path_that_cannot_be_written_is_named() {
     }
 }
 
-/// A map is two files: if one cannot be written, the other is left as it was.
+/// A map has two files: if one file cannot be written, the other file is not changed.
 #[test]
 fn a_map_is_written_with_its_figure_or_not_at_all() {
     let folder = Folder::new();
@@ -122,7 +122,7 @@ fn a_map_is_written_with_its_figure_or_not_at_all() {
     assert_eq!(folder.read("map.csv"), "kept");
 }
 
-/// As in `finray solve ... | head -1`.
+/// A closed pipe is no error, as in `finray solve ... | head -1`.
 #[test]
 fn a_reader_that_has_seen_enough_is_no_error() {
     let (folder, mut commands) = commands();
@@ -143,7 +143,7 @@ fn a_reader_that_has_seen_enough_is_no_error() {
     assert!(folder.names().contains(&"report".to_owned()));
 }
 
-/// A full disk is an error, unlike a reader that has left.
+/// A full disk is an error, unlike a reader that has closed the pipe.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_device_is_an_error() {
@@ -165,7 +165,7 @@ fn standard_input_is_read_once() {
     }
 }
 
-/// The file that cannot be written is named, not the temporary one beside it.
+/// The message names the file that cannot be written, and not the temporary file beside it.
 #[test]
 fn a_folder_that_is_not_there_is_named_alone() {
     let folder = Folder::new();
@@ -175,13 +175,13 @@ fn a_folder_that_is_not_there_is_named_alone() {
     assert!(!message.contains(".finray-") && !message.contains("at path"), "{message}");
 }
 
-/// Messages that cannot be written are lost; result and exit code stand.
+/// Messages that cannot be written are lost; result and exit code are unaffected.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_standard_error_changes_no_exit_code() {
     let (folder, mut commands) = commands();
     let missing = folder.path("missing.toml");
-    // A warning, a refusal, a failure, a word that clap does not know.
+    // The commands cause a warning, a refusal, a failure, and an error for an argument that clap does not know.
     commands.push(["solve", PAPER, "--load", "24:0,-8"].map(str::to_owned).to_vec());
     commands.push(["solve", &missing, "--load", "24:0,-8"].map(str::to_owned).to_vec());
     commands.push(["solve", PAPER, "--load", "19:-40,-200"].map(str::to_owned).to_vec());
@@ -195,7 +195,7 @@ fn a_full_standard_error_changes_no_exit_code() {
     }
 }
 
-/// Help and version are results: where they cannot be written, it is said as of any other.
+/// Help and version are results: if they cannot be written, the command fails as for any other result.
 #[cfg(target_os = "linux")]
 #[test]
 fn help_and_version_on_a_full_device_are_errors() {
@@ -221,7 +221,7 @@ mod modes {
         std::fs::set_permissions(path, std::fs::Permissions::from_mode(mode)).expect("a mode");
     }
 
-    /// Runs `finray` under an umask.
+    /// Runs `finray` with the given umask.
     fn under_umask(umask: &str, arguments: &[&str]) {
         let script = format!("umask {umask}; exec \"$@\"");
         let mut shell = std::process::Command::new("sh");
@@ -248,7 +248,7 @@ mod modes {
         assert_eq!([mode(&map), mode(&figure)], [0o640; 2]);
     }
 
-    /// A superuser could write it, and is refused as its owner is.
+    /// A read-only file is refused also for a superuser, who could write the file.
     #[test]
     fn a_read_only_result_is_kept() {
         let (folder, commands) = commands();

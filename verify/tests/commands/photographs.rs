@@ -5,10 +5,10 @@ use crate::kit::*;
 use finray_fixtures::BRACKETED_SCENE;
 use std::fmt::Write;
 
-/// What the finger of the images has in place of what the scene has.
+/// Modulus of the finger in the images, relative to the scene, and lengths of its brackets.
 const MODULUS_FACTOR: f64 = 0.93;
 const BRACKETS_MM: [f64; 2] = [3.3, 2.8];
-/// Place, force and angle of the images, and where the base is: mm, mm, degrees.
+/// For each image: position (mm), force (N) and angle (degrees) of the load; then x (mm), y (mm) and rotation (degrees) of the base.
 pub(super) const PRESSES: [([f64; 3], [f64; 3]); 4] = [
     ([60.0, 2.0, 8.0], [0.0, 0.0, 0.0]),
     ([72.0, 4.0, 15.0], [-1.5, 0.8, 0.4]),
@@ -25,7 +25,7 @@ fn front_plate() -> [[f64; 2]; 2] {
     [[along[1], -along[0]], along]
 }
 
-/// A force of the finger frame in the frame of the camera's pose, in which the base is turned.
+/// Converts a force from the finger frame to the frame of the camera's pose, in which the base is rotated by `base_deg`.
 pub(super) fn force([force_n, angle_deg]: [f64; 2], base_deg: f64) -> [f64; 2] {
     let [inward, along] = front_plate();
     let (sin, cos) = angle_deg.to_radians().sin_cos();
@@ -59,7 +59,7 @@ pub(super) fn images(folder: &Folder) -> Vec<String> {
 fn photographs_lead_to_a_finger_and_to_its_forces() {
     let folder = Folder::new();
     let images = images(&folder);
-    // A range of friction gives way to the coefficient that is found.
+    // The fitted coefficient replaces the range of friction in the scene.
     let scene = folder.put("scene.toml", format!("{BRACKETED_SCENE}[contact]\nfriction_range = [0.0, 0.6]\n"));
     let located = folder.path("located.csv");
     finray(&["locate", &scene, "--image", &images[0], &images[1], &images[2], "--out", &located]).done();
@@ -74,7 +74,7 @@ fn photographs_lead_to_a_finger_and_to_its_forces() {
     let fit = "modulus,bracket,friction,base-compliance,force-error=0.02";
     let answer = finray(&[&calibrate[..], &["--fit", fit, "--images", &folder.path("images.csv")]].concat());
     assert_eq!(answer.code, Some(0), "{}", answer.err);
-    // How well references are seen does not say how far the base may be off them.
+    // The measurement error of the references does not include the error of the references relative to the base.
     assert_says(&answer.err, &["note: base.sigma_mm, base.sigma_deg", "1 mm and 1 degree"]);
     let found = Csv::of(&answer.out);
     let names = [
@@ -94,15 +94,15 @@ fn photographs_lead_to_a_finger_and_to_its_forces() {
         assert!((values[i] - truth).abs() < 4.0 * sigma, "{}: {} +- {sigma}", names[i], values[i]);
     }
     assert!((values[0] / MODULUS_FACTOR - 1.0).abs() < 0.01, "{}", values[0]);
-    // What differs from object to object is part of it, though these images do not show it.
+    // The standard deviation includes differences between objects, although these images do not show them.
     assert!((0.02..0.03).contains(&values[7]), "{}", values[7]);
-    // Nothing but the noise of the images is left.
+    // The residual is only the noise of the images.
     assert!(values[6] < 0.02, "{}", values[6]);
-    // The line through turns of 0, 0.4 and -0.5 degrees at 2, 4 and 6 N.
+    // Slope of the fitted line through rotations of 0, 0.4 and -0.5 degrees at 2, 4 and 6 N.
     assert!((values[3] + 0.125).abs() < 0.01, "{}", values[3]);
     let of_images = Csv::of(&folder.read("images.csv"));
     assert_close(&of_images.numbers("force_n"), &PRESSES.map(|([_, force_n, _], _)| force_n)[..3], 1e-9);
-    // The scene that was written: all but what was found is as it was.
+    // The written scene differs from the original scene only in the fitted values.
     let written = folder.read("calibrated.toml");
     assert!(written.contains("# The spring-steel finger as it is built"), "{written}");
     assert!(!written.contains("friction_range"), "{written}");
@@ -113,7 +113,7 @@ fn photographs_lead_to_a_finger_and_to_its_forces() {
             .all(|key| written.contains(key)),
         "{written}"
     );
-    // Clips of each plate, of which a finger without any shows what its prior leaves.
+    // Fits a clip length per plate. The true finger has no clips, so the result shows the effect of the prior.
     let clipped =
         folder.put("clipped.toml", BRACKETED_SCENE.replace("bracket_mm = 3.0", "bracket_mm = 3.0\nclip_mm = 2.0"));
     let clips = folder.path("clips.toml");
@@ -127,12 +127,12 @@ fn photographs_lead_to_a_finger_and_to_its_forces() {
     let pair = written.split("clip_mm = [").nth(1).and_then(|rest| rest.split(']').next()).expect("a pair");
     let pair: Vec<f64> = pair.split(", ").map(|number| number.parse().expect("a number")).collect();
     assert_close(&pair, &found.numbers("value")[3..5], 1e-12);
-    // What stays uncertain of the finger without a measured force goes into the scene.
+    // Without a measured force, the remaining uncertainty of the finger is written to the scene.
     let unforced = ["--fit", "bracket", "--calibrated", &folder.path("unforced.toml")];
     let answer = finray(&[&["calibrate", &scene, "--located", &located][..], &unforced].concat());
     assert_says(&answer.err, &["warning: no force was measured", "--forces"]);
     assert!(folder.read("unforced.toml").contains("errors = [["), "{}", folder.read("unforced.toml"));
-    // An image that was not calibrated on, with another force and base.
+    // An image that was not used in the calibration, with another force and another pose of the base.
     let other = folder.path("other.csv");
     finray(&["locate", &calibrated, "--image", &images[3], "--out", &other]).done();
     let [s, force_n, angle] = PRESSES[3].0;
@@ -154,7 +154,7 @@ fn photographs_lead_to_a_finger_and_to_its_forces() {
     let objects = folder.put("objects.csv", objects);
     friction_is_judged(&folder, &scene, &located, &objects);
     compared_in_a_report(&folder, &calibrated, [&located, &anew], &objects, &images);
-    // All images of one file: a row each, one for an image that shows no finger as well.
+    // All images of one file: each has a row, also an image that shows no finger.
     let mut rows = folder.read("other.csv");
     let seen = Csv::of(&rows);
     let moved = ["ux_mm", "uy_mm"].map(|column| seen.header.iter().position(|name| name == column).expect("a column"));
@@ -176,7 +176,7 @@ fn photographs_lead_to_a_finger_and_to_its_forces() {
     assert_says(&finray_reading(b"node,ux_mm,uy_mm\n19,1,1\n", &sense).refused(), &["image"]);
 }
 
-/// Each object that others may predict is predicted by them; forces of which one component has the wrong sign are refused.
+/// The friction of each object is predicted from the other objects. Forces with a wrong sign in one component are refused.
 fn friction_is_judged(folder: &Folder, scene: &str, located: &str, objects: &str) {
     let calibrate = ["calibrate", scene, "--located", located, "--fit", "modulus,bracket,friction=0.05", "--forces"];
     let answer = finray(&[&calibrate[..], &[objects]].concat());
@@ -192,7 +192,7 @@ fn friction_is_judged(folder: &Folder, scene: &str, located: &str, objects: &str
     assert_says(&answer.refused(), &["with the opposite angle", "check the sign of fx_n and fy_n"]);
 }
 
-/// The report compares what is sensed in the images with what was measured.
+/// The report compares the sensed forces of the images with the measured forces.
 fn compared_in_a_report(
     folder: &Folder,
     calibrated: &str,
@@ -225,7 +225,7 @@ fn compared_in_a_report(
         let number = |i: usize, column: &str| rows.texts(column)[i].parse().unwrap_or(f64::INFINITY);
         of_known.into_iter().map(|i| [number(i, "error"), number(i, "error_over_sigma")]).collect()
     };
-    // Coverage and error of all, and of each object.
+    // Coverage and error for all images, and for each object.
     let coverage = Csv::of(&folder.read("report/measured_coverage.csv"));
     assert_eq!(coverage.texts("object")[..3], ["all", "disc", "bar"]);
     assert_eq!(coverage.numbers("images")[..3], [3.0, 2.0, 1.0]);
@@ -234,34 +234,34 @@ fn compared_in_a_report(
     assert_eq!(coverage.numbers("within_95")[0], coverage.numbers("within_95")[1..3].iter().sum::<f64>());
     assert!(folder.read("report/summary.json").contains("\"measured_coverage\": ["));
     assert_says(section, &["By object", "By image"]);
-    // The finger that was calibrated on them explains them; one without its brackets does not, nor one without friction.
+    // The finger that was calibrated on the images explains them; a finger without brackets or without friction does not.
     let known = errors("direction measured");
     assert_eq!(known.len(), 3);
     assert!(known.iter().all(|[error, sigmas]| error.abs() < 0.01 && sigmas.abs() < 3.0), "{known:?}");
-    // A single image may be right by chance.
+    // The error of a single image may be small by chance, so mean errors are compared.
     let mean = |all: &[[f64; 2]]| all.iter().map(|[error, _]| error.abs()).sum::<f64>() / all.len() as f64;
     for worse in ["no friction", "direction measured, no brackets", "direction measured, no distortion of the lens"] {
         let all = errors(worse);
         assert!(all.len() == 3 && mean(&all) > (5.0 * mean(&known)).max(0.01), "{worse}: {all:?} for {known:?}");
     }
-    // Two of the images, with the markers' residuals over them: an image, and a circle a marker twice, for its halo.
+    // Two of the images are shown with the residuals of their markers. Each marker has two circles, because one is a halo.
     assert_eq!(section.matches("data:image/jpeg;base64,").count(), 2);
     assert_eq!(section.matches("r=\"4\"/><path d=\"M").count(), 2 * 2 * 8);
     assert!(section.contains("press2.png: residual of each marker"));
     let residuals = Csv::of(&folder.read("report/measured_residuals.csv"));
     assert_eq!(residuals.rows.len(), 3 * 8);
     assert!(residuals.numbers("residual_x_mm").iter().all(|left| left.abs() < 0.06));
-    // Brackets of the scene that located them are 0.3 mm shorter; pixels of another camera are elsewhere, whatever its finger.
+    // Two tables do not match their scenes: one was located with brackets that are 0.3 mm shorter, the other with another focal length.
     let camera = folder.read("calibrated.toml").replace("focal_px = [1040.0, 1040.0]", "focal_px = [1050.0, 1050.0]");
     for (scene, located) in [(calibrated, elsewhere), (&folder.put("camera.toml", camera), located)] {
-        // An image that is not there ends it before the report is made.
+        // A missing image ends the command before the report is made.
         let report = ["report", scene, "--measurements", located, "--forces", forces, "--image", "nothing.png"];
         assert_says(
             &finray(&report).err,
             &["warning: ", "located with another scene", "positions of markers differ by up to"],
         );
     }
-    // Without forces there is nothing to compare with.
+    // Without measured forces, the command refuses, because it has nothing to compare.
     let alone = finray(&["report", calibrated, "--measurements", located]).refused();
     assert_says(&alone, &["--forces"]);
 }
@@ -270,7 +270,7 @@ fn compared_in_a_report(
 fn what_images_cannot_show_is_refused() {
     let folder = Folder::new();
     let scene = scene(&folder);
-    // Hinges of the undeformed finger, moved a little: what they say does not matter here.
+    // Hinges of the undeformed finger with small displacements, whose values are irrelevant to this test.
     let rows = "image,node,x_mm,y_mm,ux_mm,uy_mm,sigma_mm\na,2,47,-20,0.1,0.1,0.01\na,3,76,-9,0.1,0.1,0.01\n";
     let located = folder.put("located.csv", rows);
     let refused = |scene: &str, options: &[&str]| {
@@ -296,7 +296,8 @@ fn what_images_cannot_show_is_refused() {
     assert_says(&few, &["not identifiable"]);
 }
 
-/// A base without marks: it stands where the camera's pose has it, but for what is stated and for how it gives way, whatever base the ribs suggest to `locate`.
+/// A base without marks has the pose that the camera's pose implies, up to the stated uncertainty and the fitted compliance. A base that `locate`
+/// estimates from the ribs is ignored.
 #[test]
 fn a_base_without_marks_is_expected_to_give_way() {
     const TURN_DEG_PER_N: f64 = -0.1;

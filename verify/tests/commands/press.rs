@@ -3,14 +3,14 @@
 use crate::kit::*;
 
 const DISC: &str = "[object]\nshape = \"disc\"\nradius_mm = 20\nat_mm = 74\nforce_n = 2\nsteps = 2\n";
-/// `press` senses on a mesh of its own, `sense` refines until 0.2 % are settled.
+/// Tolerance between `press` and `sense`. `press` senses on its own mesh, and `sense` refines its mesh until the force changes by less than 0.2 %.
 const MESH_TOLERANCE: f64 = 2e-3;
 
 fn scene(folder: &Folder, object: &str) -> String {
     folder.put("scene.toml", paper_with(&[]) + "\n" + object)
 }
 
-/// Sensing from the shape that `press` writes gives the forces that it writes.
+/// `sense` computes from the shape that `press` writes the same forces as `press`.
 #[test]
 fn its_shape_and_forces_agree_with_sense() {
     let folder = Folder::new();
@@ -29,10 +29,10 @@ fn its_shape_and_forces_agree_with_sense() {
     assert!((own / other - 1.0).abs() < MESH_TOLERANCE, "{own} N, sense has {other} N");
 }
 
-/// With standard deviations of its contacts `sense` gives the forces of `press` with friction, and the same standard deviations.
+/// If the standard deviations of its contacts are stated, `sense` computes the same forces and standard deviations as `press` with friction.
 #[test]
 fn sense_of_measured_contacts_gives_what_press_gives() {
-    /// Standard deviation that `press` states where there is no noise, and one of a direction that is known, degrees.
+    /// Standard deviation that `press` uses without noise, mm, and standard deviation of a known direction, degrees.
     const LEAST_MM: &str = "0.01";
     const KNOWN: f64 = 1e-6;
     let folder = Folder::new();
@@ -49,12 +49,12 @@ fn sense_of_measured_contacts_gives_what_press_gives() {
     for (press, sense) in of_press.iter().zip(of_sense) {
         assert!((press / sense - 1.0).abs() < 1e-6, "{of_press:?} and {of_sense:?}");
     }
-    // Without the cone of friction the direction is taken for exact, and the deviation is smaller.
+    // Without the friction cone, the direction counts as exact, and the standard deviation is smaller.
     let exact = Csv::of(&finray(&sense).done()).numbers("sigma_n")[0];
     assert!(exact < of_sense[1], "{exact} and {of_sense:?}");
     let mixed = [&sense[..], &["--contact", "17"]].concat();
     assert_says(&finray(&mixed).refused(), &["expected all contacts with standard deviations (+-), or none"]);
-    // A deviation is not dropped in silence where something else of its contact is sought.
+    // A standard deviation is not ignored silently if another quantity of its contact is unknown.
     for contact in ["auto@-20+-3", "80+-0.5@normal", "80+-0.5@auto"] {
         let sense = ["sense", &scene, "--displacements", &shape, "--contact-at", contact, "--noise-mm", LEAST_MM];
         assert_says(&finray(&sense).refused(), &["expected numbers for its position and its direction"]);
@@ -90,7 +90,7 @@ fn the_shape_goes_to_a_file_of_its_own() {
     );
 }
 
-/// The outline lies beside the scene.
+/// The outline is a file in the folder of the scene.
 #[test]
 fn outlines_are_read_and_checked() {
     let folder = Folder::new();
@@ -121,8 +121,8 @@ fn outlines_are_read_and_checked() {
     assert_eq!(finray(&press).done(), square, "a square is a box");
 }
 
-/// Members of 17 mm had three segments like those of 13 mm, and forces 5 % off. Totals of an independent frame with contact
-/// on fine nodes.
+/// Members of 17 mm once had three segments, like members of 13 mm, and the forces had errors of 5 %. The expected totals come from an independent
+/// frame with contact on a fine mesh.
 #[test]
 fn the_default_lattice_suits_the_finger() {
     const FRAME: [(f64, f64); 4] = [(3.75, 12.253524), (7.5, 24.280193), (11.25, 34.523518), (15.0, 48.599816)];
@@ -149,7 +149,7 @@ fn the_default_lattice_suits_the_finger() {
     }
 }
 
-/// Steps before one that fails are written; the message says so. What was until then was lost.
+/// The steps before a failed step are written, and the message states this. Once, these steps were lost.
 #[test]
 fn steps_before_a_failure_are_written() {
     let folder = Folder::new();
@@ -161,11 +161,11 @@ fn steps_before_a_failure_are_written() {
     assert!(totals.len() > 1 && totals[0] == 1.0, "{totals:?}");
 }
 
-/// Nothing is written when the first step has no rest position; the message names it.
+/// If the first step has no equilibrium, nothing is written, and the message names the step.
 #[test]
 fn an_object_that_nothing_holds_is_an_error() {
     let folder = Folder::new();
-    // It passes the tip and never comes back.
+    // The object slides past the tip and never returns.
     let scene = scene(
         &folder,
         "[object]\nshape = \"disc\"\nradius_mm = 5\nat_mm = 153\ndirection_deg = 80\nforce_n = 5\nsteps = 1\n",

@@ -15,22 +15,22 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-/// Standard deviations of joints, mm, preload, N mm, height, mm, and base, mm and degrees.
+/// Standard deviations of the joints (mm), the preload (N mm), the height of the markers (mm) and the references on the base (mm and degrees).
 const JOINTS_MM: f64 = 0.2;
 const PRELOAD_NMM: f64 = 8.0;
 const HEIGHT_MM: f64 = 1.5;
 const BASE: [f64; 2] = [1.0, 1.0];
 const LARGEST_FRICTION: f64 = 0.6;
 const PAD: Pad = Pad { length_mm: 6.0, thickness_mm: 2.0 };
-/// What is fitted to images of the new mounting.
+/// Parameters that are fitted to images of the new mounting.
 const FIT: &str = "preload=8,height=1.5,base,brackets=0.2,ribs=0.2";
-/// Fingers from which on the coverage is checked.
+/// Smallest number of fingers for which the coverage is checked.
 const ENOUGH: usize = 10;
 
-/// Fingers from which on the figures are recorded.
+/// Smallest number of fingers for which the figures are recorded.
 const RECORDED: usize = 120;
 
-/// How a force is sensed.
+/// Ways of sensing a force, as the table of the guide names them.
 const REMEDIES: [&str; 4] = [
     "`[assembly]` alone",
     "and an image at rest (`locate --rest`)",
@@ -38,16 +38,16 @@ const REMEDIES: [&str; 4] = [
     "calibrated on the six without any force",
 ];
 const QUESTIONS: [&str; 2] = ["direction known", "friction unknown"];
-/// Measures the figures of the guide.
+/// Command that measures the figures of the guide.
 const COMMAND: &str =
     "FINRAY_TEST_CASES=120 cargo test --release -p finray-verify --test commands -- reassembled --nocapture";
 
-/// Images of each finger, N.
+/// Force in each image of a finger, N.
 fn forces_n(fingers: usize) -> Vec<f64> {
     if fingers < ENOUGH { vec![2.0, 4.5, 8.0] } else { vec![1.5, 2.5, 4.0, 5.5, 7.5, 10.0] }
 }
 
-/// The scene with what it states of its assembly.
+/// The nominal scene with the stated uncertainties of the assembly.
 fn stated() -> String {
     let [sigma_mm, sigma_deg] = BASE;
     let base = format!("[base]\nsigma_mm = {sigma_mm:?}\nsigma_deg = {sigma_deg:?}\n");
@@ -62,12 +62,12 @@ fn stated() -> String {
         + &assembly
 }
 
-/// The scene of a finger as it was assembled.
+/// The true scene of an assembled finger.
 fn assembled(chance: &mut ChaCha8Rng) -> String {
     let mut off = |at_mm: [f64; 2]| at_mm.map(|mm| mm + JOINTS_MM * normal(chance));
     let ribs_mm = [[27.0, 45.67], [54.0, 78.69], [81.0, 107.5], [108.0, 132.27]].map(&mut off);
     let brackets_mm = [[3.0; 2]; 4].map(&mut off);
-    // Of the markers: those of the base are where its scene has them.
+    // Only the height of the finger's markers has an error; the references on the base have their stated height.
     let height_mm = HEIGHT_MM * normal(chance);
     let scene = stated()
         .replace("[[27.0, 45.67], [54.0, 78.69], [81.0, 107.5], [108.0, 132.27]]", &format!("{ribs_mm:?}"))
@@ -76,7 +76,8 @@ fn assembled(chance: &mut ChaCha8Rng) -> String {
     with_marks_off(scene, BASE, chance)
 }
 
-/// What one finger's images give: of each remedy and each question, answers to all images that were not measured.
+/// Presses and answers for the images of one finger. For each remedy and each question, there is an answer for every image whose force was not
+/// measured.
 fn answers(finger: usize, forces_n: &[f64]) -> (Vec<Press>, [[Vec<Answer>; 2]; 4]) {
     let chance = &mut ChaCha8Rng::seed_from_u64(4400 + finger as u64);
     let folder = Folder::new();
@@ -104,7 +105,7 @@ fn answers(finger: usize, forces_n: &[f64]) -> (Vec<Press>, [[Vec<Answer>; 2]; 4
     };
     let located = locate(&scene, "located.csv", &[]);
     let rest = locate(&scene, "from_rest.csv", &["--rest", &folder.path("rest.png")]);
-    // The middle force is measured.
+    // The force of the middle image is measured.
     let measured = &presses[presses.len() / 2];
     let [fx, fy] = force([measured.force_n, measured.lean_deg], measured.base_deg);
     let forces = folder.put("forces.csv", format!("image,fx_n,fy_n\n{},{fx},{fy}\n", measured.name));
@@ -149,7 +150,8 @@ fn answers(finger: usize, forces_n: &[f64]) -> (Vec<Press>, [[Vec<Answer>; 2]; 4
     (unmeasured, all)
 }
 
-/// 95 % intervals hold the force: with the table alone, with an image at rest, with one measured force and with images of unknown forces.
+/// The 95 % intervals contain the force for all four ways of sensing: with `[assembly]` alone, an image at rest, one measured force, and images of
+/// unknown forces.
 #[test]
 fn intervals_hold_on_rendered_fingers_that_were_assembled_anew() {
     let fingers = case_count(1, 30);

@@ -1,9 +1,9 @@
 //! Coverage of intervals on rendered images, and the cost of each unknown. The fingers have known forces and differ from their scene; the
 //! scene is calibrated on some images and senses the others, as in the README.
 //!
-//! Every image has its own force, position and friction, and a base mounted again. A pad between object and plate distributes the force, and friction
-//! acts in front of the plate. Intervals include calibration errors, which all images share, so coverage is averaged over several fingers, each
-//! calibrated separately. `FINRAY_TEST_CASES=<number>` sets the number of sensed images, otherwise 16; `--nocapture` prints the tables.
+//! Every image has its own force, position and friction, and its base is mounted anew. A pad between object and plate distributes the force, and
+//! friction acts in front of the plate. Intervals include calibration errors, which all images share, so coverage is averaged over several fingers,
+//! each calibrated separately. `FINRAY_TEST_CASES=<number>` sets the number of sensed images, otherwise 16; `--nocapture` prints the tables.
 
 use crate::kit::*;
 use crate::photographs::force;
@@ -16,43 +16,45 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use std::fmt::Write;
 
-/// Images that a scene is calibrated on, how many must not be refused at least, and at most how many it senses.
+/// Number of images for the calibration of a scene, smallest number of these images that must be located, and largest number of images that the scene
+/// senses.
 const CALIBRATED_ON: usize = 10;
 const LEAST_CALIBRATED_ON: usize = 7;
 const SENSED: usize = 20;
-/// There are so many fingers at least.
+/// Smallest number of fingers.
 const FINGERS: usize = 2;
-/// Standard deviations of what is built otherwise than drawn: moduli, as a share, brackets and positions of ribs, mm.
+/// Standard deviations between built and drawn finger: of the modulus (as a share), of the brackets (mm) and of the ribs' positions (mm).
 const MODULUS_OFF: f64 = 0.05;
 const BRACKETS_OFF_MM: f64 = 0.3;
 const RIBS_OFF_MM: f64 = 0.1;
-/// Standard deviations of where the base is mounted, mm and degrees.
+/// Standard deviations of the position (mm) and the rotation (degrees) at which the base is mounted.
 const REMOUNTED: [f64; 2] = [0.5, 0.5];
 const LARGEST_FRICTION: f64 = 0.5;
-/// Of how many forces an even pressure is made.
+/// Number of forces that represent a uniform pressure.
 const PARTS: usize = 7;
-/// Nodes of the finger that is rendered.
+/// Number of mesh nodes of the rendered finger.
 const MESH_NODES: usize = 200;
-/// What lies between: an object that touches the plate over 2 mm, and a pad.
+/// Pads between object and plate. The first represents an object that touches the plate over 2 mm, the second is a soft pad.
 const TOUCHING: Pad = Pad { length_mm: 2.0, thickness_mm: 0.0 };
 const PAD: Pad = Pad { length_mm: 8.0, thickness_mm: 3.0 };
-/// Images from which on a coverage of three quarters is less than 95 % beyond chance: by five standard errors of images by themselves, as fingers differ.
+/// Number of images from which on a coverage of 75 % is significantly below 95 %. The margin is five standard errors of independent images, because
+/// fingers differ.
 const ENOUGH: usize = 30;
-/// A coverage may be off by chance by this many standard errors; of few images, of which most are within, these are small.
+/// Tolerance of a coverage, in standard errors. With few images, the estimated standard error is too small if most intervals contain the force.
 const STANDARD_ERRORS: f64 = 3.0;
 
-/// An image and what it shows.
+/// An image and its true load.
 pub(super) struct Press {
     pub name: String,
     pub s_mm: f64,
     pub force_n: f64,
-    /// From the undeformed normal, as friction has it.
+    /// Direction of the force, degrees from the undeformed normal, as the friction determines it.
     pub lean_deg: f64,
-    /// Turn of the base in the image.
+    /// Rotation of the base in the image, degrees.
     pub base_deg: f64,
 }
 
-/// What is known when a force is sensed.
+/// Quantities that are known when a force is sensed.
 #[derive(Clone, Copy)]
 enum Known {
     PlaceAndDirection,
@@ -81,7 +83,7 @@ impl Known {
         }
     }
 
-    /// The contact to ask for, where the base is found at an angle in the image.
+    /// The argument for the contact. `found_base_deg` is the measured rotation of the base in the image.
     fn contact(self, press: &Press, found_base_deg: f64) -> String {
         let angle_deg = press.lean_deg + press.base_deg - found_base_deg;
         match self {
@@ -93,11 +95,11 @@ impl Known {
     }
 }
 
-/// Errors of the answers as shares of the true forces, how many intervals hold the truth, and how many images were asked.
+/// Relative errors of the sensed forces, and numbers for the coverage of their intervals.
 #[derive(Default)]
 pub(super) struct Tally {
     pub errors: Vec<f64>,
-    /// Of each finger, how many intervals hold the truth, and how many images were asked.
+    /// For each finger: number of intervals that contain the true force, and number of images.
     pub within: Vec<[usize; 2]>,
 }
 
@@ -126,7 +128,8 @@ impl Tally {
         self.within.iter().map(|[within, _]| within).sum::<usize>() as f64 / self.asked() as f64
     }
 
-    /// Standard error of the coverage: of images by themselves, or of fingers, all of which have as many, where these differ by more.
+    /// Standard error of the coverage: the larger of two values, for independent images and for independent fingers. All fingers have equal numbers
+    /// of images.
     pub fn standard_error(&self) -> f64 {
         let fingers = self.within.len() as f64;
         let off = |[within, asked]: &[usize; 2]| (*within as f64 / *asked as f64 - self.coverage()).powi(2);
@@ -134,18 +137,18 @@ impl Tally {
         of_fingers.max(share_error(0.95, self.asked()))
     }
 
-    /// Whether the coverage is 95 % but for chance.
+    /// Whether the coverage is 95 % within chance.
     pub fn holds(&self) -> bool {
         (self.coverage() - 0.95).abs() <= STANDARD_ERRORS * self.standard_error()
     }
 
-    /// Whether it is less, beyond chance.
+    /// Whether the coverage is significantly below 95 %.
     fn misses(&self) -> bool {
         self.coverage() < 0.95 - STANDARD_ERRORS * self.standard_error()
     }
 }
 
-/// The scene of the drawing: nothing of it is exactly right.
+/// The nominal scene, from which every built finger deviates.
 fn drawn(pad: Pad) -> String {
     let [sigma_mm, sigma_deg] = REMOUNTED;
     let base = format!("[base]\nsigma_mm = {sigma_mm}\nsigma_deg = {sigma_deg}\n");
@@ -156,7 +159,7 @@ fn drawn(pad: Pad) -> String {
         + &pad
 }
 
-/// A finger as it was built.
+/// True dimensions and modulus of a built finger.
 struct Built {
     modulus_mpa: f64,
     brackets_mm: [f64; 2],
@@ -175,7 +178,7 @@ impl Built {
     }
 }
 
-/// The scene of the images, the marks where the base was mounted this time.
+/// The true scene of an image; its marks show the position at which the base was mounted for this image.
 fn mounted(built: &Built, chance: &mut ChaCha8Rng) -> String {
     let scene = drawn(Pad::default())
         .replace("youngs_modulus_mpa = 213000.0", &format!("youngs_modulus_mpa = {:?}", built.modulus_mpa))
@@ -184,7 +187,7 @@ fn mounted(built: &Built, chance: &mut ChaCha8Rng) -> String {
     with_marks_off(scene, REMOUNTED, chance)
 }
 
-/// A scene whose marks are off: standard deviations, mm and degrees.
+/// A scene with random errors of the marks' positions (mm) and rotation (degrees), with the given standard deviations.
 pub(super) fn with_marks_off(mut scene: String, [sd_mm, sd_deg]: [f64; 2], chance: &mut ChaCha8Rng) -> String {
     let (x, y, turn) = (sd_mm * normal(chance), sd_mm * normal(chance), (sd_deg * normal(chance)).to_radians());
     let (sin, cos) = turn.sin_cos();
@@ -214,14 +217,14 @@ fn press(folder: &Folder, built: &Built, number: usize, pad: Pad) -> Press {
 /// How an image is rendered.
 pub(super) struct Rendering {
     pub pad: Pad,
-    /// Where the base is in it, mm, mm and degrees.
+    /// Pose of the base in the image: x (mm), y (mm) and rotation (degrees).
     pub base: [f64; 3],
     pub seed: usize,
-    /// Moment at the tip.
+    /// Preload: moment at the tip, N mm.
     pub preload_nmm: f64,
 }
 
-/// Renders a press of the finger of a scene; of no force, the unloaded finger.
+/// Renders a press of a scene's finger; without a force, the unloaded finger.
 pub(super) fn render(folder: &Folder, scene: &str, press: &Press, rendering: Rendering) {
     let Rendering { pad, base: [x, y, base_deg], seed, preload_nmm } = rendering;
     let &Press { ref name, s_mm, force_n, lean_deg, .. } = press;
@@ -242,19 +245,19 @@ pub(super) fn render(folder: &Folder, scene: &str, press: &Press, rendering: Ren
     finray(&[&["render", &scene, "--grey-noise", "2", "--blur-px", "0.8"], &arguments[..]].concat()).done();
 }
 
-/// How many images are sensed.
+/// Number of sensed images.
 fn images() -> usize {
     case_count(16, 200)
 }
 
-/// A finger, and images of it in a folder: what its scene is calibrated on, and what it senses.
+/// Images of one finger in a folder: `known` for the calibration of its scene, `unknown` for sensing.
 struct Photographed {
     folder: Folder,
     known: Vec<Press>,
     unknown: Vec<Press>,
 }
 
-/// Renders all fingers under a pad.
+/// Renders the images of all fingers, with a pad between object and plate.
 fn photographed(pad: Pad) -> Vec<Photographed> {
     let fingers = (images() / SENSED).max(FINGERS);
     let of_finger = |finger| {
@@ -268,13 +271,13 @@ fn photographed(pad: Pad) -> Vec<Photographed> {
     (0..fingers).into_par_iter().map(of_finger).collect()
 }
 
-/// Measures the figures of the guide.
+/// Command that measures the figures of the guide.
 const COMMAND: &str =
     "FINRAY_TEST_CASES=200 cargo test --release -p finray-verify --test commands -- rendered --nocapture";
-/// Images from which on the figures are recorded.
+/// Smallest number of images for which the figures are recorded.
 const RECORDED: usize = 200;
 
-/// Records what was found for each of [`Known::ALL`].
+/// Records the figures for each of [`Known::ALL`].
 fn record(study: &str, question: &str, tallies: &[Tally; 5]) {
     if tallies[0].asked() < RECORDED {
         return;
@@ -293,7 +296,7 @@ fn record(study: &str, question: &str, tallies: &[Tally; 5]) {
     record_figures(study, COMMAND, Known::ALL.iter().zip(tallies).map(figure).collect());
 }
 
-/// Calibrates and senses with a scene that states a pad; prints a table and returns what was found for each of [`Known::ALL`].
+/// Calibrates and senses with a scene that states a pad. Prints a table and returns the results for each of [`Known::ALL`].
 fn sensed(fingers: &[Photographed], stated: Pad) -> [Tally; 5] {
     let answers: Vec<Vec<[Answer; 5]>> = fingers.par_iter().map(|finger| sensed_with(finger, stated)).collect();
     let mut tallies: [Tally; 5] = std::array::from_fn(|_| Tally::default());
@@ -313,7 +316,7 @@ fn sensed(fingers: &[Photographed], stated: Pad) -> [Tally; 5] {
     tallies
 }
 
-/// Calibrated on some images of a finger: what is sensed in the others.
+/// Calibrates the scene on the known images of a finger, and senses the forces in the unknown images.
 fn sensed_with(Photographed { folder, known, unknown }: &Photographed, stated: Pad) -> Vec<[Answer; 5]> {
     let found = Folder::new();
     let calibrated = calibrated([folder, &found], stated, known);
@@ -335,7 +338,7 @@ fn sensed_with(Photographed { folder, known, unknown }: &Photographed, stated: P
     answers.collect()
 }
 
-/// Intervals hold where something is known; what each unknown costs: less is known, more is missed, and what is left out is not in the interval.
+/// Checks that the intervals have 95 % coverage if the scene states all uncertainties. Omitted uncertainties reduce the coverage.
 fn assert_intervals_hold([place, direction, exact_base, friction, none]: &[Tally; 5]) {
     for tally in [place, direction, friction] {
         assert!(tally.holds(), "{} within, +- {}", tally.coverage(), tally.standard_error());
@@ -343,7 +346,7 @@ fn assert_intervals_hold([place, direction, exact_base, friction, none]: &[Tally
     assert!(place.mean() < 0.001 && direction.mean() < 0.003 && friction.mean() < 0.06);
     assert!(place.mean() < direction.mean() && direction.mean() < friction.mean() && friction.mean() < none.mean());
     assert!(exact_base.mean() > 3.0 * direction.mean());
-    // Of few images three quarters within might be chance.
+    // With few images, a coverage of 75 % might be chance.
     assert!(exact_base.misses() || exact_base.asked() < ENOUGH, "{}", exact_base.coverage());
     assert!(none.coverage() < 0.5, "{}", none.coverage());
 }
@@ -355,7 +358,7 @@ fn intervals_hold_on_rendered_images() {
     assert_intervals_hold(&tallies);
 }
 
-/// A pad that the scene lacks is a misfit: forces are off by about a percent, and their intervals are wider.
+/// If the scene lacks the pad, the model does not fit: forces have errors of about a percent, and their intervals are wider.
 #[test]
 fn intervals_hold_with_a_pad_that_the_scene_has_and_are_wider_without() {
     let fingers = photographed(PAD);
@@ -369,10 +372,10 @@ fn intervals_hold_with_a_pad_that_the_scene_has_and_are_wider_without() {
     assert!(place.mean() < 0.03 && direction.mean() < place.mean(), "{} {}", place.mean(), direction.mean());
 }
 
-/// The scene that some images and their measured forces lead to.
+/// Calibrates the scene on images with measured forces, and returns the path of the calibrated scene.
 fn calibrated([images, folder]: [&Folder; 2], stated: Pad, presses: &[Press]) -> String {
     let (scene, calibrated) = (folder.put("drawn.toml", drawn(stated)), folder.path("calibrated.toml"));
-    // An image that is refused is left out, as its user would.
+    // Refused images are omitted, as a user would omit them.
     let seen = presses.par_iter().map(|press| finray(&["locate", &scene, "--image", &images.path(&press.name)]));
     let seen: Vec<(&Press, Answer)> =
         presses.iter().zip(seen.collect::<Vec<_>>()).filter(|(_, it)| it.code == Some(0)).collect();

@@ -40,13 +40,13 @@ fn a_scene_may_be_written_in_many_ways() {
         ("joints = \"rigid\"", "joints = 'rigid'\nrigid = false"),
         ("\n[finger]", "[camera]\nnoise_mm = 0.1\n[finger]"),
     ] {
-        // A comment keeps its first line even with a byte order mark before it.
+        // A comment in the first line is valid even after a byte order mark.
         assert_eq!(shape(&paper_with(&[(from, to)])), reference, "{to:?}");
     }
     let evenly: Vec<_> = (1..=11).map(|i| format!("[{0:?}, {0:?}]", 153.0 * f64::from(i) / 12.0)).collect();
     let positions = format!("positions_mm = [{}]", evenly.join(", "));
     assert_eq!(shape(&paper_with(&[("count = 11", &positions)])), reference);
-    // A zone that covers everything is another modulus.
+    // A zone that covers the whole plate has the same effect as another modulus.
     let zones = |to: &str| {
         format!(
             "{}\n[[finger.zone]]\nplate = \"front\"\nfrom_mm = 0\nto_mm = {to}\nmodulus_factor = 2\n",
@@ -81,7 +81,7 @@ fn unknown_keys_are_named_with_the_nearest_known_one() {
         let nearest = format!("; the nearest known key is `{nearest}`");
         assert_refused(from, to, line, &[&format!("unknown key `{key}`"), &nearest]);
     }
-    // In a plate's table and in the second of two zones the line is theirs.
+    // For a key in a plate's table or in the second of two zones, the message names the line of that key.
     let scene = paper_with(&[("[finger.back]\nthickness_mm", "[finger.back]\nthicknes_mm")]);
     assert_says(&refused(&scene), &["line 19: unknown key `finger.back.thicknes_mm`", "`thickness_mm`"]);
     let zone = "[[finger.zone]]\nplate = \"front\"\nfrom_mm = 1\nto_mm = 2\nmodulus_factor = 2\n";
@@ -170,7 +170,7 @@ fn values_of_another_type_are_refused() {
     assert_says(&refused("name = \"x\"\nfinger = 5\n"), &["line 2: finger: expected a table, found 5"]);
 }
 
-/// The line is that of the table which should hold the key.
+/// The message names the line of the table that should contain the key.
 #[test]
 fn missing_keys_are_named() {
     for (from, at, expected) in [
@@ -234,7 +234,7 @@ fn text_that_is_no_toml_is_refused_by_line() {
     assert_says(&finray_reading(b"[", &["solve", "-", "--load", "19:0,-1"]).refused(), &["standard input: line 1: "]);
 }
 
-/// Objects and rods, each fault on its own line.
+/// Faults of objects and rods; the message names the line of each fault.
 #[test]
 fn objects_that_cannot_be_are_refused() {
     let disc = "[object]\nshape = \"disc\"\nradius_mm = 5\nat_mm = 70\ntravel_mm = 3\n";
@@ -291,7 +291,7 @@ fn objects_that_cannot_be_are_refused() {
     }
 }
 
-/// Whatever command reads the scene.
+/// Every command that reads a scene refuses an invalid scene.
 #[test]
 fn every_command_refuses_a_bad_scene() {
     let folder = Folder::new();

@@ -90,7 +90,7 @@ fn sizes_must_be_positive_finite_numbers() {
     ] {
         assert_refused(from, to, at, &[expected]);
     }
-    // The last rib is 58 mm / 12 long between the plates' middle lines.
+    // The length of the last rib between the middle lines of the plates is 58 mm / 12.
     for (value, room) in [("2.3", true), ("2.5", false), ("[4.6, 0.0]", true), ("[0.0, 4.9]", false)] {
         let bracket = format!("count = 11\nbracket_mm = {value}");
         let scene = paper_with(&[("count = 11", &bracket)]);
@@ -107,7 +107,7 @@ fn sizes_must_be_positive_finite_numbers() {
         let expected = "finger.poissons_ratio: expected a ratio above -1 and up to 0.5";
         assert_refused("depth_mm = 20.0", &ratio, "poissons_ratio", &[expected]);
     }
-    // Material that rigid ribs have no use for is looked at all the same.
+    // The material of rigid ribs is checked although it has no effect.
     let rigid = [("joints = \"rigid\"\nthickness_mm = 1.5", "joints = \"rigid\"\nrigid = true\nthickness_mm = -1.5")];
     assert_says(
         &refused(&paper_with(&rigid)),
@@ -257,7 +257,7 @@ fn zones_must_lie_on_their_plate() {
     ] {
         assert_says(&refused(&zone(plate, from, to, factor)), &[expected]);
     }
-    // The second of two zones is meant.
+    // The fault is in the second of two zones.
     let second = zone("\"front\"", "0", "20.0", "0.5")
         + "[[finger.zone]]\nplate = \"back\"\nfrom_mm = 0\nto_mm = 141\nmodulus_factor = 2\n";
     assert_says(

@@ -3,11 +3,11 @@
 use crate::kit::*;
 
 const HEADER: [&str; 6] = ["node", "x_mm", "y_mm", "ux_mm", "uy_mm", "theta_rad"];
-/// Newton's last correction is below 1e-9 of the solution; two ways to one equilibrium may differ by as much.
+/// Relative tolerance between two solutions of one equilibrium: Newton's last correction is below 1e-9 of the solution.
 const NEWTON: f64 = 1e-8;
-/// Far above what Newton leaves of displacements of some millimetres.
+/// A difference far above Newton's error for displacements of some millimetres.
 const NOTICEABLE_MM: f64 = 1e-4;
-/// Beams of one element a member are this close to the fine mesh at 2.5 N, as a share of the largest displacement.
+/// Tolerance between a mesh with one element per member and the fine mesh at 2.5 N, as a share of the largest displacement.
 const COARSE_MESH: f64 = 0.05;
 
 fn solve(arguments: &[&str]) -> Csv {
@@ -29,7 +29,7 @@ fn a_row_a_key_node_in_order_with_the_undeformed_position() {
     for row in [&shape.rows[0], &shape.rows[24]] {
         assert_eq!(row[3..], ["0.0", "0.0", "0.0"], "clamped");
     }
-    // The force pushes the front plate to -y, and the finger with it.
+    // The force pushes the front plate, and with it the whole finger, in the direction -y.
     assert!(shape.numbers("uy_mm")[1..24].iter().all(|u| *u < 0.0));
 }
 
@@ -42,7 +42,7 @@ fn numbers_are_written_with_full_precision() {
         let doubled: Vec<f64> = one.numbers(column).iter().map(|x| 2.0 * x).collect();
         assert_eq!(two.numbers(column), doubled);
     }
-    // And none is longer than it takes to read back the same.
+    // No number is longer than necessary to read back the same value.
     for cell in one.rows.iter().flatten().skip(6).filter(|cell| cell.contains('.')) {
         let number: f64 = cell.parse().expect("a number");
         assert!(cell.len() <= format!("{number:?}").len(), "{cell}");
@@ -82,7 +82,7 @@ fn an_angle_left_out_is_the_inward_normal() {
     assert_close(&displacements(&shape), &displacements(&reference), LINEAR_ROUNDING);
 }
 
-/// Once the last element ended a rounding error before the tip.
+/// Because of a rounding error, the last element once ended just before the tip.
 #[test]
 fn rounding_does_not_put_the_tip_off_the_plate() {
     let folder = Folder::new();
@@ -154,14 +154,14 @@ fn loads_that_the_finger_cannot_take_are_refused() {
         (["--mesh-nodes", "many"], "many"),
         (["--kinematics", "quadratic"], "corotational-chord"),
     ] {
-        // A good load beside it, so that nothing else is missing.
+        // A valid load is added, so that the refused load is the only fault.
         let answer = finray(&[&["solve", PAPER, "--load", "19:0,-1"], &load[..]].concat());
         assert_says(&answer.refused(), &[expected]);
     }
     assert_says(&finray(&["solve", PAPER]).refused(), &["--load NODE:FX,FY", "--load-at S_MM:FORCE,ANGLE_DEG"]);
 }
 
-/// The message names the share of the load up to which there is an equilibrium: below it `solve` works, above it not.
+/// The message names the share of the load up to which there is an equilibrium. `solve` succeeds just below this share, and fails just above.
 #[test]
 fn without_equilibrium_the_last_share_of_the_load_is_named() {
     let [fx, fy] = paper_force(200.0, 0.0);
@@ -171,10 +171,10 @@ fn without_equilibrium_the_last_share_of_the_load_is_named() {
     let percent = message.split_once("beyond ").and_then(|(_, rest)| rest.split_once(" %")).expect("a share").0;
     let share = percent.parse::<f64>().expect("a number") / 100.0;
     assert!(share > 0.01 && share < 1.0, "{message}");
-    // Strains are far from small there.
+    // At this load, the strains are large, so `solve` warns.
     finray(&["solve", PAPER, "--load", &load(0.999 * share)]).warned();
     finray(&["solve", PAPER, "--load", &load(1.001 * share)]).failed();
-    // The linear finger carries anything.
+    // The linear finger carries any load.
     finray(&["solve", PAPER, "--kinematics", "linear", "--load", &load(1.0)]).warned();
 }
 
@@ -196,7 +196,7 @@ fn fingers_with_other_joints_and_ribs_are_solved() {
         assert_eq!(shape.rows.len(), key_nodes);
         assert!(displacements(&shape).iter().any(|u| u.abs() > 1e-3));
     }
-    // Ribs that are not there are joined to nothing.
+    // Without ribs, the kind of joints has no effect.
     let scenes = [paper_with(&[ribless]), paper_with(&[ribless, ("joints = \"rigid\"\n", "")])];
     let shapes =
         scenes.map(|scene| finray_reading(scene.as_bytes(), &["solve", "-", "--load-at", "100:0.05,10"]).done());

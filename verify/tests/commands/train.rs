@@ -2,18 +2,19 @@
 
 use crate::kit::*;
 
-/// A network that is trained in a blink.
+/// Options for a network that is trained quickly.
 const SMALL: [&str; 6] = ["--samples", "400", "--epochs", "4", "--hidden-layers", "6"];
-/// With noise of 0.067 mm a force of 2 N in the middle is sensed to 0.4 % (Cramer-Rao); a small network adds some.
+/// Relative tolerance of a sensed force. With noise of 0.067 mm, the Cramer-Rao bound for 2 N in the middle is 0.4 %; a small network has a larger
+/// error.
 const SENSED: f64 = 0.05;
-/// Noise of the camera, mm, which a shape without noise stays far below.
+/// Noise of the camera, mm; the tested shapes have no noise.
 const NOISE: [&str; 2] = ["--noise-mm", "0.067"];
 
 fn train(contacts: &[&str], options: &[&str], out: &str) -> Answer {
     finray(&[&["train", PAPER][..], contacts, &SMALL, options, &["--out", out]].concat())
 }
 
-/// A network's file, made once for a test.
+/// Trains a network, and returns the path of its file.
 fn network(folder: &Folder, contacts: &[&str], options: &[&str]) -> String {
     let out = folder.path("network.safetensors");
     let answer = train(contacts, options, &out);
@@ -68,17 +69,17 @@ fn the_seed_makes_the_weights() {
     assert_ne!(one, made("another", "2"));
 }
 
-/// The paper's recipe, and sensing with its network.
+/// Options of `train` change the samples, as forces sensed with the network show.
 #[test]
 fn options_reach_the_samples() {
     let folder = Folder::new();
     let truth = shape(&[(19, 4.0)]);
     let force = |options: &[&str]| {
         let network = network(&folder, &["--contact", "19"], options);
-        // What the linear finger taught, this shape contradicts.
+        // The shape contradicts a network that was trained on the linear finger, so `sense` may warn.
         Csv::of(&sense(&truth, &["--contact", "19"], Some(&network)).computed()).numbers("force_n")[0]
     };
-    // The linear finger's regression takes the co-rotational shape under 4 N at node 19 for another force by percents.
+    // For the co-rotational shape under 4 N at node 19, the regression on the linear finger has an error of some percent.
     let (linear, nonlinear) = (force(&["--truth", "linear"]), force(&[]));
     assert!((nonlinear - 4.0).abs() < SENSED * 4.0, "{nonlinear}");
     assert!((linear - 4.0).abs() > 2.0 * (nonlinear - 4.0).abs(), "{linear} {nonlinear}");

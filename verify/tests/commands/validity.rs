@@ -2,12 +2,12 @@
 
 use crate::kit::*;
 
-/// The paper's finger 0.4 um deep. It strains as the paper's finger does under 50 000 times the force.
+/// The paper's finger with a depth of 0.4 um. It has the same strains as the paper's finger under 50 000 times the force.
 fn flat() -> String {
     paper_with(&[("depth_mm = 20.0", "depth_mm = 0.0004")])
 }
 
-/// A force that strains the linear finger by 16 %, N: 3 N strain the paper's by 3.89 % at this node.
+/// A force that causes a strain of 16 % in the flat linear finger, N. At this node, 3 N cause a strain of 3.89 % in the paper's finger.
 const FLAT_N: f64 = 2.5e-4;
 
 /// The percent in "not small: 16 % at".
@@ -44,7 +44,7 @@ fn small_strains_go_without_a_word() {
     finray(&["solve", SPRING_STEEL, "--load-at", "80:0.2,0"]).done();
 }
 
-/// A limit of the material takes the place of the default, in every part.
+/// The strain limit of the material replaces the default in every part.
 #[test]
 fn a_material_states_its_own_limit() {
     let folder = Folder::new();
@@ -67,7 +67,7 @@ fn a_material_states_its_own_limit() {
             assert_says(&message, &["scene.toml: line ", &key]);
         }
     }
-    // 20 % is allowed, so the strain of the flat finger is not doubted below it; its depth is.
+    // The stated limit is above the strain of the flat finger, so only its depth causes a warning.
     let flat = flat().replace("youngs_modulus_mpa = 47.976", "youngs_modulus_mpa = 47.976\nlargest_strain = 0.9");
     let scene = folder.put("flat.toml", flat);
     let load = paper_load(19, FLAT_N, 0.0);
@@ -75,7 +75,7 @@ fn a_material_states_its_own_limit() {
     assert!(warnings.len() == 1 && warnings[0].contains("depth over thickness"), "{warnings:?}");
 }
 
-/// Members as thick as they are long: shear counts.
+/// In members whose thickness is similar to their length, shear deformation matters.
 #[test]
 fn thick_members_are_warned_of() {
     let folder = Folder::new();
@@ -85,7 +85,7 @@ fn thick_members_are_warned_of() {
     assert_says(&warnings[0], &["shear, which Euler-Bernoulli beams neglect", "limit 5 %", "length / thickness"]);
 }
 
-/// Sensed forces are judged as loads are, by every estimator.
+/// Sensed forces of every estimator are checked against the limits, like loads.
 #[test]
 fn sensed_forces_are_judged() {
     let folder = Folder::new();
@@ -108,7 +108,7 @@ fn sensed_forces_are_judged() {
         ])
     };
     let (_, sensed) = sense(&soft, "nonlinear").warned();
-    // The same forces to the estimator's 0.2 %, which the rounded percent may turn.
+    // Both forces agree to the estimator's 0.2 %, which may change the rounded percentage.
     assert!(
         (strain_percent(&sensed) - strain_percent(&solved)).abs() <= 0.05 * strain_percent(&solved),
         "{sensed:?} against {solved:?}"
@@ -134,7 +134,7 @@ fn sensed_forces_are_judged() {
     .done();
 }
 
-/// The step that strains most is named.
+/// The warning names the step with the largest strain.
 #[test]
 fn a_pressed_finger_is_judged() {
     let folder = Folder::new();

@@ -30,7 +30,7 @@ const WINDOW_PX: [f64; 2] = [3.0, 15.0];
 const STEPS: usize = 20;
 /// The iterations for a corner's centre end when a step is below this, px.
 const STILL_PX: f64 = 1e-4;
-/// Range of the light that a corner's centre may have; 0 is the light of the dark squares, 1 that of the light squares.
+/// Range of the light that a corner's centre may have; 0 is the light of the dark squares, 1 is the light of the light squares.
 const MIDDLE: std::ops::Range<f64> = 0.25..0.75;
 /// Distance from a corner at which the light of the adjacent squares is sampled, as a share of the distance to their centres.
 const BESIDE: f64 = 0.25;
@@ -79,8 +79,8 @@ fn neighbours(lattice: &Lattice, [i, k]: [i32; 2]) -> impl Iterator<Item = usize
     [[i + 1, k], [i - 1, k], [i, k + 1], [i, k - 1]].into_iter().filter_map(|index| lattice.get(&index).copied())
 }
 
-/// Whether the dots of a lattice are squares of a chessboard. Squares of one shade meet at their corners, so the light halfway between neighbouring dots is
-/// then that of a chessboard corner.
+/// Whether the dots of a lattice are squares of a chessboard. Squares of one shade meet at their corners, so a chessboard corner then lies halfway
+/// between neighbouring dots.
 pub(super) fn are_squares(grey: &GrayImage, dots: &[Dot], lattice: &Lattice) -> bool {
     let is_corner = |number: usize, next: [i32; 2], aside: [[i32; 2]; 2]| {
         let next = lattice.get(&next)?;

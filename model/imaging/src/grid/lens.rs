@@ -22,8 +22,8 @@ pub enum LensOfGridsError {
     Fit(#[from] LensFitError),
     /// The dots of one image do not lie on a plane grid with any lens.
     #[error(
-        "image {image}: expected a plane grid, found dots that deviate from it by {residual_px:.1} px (root mean square) with neighbours \
-         {pitch_px:.0} px apart"
+        "image {image}: expected a plane grid, found dots that deviate from a plane grid by {residual_px:.1} px (root mean square); neighbouring \
+         dots are {pitch_px:.0} px apart"
     )]
     Uneven {
         /// Number of the image, counted from 1.

@@ -103,7 +103,7 @@ pub struct GridDot {
 /// Error for an image that shows no grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "expected a plane grid of round dots or holes, or a chessboard, at least {LEAST_DOTS} dots or corners of which are neighbours; found {found}"
+    "expected a plane grid of round dots or holes, or a chessboard, with at least {LEAST_DOTS} neighbouring dots or corners; found {found}"
 )]
 pub struct NoGrid {
     /// Number of dots or corners in the largest lattice that was found.

@@ -94,7 +94,7 @@ impl Moments {
         self.second += at * at.transpose();
     }
 
-    /// Second moments about the centre, px^2, including those of the pixels themselves (1/12).
+    /// Second moments about the centre, px^2, including the extent of each pixel (1/12).
     fn about_middle(&self) -> Matrix2<f64> {
         let middle = self.first / self.area;
         self.second / self.area - middle * middle.transpose() + Matrix2::<f64>::identity() / 12.0

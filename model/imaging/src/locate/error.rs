@@ -10,8 +10,8 @@ use finray_model::camera::ViewError;
 /// Reason why no finger was located in an image.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LocateError {
-    /// The size of the image differs from that of the camera's images.
-    #[error("expected an image of {} x {} px as the scene's camera takes, found {} x {} px{}",
+    /// The size of the image differs from the size of the camera's images.
+    #[error("expected an image of {} x {} px, the size of the scene's camera, found {} x {} px{}",
         expected[0], expected[1], found[0], found[1], turned(*expected, *found))]
     Size {
         /// Width and height of the images of the scene's camera, px.
@@ -29,11 +29,11 @@ pub enum LocateError {
         radius_px: f64,
     },
     /// The middle of the finger has no pixel in the camera.
-    #[error("the camera does not see the finger: its middle {0}")]
+    #[error("the camera does not see the finger: the middle of the finger {0}")]
     View(#[from] ViewError),
     /// The finger lies outside the image.
     #[error(
-        "the camera does not see the finger: its middle is outside the image; check the pose in the table camera of the scene"
+        "the camera does not see the finger: the middle of the finger is outside the image; check the pose in the table camera of the scene"
     )]
     Outside,
     /// The image is out of focus: the blur covers whole markers, so that no pixel shows their undisturbed light.
@@ -76,10 +76,10 @@ pub enum LocateError {
         /// Distance between the two positions of the base, mm.
         away_mm: f64,
     },
-    /// The image shows markers, but no pair of marks whose distance is that of two references on the base.
+    /// The image shows markers, but no pair of marks with the distance between two references on the base.
     #[error(
-        "the references on the base were not found: {} marks look like them (one number per reference), but no pair has their distance; \
-         {like_markers} rims look like markers; check base.reference.radius_mm, inner_radius_mm, shade and at_mm, lens and pose",
+        "the references on the base were not found: {} marks look like references (one number per reference), but no two marks are as far apart as \
+         two references; {like_markers} rims look like markers; check base.reference.radius_mm, inner_radius_mm, shade and at_mm, lens and pose",
         counts(like_references)
     )]
     NoReferences {
@@ -90,8 +90,8 @@ pub enum LocateError {
     },
     /// Patches of the markers' colours differ in radius from the markers that the camera should see.
     #[error(
-        "expected markers with a radius of {expected_px:.1} px, found patches of their colours with {found_px:.1} px: check markers.radius_mm, the \
-         camera's pose, and whether the image is resized"
+        "expected markers with a radius of {expected_px:.1} px, found patches of the marker colours with a radius of {found_px:.1} px: check \
+         markers.radius_mm, the camera's pose, and whether the image is resized"
     )]
     OtherSize {
         /// Radius of a marker according to the scene, px.

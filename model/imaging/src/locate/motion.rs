@@ -39,7 +39,8 @@ pub(super) fn motion_blur_px<'d>(
     if ratio.is_nan() || ratio >= ROUND {
         return None;
     }
-    // If the normal of an edge has the angle a to the motion, the variance of the edge's blur is 1 + k cos^2 a times that of the isotropic blur.
+    // If the normal of an edge has the angle a to the motion, the variance of the edge's blur is 1 + k cos^2 a times the variance of the isotropic
+    // blur.
     let ratio_of = |k: f64| {
         let (along, across) = (0..DIRECTIONS).fold((0.0, 0.0), |(along, across), i| {
             let cosine = (std::f64::consts::TAU * i as f64 / DIRECTIONS as f64).cos().powi(2);

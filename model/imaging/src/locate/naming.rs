@@ -18,7 +18,7 @@ pub(super) struct Candidate {
     pub sides: [bool; 2],
     /// Position of the candidate's centre, mm, finger frame.
     pub at: Vector,
-    /// The only node to which this candidate may be assigned, as known from the previous image; `None` if any node is possible.
+    /// The only node to which this candidate may be assigned, known from the previous image; `None` if any node is possible.
     pub node: Option<NodeId>,
     /// Additional cost if this candidate is assigned to a node, dimensionless; the larger, the less the candidate looks like a marker.
     pub cost: f64,

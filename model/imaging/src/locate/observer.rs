@@ -13,7 +13,7 @@ use image::RgbImage;
 pub struct Observer<'f> {
     finger: &'f Finger,
     locator: AnyLocator<'f>,
-    /// Markers of the unloaded finger, if an image of it was given; else empty.
+    /// Markers of the unloaded finger; empty if no image of the unloaded finger was given.
     at_rest: Vec<Located>,
     /// Residual standard deviation of one pixel coordinate, px, in the fit of the pose to coloured markers of the unloaded finger. `None` without such an
     /// image.

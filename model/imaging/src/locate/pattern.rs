@@ -1,8 +1,8 @@
 //! Detection of the undeformed finger in an image. No initial pose is needed, because two rows of markers that meet at the tip identify the finger.
 //!
-//! A camera maps straight lines to straight lines, after its distortion is removed. Among the lines through two markers of one colour, the line that contains
-//! the most markers is taken as a plate. Two markers near the ends of each plate, matched to nodes near the plate's ends, define a homography. The homography
-//! that maps the most nodes onto markers decides which marker belongs to which node.
+//! After its lens distortion is removed, a camera maps straight lines to straight lines. Among the lines through two markers of one colour, the line
+//! that contains the most markers is taken as a plate. Two markers near the ends of each plate, matched to nodes near the plate's ends, define a
+//! homography. The homography that maps the most nodes onto markers decides which marker belongs to which node.
 
 use super::blobs::Blob;
 use super::marker_count;

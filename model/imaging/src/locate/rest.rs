@@ -42,13 +42,13 @@ pub enum RestError {
     Pose(#[from] PlanePoseError),
     /// The image shows no two rows of markers that meet at a tip, and the scene states no pose from which the fit could start.
     #[error(
-        "no unloaded finger is recognised: expected two rows of markers as in the scene, with at least six of ten visible"
+        "no unloaded finger is recognised: expected two rows of markers as in the scene, with at least 60 % of the markers visible"
     )]
     NoPattern,
     /// The markers do not fit the unloaded finger of the scene.
     #[error(
-        "the markers are {residual_px:.1} px rms from those of the scene's unloaded finger, expected at most {LARGEST_RESIDUAL_PX} px: unload the \
-         finger, or correct lens or finger in the scene"
+        "the markers are {residual_px:.1} px rms from their positions on the scene's unloaded finger, expected at most {LARGEST_RESIDUAL_PX} px: \
+         unload the finger, or correct lens or finger in the scene"
     )]
     NotAtRest {
         /// Residual standard deviation of one pixel coordinate, px.

@@ -1,8 +1,8 @@
 //! Locator of grey markers by their rims, in surroundings of similar shades, on a finger whose base may move.
 //!
-//! An image has many round rims. The rims whose positions fit one finger are taken as its markers. If the position of the base is unknown, pairs of rims
-//! propose it: two rims that may be references on the base, or the two ends of a rib. The proposal with the least cost of naming the markers (assigning them to
-//! nodes) is chosen.
+//! An image has many round rims. The rims whose positions fit one finger count as its markers. If the position of the base is unknown, pairs of rims
+//! propose it: two rims that may be references on the base, or the two ends of a rib. The proposal with the least cost of naming the markers
+//! (assigning them to nodes) is chosen.
 
 use super::elsewhere::{Scenery, ribs_near_base};
 use super::error::require_own_junctions;
@@ -216,7 +216,8 @@ impl<'f> RimLocator<'f> {
         Ok((cost, proposal))
     }
 
-    /// Rejects the base's position from references if the ribs near the base fit another position far better. The assumed references are then other marks.
+    /// Rejects the base's position from references if the ribs near the base fit another position far better. The supposed references are then other
+    /// marks.
     fn require_base_of_finger(&self, rims: &[Rim], by_references: &Proposal, cost: f64) -> Result<(), LocateError> {
         // If the position from ribs is ambiguous, it does not contradict the references.
         let proposals = self.by_ribs(rims);

@@ -77,7 +77,7 @@ pub enum RenderError {
         reason: finray_model::camera::ViewError,
     },
     /// All key nodes are outside the image.
-    #[error("the camera does not see the finger: all its nodes are outside the image")]
+    #[error("the camera does not see the finger: all nodes of the finger are outside the image")]
     Outside,
 }
 

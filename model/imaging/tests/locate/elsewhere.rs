@@ -1,10 +1,10 @@
-//! Images that show the finger elsewhere than the scene's camera has it.
+//! Images that show the finger at another placement than the scene's camera pose.
 
 use super::*;
 use finray_model::Scene;
 use image::imageops;
 
-/// A finger with other lengths, ribs and colours than the paper's, before a camera that sees a plate from a little aside.
+/// A finger whose lengths, ribs and colours differ from the paper's finger, in front of a slightly tilted camera.
 const OTHER: &str = r#"
 name = "other"
 [finger]
@@ -36,7 +36,7 @@ front_rgb = [40, 120, 220]
 back_rgb = [60, 190, 80]
 "#;
 
-/// A scene's finger under a force, as its camera sees it.
+/// Image of a scene's finger under a force.
 fn image_of(scene: &Scene, camera: &Camera, force_n: f64, hidden: &[NodeId]) -> RgbImage {
     let finger = &scene.finger;
     let load = Load::at_position(0.55 * finger.description().front_length_mm, finger.direction(-15.0) * force_n);
@@ -48,7 +48,7 @@ fn image_of(scene: &Scene, camera: &Camera, force_n: f64, hidden: &[NodeId]) -> 
     render(&request).expect("a finger in sight")
 }
 
-/// An image made larger or smaller about its middle.
+/// The image, enlarged or reduced about its middle.
 fn resized(image: &RgbImage, factor: f64) -> RgbImage {
     let [width, height] = [image.width(), image.height()].map(f64::from);
     RgbImage::from_fn(image.width(), image.height(), |u, v| {
@@ -67,7 +67,7 @@ fn located(scene: &Scene, image: &RgbImage) -> Result<Vec<Located>, LocateError>
     Locator::new(&scene.finger, &camera_of(scene), &markers).expect("a locator").locate(image)
 }
 
-/// It gave other nodes' names, 29 to 35 mm off at a stated 0.002 mm.
+/// The locator once assigned such markers to wrong nodes, with errors of 29 to 35 mm and a stated standard deviation of 0.002 mm.
 #[test]
 fn an_image_upside_down_mirrored_or_resized_is_named_all_the_same() {
     for (scene, force_n) in scenes().iter().zip([0.0, 1.0]) {
@@ -90,7 +90,7 @@ fn an_image_upside_down_mirrored_or_resized_is_named_all_the_same() {
     }
 }
 
-/// A pose that is turned about the middle of the finger, as of a camera that stands on the other side of the table.
+/// The camera is rotated about the middle of the finger, as if it stood on the other side of the table.
 #[test]
 fn a_pose_turned_by_180_degrees_is_refused() {
     for (scene, turn_deg) in scenes().iter().flat_map(|scene| [180.0, 160.0].map(|turn_deg| (scene, turn_deg))) {
@@ -112,7 +112,7 @@ fn a_pose_turned_by_180_degrees_is_refused() {
     }
 }
 
-/// Where markers of clamped nodes are hidden, nothing else says that the finger is elsewhere.
+/// Hidden markers of clamped nodes are no evidence that the finger has another placement.
 #[test]
 fn hidden_clamped_markers_are_no_other_place() {
     for scene in &scenes() {
@@ -125,7 +125,7 @@ fn hidden_clamped_markers_are_no_other_place() {
     }
 }
 
-/// An image taken while everything moved by some pixels, along u or v.
+/// The image with motion blur: everything moves by `length` px along u or v during the exposure.
 fn moved(image: &RgbImage, length: u32, along_u: bool) -> RgbImage {
     RgbImage::from_fn(image.width(), image.height(), |u, v| {
         let mut sum = [length / 2; 3];
@@ -138,7 +138,7 @@ fn moved(image: &RgbImage, length: u32, along_u: bool) -> RgbImage {
     })
 }
 
-/// It was 0.25 mm off at a stated 0.035 mm for a motion of 21 px.
+/// A motion of 21 px once caused an error of 0.25 mm with a stated standard deviation of 0.035 mm.
 #[test]
 fn blur_of_a_motion_is_taken_for_round() {
     let scene = &scene();
@@ -148,9 +148,9 @@ fn blur_of_a_motion_is_taken_for_round() {
     locator.locate(&image).expect("a finger");
     assert_eq!(locator.motion_blur_px(), None);
     for along_u in [true, false] {
-        // An odd length moves nothing on the whole.
+        // For an odd length, the mean displacement is zero.
         let located = locator.locate(&moved(&image, 7, along_u)).expect("a finger");
-        // 1 / sqrt(12) of the way, of which a part is not seen.
+        // The standard deviation of the motion is its length divided by sqrt(12); the measured blur is smaller.
         let blur_px = locator.motion_blur_px().expect("a motion");
         assert!((1.2..3.0).contains(&blur_px), "{blur_px}");
         for marker in &located {

@@ -11,7 +11,7 @@ use crate::optimise::{LeastSquaresProblem, Refusal, StepBounds};
 use crate::statics::{Statics, StaticsError, equilibria};
 use nalgebra::{DMatrix, DVector};
 
-/// A step changes ln(factor) by at most this, dimensionless: a factor of e.
+/// A step changes ln(factor) by at most this dimensionless value, which is a factor of e.
 const LARGEST_STEP: f64 = 1.0;
 
 /// Least-squares problem of the modulus factors. Residuals are weighted differences of displacements (computed minus measured), mm, in two rows (x, y) per
@@ -36,8 +36,8 @@ impl FactorProblem<'_> {
         Ok(loads.collect::<Result<_, _>>().map_err(StaticsError::from)?)
     }
 
-    /// Weighted residuals, mm, at the equilibria of all cases. Keeps the equilibria for `jacobian_at`. [`CalibrationError`] if the finger is impossible or has
-    /// no equilibrium.
+    /// Weighted residuals, mm, at the equilibria of all cases. Stores the equilibria for `jacobian_at`. [`CalibrationError`] if the finger is
+    /// impossible or has no equilibrium.
     pub fn residual_at(&mut self, logs: &DVector<f64>) -> Result<DVector<f64>, CalibrationError> {
         let mesh = self.mesh(logs)?;
         let found = equilibria(&mesh, self.model.kinematics, &self.loads(&mesh)?);
@@ -117,7 +117,7 @@ fn shares(mesh: &Mesh, unknown: &Unknown) -> Vec<(usize, f64)> {
     }
 }
 
-/// The finger with factors applied. `logs` are their natural logarithms.
+/// The finger with factors applied. `logs` are the natural logarithms of the factors.
 pub(super) fn with_factors(finger: &Finger, unknowns: &[Unknown], logs: &[f64]) -> Result<Finger, ImpossibleFinger> {
     let mut description = finger.description().clone();
     let mut general = 1.0;

@@ -11,8 +11,8 @@ pub struct BaseCompliance {
     pub sigma_deg_per_n: f64,
 }
 
-/// Fits the rotation of the base as a linear function of the force, by least squares. `turns` holds the force, N, and the rotation, degrees, of each view of
-/// one mounting.
+/// Fits the rotation of the base as a linear function of the force, by least squares. `turns` lists the force, N, and the rotation, degrees, of each
+/// view of one mounting.
 ///
 /// # Errors
 /// [`CalibrationError::TooFewViews`] for fewer than two views, [`CalibrationError::NotIdentifiable`] if all forces are equal.

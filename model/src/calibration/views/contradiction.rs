@@ -1,4 +1,5 @@
-//! Refuses views that contradict the scene's finger or the other views more than the sought quantities could explain. Each view is tested before any fit.
+//! Refuses views that contradict the scene's finger or the other views. The sought quantities could not explain the contradiction. Each view is
+//! tested before any fit.
 
 use super::problem::{Candidate, Problem, ViewUnknowns};
 use super::shape_motion::motion_of_shape;
@@ -11,13 +12,14 @@ use crate::{NodeId, Vector};
 /// Standard deviations assumed before calibration: `UNCALIBRATED_MM` for markers, mm, and `SOUGHT_BASE` for a base whose pose is sought, mm and rad.
 const UNCALIBRATED_MM: f64 = 0.3;
 const SOUGHT_BASE: [f64; 2] = [5.0, 0.05];
-/// A view is refused if its ratio of measured force to marker force (force estimated from the markers) differs from the median by more than this factor. Marker
-/// forces of an uncalibrated finger are wrong by up to half. Beyond this, the measured force does not belong to its image.
+/// A view is refused if its ratio of measured force to marker force (force estimated from the markers) differs from the median by more than this
+/// factor. Marker forces of an uncalibrated finger are wrong by up to half. Beyond this limit, the measured force does not belong to its image.
 const LARGEST_TIMES: f64 = 2.0;
-/// A calibration is refused if the median ratio of measured force to marker force (force estimated from the markers) exceeds this, or its reciprocal does. The
-/// scene's modulus may be a guess, but beyond this ratio the search has no starting point.
+/// A calibration is refused if the median ratio of measured force to marker force (force estimated from the markers), or its reciprocal, exceeds this
+/// limit. The scene's modulus may be a guess, but beyond this limit the search has no starting point.
 const LARGEST_FACTOR: f64 = 5.0;
-/// A measured force counts as wrong only if it deviates from the force estimated from the markers by more than this many standard deviations of that estimate.
+/// A measured force counts as wrong only if it deviates from the force estimated from the markers by more than this many standard deviations of the
+/// estimate.
 const SURE: f64 = 3.0;
 /// A marker has a wrong node number if its distance to another node's computed position is below this share of its distance to its own node's position.
 const NEARER: f64 = 0.5;
@@ -53,8 +55,8 @@ impl Compared<'_> {
 }
 
 impl Problem<'_> {
-    /// Force that the markers of a view show along the measured direction, estimated with the scene's finger. `None` if no force was measured or the estimator
-    /// gives no answer.
+    /// Force that the markers of a view show along the measured direction, estimated with the scene's finger. `None` if no force was measured or the
+    /// estimator returns no force.
     pub(super) fn marker_force(&self, stated: &Candidate, view: &View) -> Option<MarkerForce> {
         // The estimated force points inwards along the line of the measured force, because the sign of the measured force may be wrong.
         let angle_deg = self.finger.angle_deg(view.force?);

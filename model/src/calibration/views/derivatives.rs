@@ -7,9 +7,9 @@ use crate::optimise::{LeastSquaresProblem, Prior, Refusal, StepBounds};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// Steps of the difference quotients. `LENGTH_STEP` is for lengths (mm) and for shared quantities other than factors, in their units. `SHARE_STEP` is for
-/// factors, forces (both relative) and rotations in rad. `ANGLE_STEP_DEG` is for the lean of a view (angle between force and normal), degrees. Equilibria have
-/// ten correct digits.
+/// Steps of the difference quotients. `LENGTH_STEP` is for lengths (mm), and for shared quantities other than factors (in the quantity's unit).
+/// `SHARE_STEP` is for relative changes of factors and forces, and for rotations (rad). `ANGLE_STEP_DEG` is for the lean of a view (angle between
+/// force and normal), degrees. Equilibria have ten correct digits.
 const LENGTH_STEP: f64 = 1e-3;
 const SHARE_STEP: f64 = 1e-4;
 const ANGLE_STEP_DEG: f64 = 1e-2;

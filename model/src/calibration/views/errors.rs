@@ -9,10 +9,10 @@ use nalgebra::DMatrix;
 /// The search tries factors on the stated noise from 1 down to this value, in `STEPS` geometric steps.
 const LEAST_NOISE_FACTOR: f64 = 1e-3;
 const STEPS: usize = 60;
-/// Prior standard deviation of the logarithm of the factor on the stated noise. It is needed if the stated noise is equal for all markers, because residuals
-/// then show only the sum of model error and noise.
+/// Prior standard deviation of the logarithm of the factor on the stated noise. The prior is needed if the stated noise is equal for all markers,
+/// because residuals then show only the sum of model error and noise.
 const FACTOR_SD: f64 = 1.0;
-/// Two solutions count as equally likely if twice the difference of their log-likelihoods is at most this, which is far from significant.
+/// Two solutions count as equally likely if twice the difference of their log-likelihoods is at most this value, which is far from significant.
 const ALIKE: f64 = 1e-6;
 /// Number of golden-section steps of each search.
 const SECTIONS: usize = 50;
@@ -43,8 +43,8 @@ impl Problem<'_> {
                 });
             }
         }
-        // An error that a marker has in every image counts as geometry, so no residual shows it. Unless measured forces set the scale of sensed forces, sensed
-        // forces depend on the geometry alone. The stated noise is then not reduced.
+        // A marker error that is equal in all images counts as geometry, so residuals do not show this error. Without measured forces, sensed forces
+        // depend on the geometry alone. The stated noise is then not reduced.
         likeliest(left, self.scatter.is_some())
     }
 
@@ -58,7 +58,7 @@ impl Problem<'_> {
     }
 }
 
-/// Errors that maximise the likelihood of the residuals, with the stated noise or, if `may_reduce_noise`, a smaller one.
+/// Errors that maximise the likelihood of the residuals, with the stated noise or, if `may_reduce_noise`, a smaller noise.
 ///
 /// # Reference
 /// The equations of restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971) for variances of independent rows. Squared residuals and the

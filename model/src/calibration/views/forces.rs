@@ -17,7 +17,7 @@ impl Problem<'_> {
         view: &View,
         force_n: f64,
     ) -> Option<NewImage> {
-        // The last row of a view is its measured force; the last of its unknowns is the force, here relative.
+        // The last row of a view is its measured force. The last unknown of a view is the force, here as a relative value.
         let rows = self.row_count(view) - 1;
         let own: Vec<usize> = (column..column + self.own_count(view)).collect();
         let (by_shared, covariance, alone) = self.force_alone(by, row..row + rows, &own, force_n)?;
@@ -26,9 +26,9 @@ impl Problem<'_> {
         Some(NewImage { by_shared, variance, of_markers: variance - by_base.norm_squared() })
     }
 
-    /// Estimates the force of one view, relative to `force_n`, N, from some rows of the view with the view's own unknowns. The force is the fifth of these
-    /// unknowns. Returns the derivative of the relative force with respect to each shared unknown, the covariance of the own unknowns, and their Jacobian.
-    /// `None` if the force is not identifiable.
+    /// Estimates the force of one view, relative to `force_n`, N, from some rows of the view with the view's own unknowns. The force is the fifth of
+    /// these unknowns. Returns the derivative of the relative force with respect to each shared unknown, and covariance and Jacobian of the view's
+    /// own unknowns. `None` if the force is not identifiable.
     pub(super) fn force_alone(
         &self,
         by: &DMatrix<f64>,

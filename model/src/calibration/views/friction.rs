@@ -7,10 +7,10 @@ use crate::sensing::{Lean, Normal};
 /// Options for the estimate of friction between finger and objects.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FrictionQuestion {
-    /// Whether friction builds up as the force grows. The force over which friction builds up is then estimated as well.
+    /// Whether friction builds up as the force grows. The build-up force of friction is then estimated as well.
     pub builds_up: bool,
-    /// Standard deviation of the coefficient of friction from object to object, dimensionless. For a single object, this value is assumed. For several objects,
-    /// it sets the scale of the prior. Zero if it is not stated.
+    /// Standard deviation of the coefficient of friction from object to object, dimensionless. For a single object, this value is assumed. For
+    /// several objects, it sets the scale of the prior. Zero if this deviation is not stated.
     pub between_objects: f64,
 }
 
@@ -19,7 +19,7 @@ const BUILD_UPS: usize = 1000;
 /// The search tries standard deviations of the lean from object to object, from the first to the second value, degrees, in steps of 2 %.
 const SDS_DEG: [f64; 2] = [0.01, 60.0];
 const SDS: usize = 400;
-/// Standard deviation of the coefficient of friction from object to object, dimensionless, if none is stated.
+/// Standard deviation of the coefficient of friction from object to object, dimensionless, if no deviation is stated.
 const USUAL_BETWEEN_OBJECTS: f64 = 0.05;
 
 /// Name of the object that pressed the finger (empty if unknown), measured force, N, and lean of the force, degrees. The lean is the angle from the normal,
@@ -50,7 +50,7 @@ pub struct LeftOutObject {
     pub measured_deg: f64,
 }
 
-/// Fitted leans (angles between force and normal) of each object. All objects share the force over which friction builds up.
+/// Fitted leans (angles between force and normal) of each object. All objects share the build-up force of friction.
 struct Fit {
     build_up_n: f64,
     /// Lean of a sliding force, degrees, and its variance, degrees^2, for each object.
@@ -85,8 +85,9 @@ impl Fit {
         [mean, variance, 0.5 * (variance.ln() - off.sum::<f64>())]
     }
 
-    /// Three values in degrees: mean lean of a sliding force, most likely standard deviation of this lean from object to object, and standard deviation of a
-    /// new object's lean about the mean. The last value includes the uncertainty due to few objects. Half of a 95 % interval is 1.96 times this value.
+    /// Three values in degrees: mean lean of a sliding force, most likely standard deviation of this lean from object to object, and standard
+    /// deviation of a new object's lean about the mean. The last value includes the uncertainty due to few objects; 1.96 times the last value is half
+    /// the width of a 95 % interval.
     ///
     /// # Reference
     /// Restricted maximum likelihood; posterior predictive distribution of a new group (Gelman et al., Bayesian Data Analysis, 3rd ed., sec. 5.4) with the
@@ -104,13 +105,13 @@ impl Fit {
     }
 }
 
-/// Fits the coefficient of friction to the leans of measured forces (angles between force and the normal `from`). If `question` states that friction builds up,
-/// also fits the force over which it builds up. The stated standard deviation is that of a single force of a new object. It combines the residual within
-/// objects with the difference between objects, which is assumed for a single object.
+/// Fits the coefficient of friction to the leans of measured forces (angles between force and the normal `from`). If `question` states that friction
+/// builds up, also fits the build-up force. The stated standard deviation applies to a single force of a new object. It combines the residual within
+/// objects with the difference between objects. For a single object, this difference is assumed.
 ///
 /// # Errors
-/// [`CalibrationError::TooFewViews`] if there are no more views than unknowns. [`CalibrationError::FrictionLimit`] if a sliding force leans by 90 degrees or
-/// more, or friction builds up beyond the largest force.
+/// [`CalibrationError::TooFewViews`] if there are no more views than unknowns. [`CalibrationError::FrictionLimit`] if a sliding force leans by 90
+/// degrees or more, or the build-up force exceeds the largest force.
 pub fn friction_of(
     leans: &[MeasuredLean],
     from: Normal,

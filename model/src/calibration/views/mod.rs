@@ -62,7 +62,7 @@ pub struct ViewModel {
 pub struct FoundQuantity {
     /// The quantity and its prior.
     pub sought: Sought,
-    /// Value in the quantity's unit. For a modulus: the factor on the scene's value, dimensionless.
+    /// Value in the quantity's unit. For a modulus, it is the dimensionless factor on the scene's value.
     pub value: f64,
     /// Standard deviation in the unit of `value`.
     pub sigma: f64,
@@ -79,7 +79,8 @@ pub struct FoundView {
     pub force_sigma_n: f64,
     /// Transformation from the finger frame to the frame of the view, mm and rad.
     pub base: Isometry2<f64>,
-    /// Rotation of the plate's normal at the contact, rad. It is averaged over the length of plate to which the lean (angle between force and normal) refers.
+    /// Rotation of the plate's normal at the contact, rad, averaged over a length of plate. The lean (angle between force and normal) refers to this
+    /// length.
     pub normal_turn_rad: f64,
     /// Computed minus observed position of each marker, mm, in the frame of the view.
     pub residuals_mm: Vec<Vector>,
@@ -110,7 +111,7 @@ pub struct ViewEstimate {
     pub finger: Finger,
     /// Height of the markers above the plane of the beams, mm.
     pub marker_height_mm: f64,
-    /// Transformation from the finger frame to the frame of a view, mm and rad: the part of it that all views share.
+    /// The part that all views share of the transformation from the finger frame to the frame of a view, mm and rad.
     pub base: Isometry2<f64>,
     /// Estimates of the sought quantities.
     pub quantities: Vec<FoundQuantity>,
@@ -126,27 +127,27 @@ pub struct ViewEstimate {
     pub force_error: Option<ForceError>,
     /// Uncertainty of finger and rig that `force_error` does not cover: independent errors of one standard deviation each.
     pub unloaded_errors: Vec<UnloadedError>,
-    /// Measured forces and markers that deviate more than the scatter of the others suggests.
+    /// Measured forces and markers that deviate more than the scatter of the other forces and markers suggests.
     pub outliers: Vec<Outlier>,
 }
 
 /// Relative error of forces beyond the effects of noise, position and base: standard deviations of one force, dimensionless.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForceError {
-    /// Relative scatter of the measured forces, dimensionless. It is assumed to be 1 % if there are too few forces to compare.
+    /// Relative scatter of the measured forces, dimensionless. A scatter of 1 % is assumed if there are too few forces to compare.
     pub scatter: f64,
-    /// Relative standard deviation of a force in a new image. Includes the uncertainty of the scatter and of fitted parameters that
+    /// Relative standard deviation of a force in a new image. It includes the uncertainty of the scatter and of fitted parameters that
     /// `new_marker_errors` does not cover.
     pub of_new: f64,
 }
 
 /// Standard deviation of the model error, mm, with which the fit starts. Later rounds use the estimate of the last fit.
 const FIRST_MODEL_ERROR_MM: f64 = 0.05;
-/// Relative scatter of forces with which the fit starts. It is kept if the measurements do not show the scatter. `LEAST_SCATTER` is the smallest scatter that
-/// matters.
+/// Relative scatter of forces with which the fit starts. This value is kept if the measurements do not show the scatter. `LEAST_SCATTER` is the
+/// smallest scatter that matters.
 const FIRST_SCATTER: f64 = 0.01;
 const LEAST_SCATTER: f64 = 1e-5;
-/// The fit converges to within a thousandth of the standard deviations of the unknowns. Derivatives by differences do not allow much more.
+/// The fit converges to within a thousandth of the standard deviations of the unknowns. Derivatives by differences do not allow much higher accuracy.
 const CONVERGENCE: Convergence = Convergence { relative_decrease: 1e-8, step: 0.0 };
 /// Marker errors and scatter have settled when a round changes them by no more than this share.
 const SETTLED: f64 = 1e-2;
@@ -166,14 +167,15 @@ fn have_settled(before: (MarkerErrors, Option<f64>), after: (MarkerErrors, Optio
 /// Estimates the shared quantities of a finger and its rig from several views.
 ///
 /// # Reference
-/// Nonlinear least squares over all views and their own unknowns at once, by the method of Levenberg and Marquardt. This is bundle adjustment (Triggs et al.
-/// 2000) with the co-rotational finger in place of points; derivatives are differences of equilibria. The variance of the residuals beyond the noise is
-/// estimated with the fit, so that priors have the right weight. The noise is reduced if residuals are smaller than the noise. If a modulus is sought, the
-/// relative variance of measured forces is also estimated. This variance covers errors of the force sensor, and of the model where markers do not show them.
-/// All variances follow by restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971). Fits are repeated until the variances settle.
+/// Nonlinear least squares over all views and their own unknowns at once, by the method of Levenberg and Marquardt. This is bundle adjustment (Triggs
+/// et al. 2000) with the co-rotational finger in place of points; derivatives are differences of equilibria. The variance of the residuals beyond the
+/// noise is estimated with the fit, so that priors have the right weight. The stated noise is reduced if residuals are smaller than this noise. If a
+/// modulus is sought, the relative variance of measured forces is also estimated. This variance covers errors of the force sensor, and errors of the
+/// model that markers do not show. All variances follow by restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971). Fits are
+/// repeated until the variances settle.
 ///
 /// # Errors
-/// [`CalibrationError`] if the scene's finger does not explain a view, a view contradicts the others, or if a quantity is not identifiable. Also if the
+/// [`CalibrationError`] if the scene's finger does not explain a view, a view contradicts the others, a quantity is not identifiable, or the
 /// calibrated finger would be too inaccurate for use.
 pub fn views(
     finger: &Finger,
@@ -295,8 +297,8 @@ impl Problem<'_> {
         })
     }
 
-    /// Estimate of a sought quantity. `change` is the value of its unknown and `sigma` the standard deviation: of a logarithm for a factor, otherwise in the
-    /// quantity's unit.
+    /// Estimate of a sought quantity. `change` is the value of the quantity's unknown, and `sigma` the unknown's standard deviation. Both refer to a
+    /// logarithm for a factor, and are otherwise in the quantity's unit.
     fn found_quantity(&self, sought: &Sought, change: f64, sigma: f64) -> FoundQuantity {
         let is_modulus = sought.quantity.is_modulus();
         let value = if is_modulus { change.exp() } else { self.stated(sought.quantity) + change };

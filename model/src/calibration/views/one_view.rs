@@ -12,7 +12,7 @@ use crate::sensing::{
 };
 use nalgebra::{DVector, Isometry2};
 
-/// Relative standard deviation that stands for an unknown magnitude of a force of known direction. It is so large that it has no effect.
+/// Relative standard deviation of a force of unknown magnitude and known direction. It is so large that it has no effect.
 const UNKNOWN_SHARE: f64 = 1e3;
 /// Additional standard deviations of a coordinate, mm, in the first searches.
 const FIRST_ERRORS_MM: [f64; 2] = [0.3, 0.02];
@@ -21,9 +21,10 @@ const FIRST_CONVERGENCE: Convergence = Convergence { relative_decrease: 1e-3, st
 /// Starting point of the search without an earlier estimate: positions as shares of the plate's length (`STARTS`), and the force, N (`FIRST_FORCE_N`).
 const STARTS: [f64; 4] = [0.35, 0.5, 0.65, 0.8];
 const FIRST_FORCE_N: f64 = 1.0;
-/// The force depends far from linearly on the position if the position's standard deviation exceeds this share of the distance to the nearer end of the plate.
+/// The dependence of force on position counts as nonlinear if the position's standard deviation exceeds this share of the distance to the nearer end
+/// of the plate.
 const UNCERTAIN_POSITION: f64 = 0.1;
-/// Standard deviation that stands for an unknown direction, degrees.
+/// Standard deviation of an unknown direction, degrees. It is so large that it has no effect.
 const UNKNOWN_DEG: f64 = 1e3;
 
 /// A view with the known and unknown parts of its contact.
@@ -67,16 +68,17 @@ pub struct ForceInView {
     pub test: Option<ResidualTest>,
 }
 
-/// Estimates a force together with the unknown parts of its position and direction, the pose of the base, and errors of the unloaded finger. The search starts
-/// from `before`, or else from several positions along the plate.
+/// Estimates a force together with the unknown parts of its position and direction, the pose of the base, and errors of the unloaded finger. The
+/// search starts from `before` or, if it is `None`, from several positions along the plate.
 ///
 /// # Errors
-/// [`SensingError::NoSuchFinger`] if the search finds no minimum or an unknown is not identifiable. [`SensingError::Undetermined`] for a force so uncertain
-/// that the markers do not respond linearly to a change of the force by one standard deviation. Also for a position that the markers do not confine to a part
-/// of the plate.
+/// [`SensingError::NoSuchFinger`] if the search finds no minimum or an unknown is not identifiable. [`SensingError::Undetermined`] for a force so
+/// uncertain that the markers do not respond linearly to a change of the force by one standard deviation. The same error reports a position that the
+/// markers do not confine to a part of the plate.
 ///
 /// # Reference
-/// As [`views`](super::views): nonlinear least squares with Gaussian priors. The standard deviation is that of the linearised posterior distribution.
+/// Nonlinear least squares with Gaussian priors, as in [`views`](super::views). The standard deviation belongs to the linearised posterior
+/// distribution.
 pub fn force_in_view(
     finger: &Finger,
     asked: OneView,
@@ -118,7 +120,7 @@ pub fn force_in_view(
     if let (Some(sought), Direction::Leaning(lean)) = (sought, question.direction)
         && (sought.by_lean_n * sought.sd_deg).abs() > COUNTS * found.sigma_n
     {
-        // The force may depend nonlinearly on its lean (angle from the normal), so sigma is widened by the forces at two other leans, as in
+        // The force may depend nonlinearly on its lean (angle from the normal). Forces at two other leans therefore widen sigma, as in
         // `NonlinearEstimator`.
         let off_n2 = |reach: f64| {
             let angle_deg = sought.lean_deg + reach * sought.sd_deg;
@@ -175,7 +177,7 @@ pub(super) struct Found {
     shared: Vec<f64>,
     /// Standard deviation of the position, mm. Zero for a known position.
     position_sd_mm: f64,
-    /// Whether the force is known well, or the markers respond linearly to a change of the force by one standard deviation.
+    /// Whether the relative uncertainty of the force is small, or the markers respond linearly to a change of the force by one standard deviation.
     is_linear: bool,
 }
 
@@ -242,7 +244,7 @@ fn found_from(
     let fitted = search.minimise(&mut problem, point).ok()?;
     let own = fitted.point.own[0];
     let known = usize::from(question.position.is_some());
-    // The column of a known position, the first of the view's own unknowns, is removed.
+    // Removes the column of a known position. The position is the first of the view's own unknowns.
     let by = match known {
         0 => fitted.jacobian.clone(),
         _ => fitted.jacobian.clone().remove_column(errors.len()),

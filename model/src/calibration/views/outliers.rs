@@ -16,13 +16,13 @@ const EXPECTED_TIMES: f64 = 1.1;
 const MOST_SIGMAS: f64 = 6.0;
 /// Ratio of the standard deviation of normal errors to their median absolute deviation.
 const SD_OF_MEDIAN: f64 = 1.4826;
-/// A marker is an outlier if normal errors would cause a largest residual of its size with less than this probability.
+/// A marker is an outlier if its residual is improbable: normal errors would cause a largest residual of this size with less than this probability.
 const CHANCE: f64 = 1e-4;
-/// A fit is too inaccurate for use if the relative standard deviation of a force reaches this value: the lower end of the force's 95 % interval is then about
-/// zero or below.
+/// A fit is too inaccurate for use if the relative standard deviation of a force reaches this value. The lower end of the force's 95 % interval is
+/// then about zero or below.
 const OF_NO_USE: f64 = 0.5;
 
-/// A measured force or marker of a view that deviates more than the scatter of the others suggests.
+/// A measured force or marker of a view that deviates more than the scatter of the other forces or markers suggests.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outlier {
     /// Name of the view.
@@ -56,13 +56,13 @@ impl fmt::Display for Outlier {
         match self.what {
             OutlierKind::Force { times } => write!(
                 f,
-                "{view}: the measured force is {times:.3} times the force that its markers show, relative to the other images: check its unit, frame \
+                "{view}: the measured force is {times:.3} times the force that the markers show, relative to the other images: check its unit, frame \
                  and row"
             ),
             OutlierKind::Marker { node, away_mm, rms_mm } => write!(
                 f,
-                "{view}: the marker of node {node} is {away_mm:.2} mm from its position on the calibrated finger, and all markers deviate by \
-                 {rms_mm:.2} mm rms: check its node number and its rim in the image"
+                "{view}: the marker of node {node} is {away_mm:.2} mm from its position on the calibrated finger, while all markers deviate by \
+                 {rms_mm:.2} mm rms: check the node number and rim of this marker"
             ),
         }
     }
@@ -74,18 +74,18 @@ struct OffMarker<'p> {
     node: NodeId,
     away_mm: f64,
     moved_mm: f64,
-    /// Sum of the squares of the two residuals (x, y), each divided by its variance. `standardised` also divides each square by its degrees of freedom; their
-    /// sum over x and y is `free`.
+    /// Sum of the squares of the two residuals (x, y), each divided by its variance. `standardised` also divides each square by its degrees of
+    /// freedom. `free` is the sum of these degrees of freedom over x and y.
     squares: f64,
     standardised: f64,
     free: f64,
 }
 
 impl Problem<'_> {
-    /// Outliers of a fit with the given covariance. Reports only the worst marker, because a wrong marker makes others deviate.
+    /// Outliers of a fit with the given covariance. Reports only the worst marker, because a wrong marker makes other markers deviate.
     pub(super) fn outliers(&self, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> Vec<Outlier> {
         let mut all = self.times(fitted, covariance);
-        // Markers that hardly determine a force cannot contradict it.
+        // Markers that hardly determine a force cannot contradict this force.
         all.retain(|it| it.inverse_sd < OF_NO_USE);
         let logarithms: Vec<f64> = all.iter().map(|it| it.times.ln()).collect();
         let usual = median(logarithms.iter().copied()).unwrap_or_default();

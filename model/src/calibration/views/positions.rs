@@ -5,13 +5,14 @@
 
 /// Step between the positions of a scan, in standard deviations of the position.
 const STEP_SDS: f64 = 0.75;
-/// Largest step, as a share of the plate's length, and largest number of steps on either side.
+/// Largest step of a scan, as a share of the plate's length, and largest number of steps on either side.
 const LARGEST_STEP: f64 = 0.1;
 const MOST_STEPS: usize = 12;
-/// A scan ends where the sum of squares exceeds the smallest sum by this. For a linear finger, this is at three standard deviations from the best position.
+/// A scan ends at a position at which the sum of squares exceeds the smallest sum by this value. For a linear finger, this position is three standard
+/// deviations from the best position.
 const BEYOND: f64 = 9.0;
-/// The markers do not bound the position if the sum of squares grows by less than this up to an end of the plate. For a linear finger, this is at one standard
-/// deviation.
+/// The markers do not bound the position if the sum of squares grows by less than this value up to an end of the plate. For a linear finger, it grows
+/// by this value at one standard deviation.
 const BOUNDED: f64 = 1.0;
 
 /// Estimate of a force at one position.
@@ -38,8 +39,8 @@ pub(super) struct Spread {
     pub is_bounded: bool,
 }
 
-/// Scans the positions on both sides of the best one. `at` estimates the force at a known position, mm, from a starting point found at a position nearby.
-/// `wider` is the factor by which the residual exceeds the noise.
+/// Scans the positions on both sides of the best position. `at` estimates the force at a known position, mm. Its search starts from the result at a
+/// nearby position. `wider` is the factor by which the residual exceeds the noise.
 ///
 /// # Reference
 /// Mixture of normal distributions with the weights of the profile likelihood (Bates and Watts, Nonlinear Regression Analysis and Its Applications, ch. 6).
@@ -81,7 +82,8 @@ pub(super) fn scan<N>(
             last = Some(next);
         }
     }
-    // For a known position, the standard deviation of the force at the best position is close to that at its neighbour.
+    // If the position is known, the standard deviation of the force at the best position is close to the standard deviation at a neighbouring
+    // position.
     count(&found, own_sigma_n.unwrap_or(found.sigma_n));
     Spread { sigma_n: (of_force_n2 / weights).sqrt(), position_sd_mm: (of_position_mm2 / weights).sqrt(), is_bounded }
 }

@@ -11,20 +11,20 @@ use crate::statics::Statics;
 use crate::{Kinematics, Vector};
 use nalgebra::{Isometry2, Point2, UnitComplex};
 
-/// Number of unknowns that every view has: position, base x, base y, rotation of the base. The force follows as the next unknown, unless it is exact. The lean
-/// (angle between force and normal) is the last unknown, unless the force was measured.
+/// Number of unknowns that every view has: position, base x, base y, rotation of the base. The next unknown is the force, unless it is exact. The
+/// lean (angle between force and normal) is the last unknown, unless the force was measured.
 pub(super) const OWN: usize = 4;
 /// Number of residuals for the prior of a view's base.
 pub(super) const BASE_ROWS: usize = 3;
 /// Contacts are not sought on this share of the plate at either end.
 const MARGIN: f64 = 0.02;
-/// Standard deviations of a lean (angle between force and normal) are at least this, degrees. The value stands for an exact lean.
+/// Smallest standard deviation of a lean (angle between force and normal), degrees. An exact lean has this standard deviation.
 const SETTLED_DEG: f64 = 1e-3;
-/// If all views share a part of the lean (angle between force and normal), this is the standard deviation of a view's own part, as a share of the lean's
-/// standard deviation. The shared part has the whole standard deviation, because friction of one object may be the same in all views. Friction may also build
-/// up, and objects may differ.
+/// All views may share a part of the lean (angle between force and normal). This value is then the standard deviation of a view's own part, as a
+/// share of the lean's standard deviation. The shared part has the whole standard deviation, because the friction of one object may be the same in
+/// all views. Views have own parts because friction may build up and objects may differ.
 const OWN_LEAN: f64 = std::f64::consts::FRAC_1_SQRT_2;
-/// The normal has settled if its rotation changes by at most this in a step, rad. The iteration fails after `NORMAL_STEPS` steps.
+/// The normal has settled if its rotation changes by at most this angle in a step, rad. The iteration fails after `NORMAL_STEPS` steps.
 const SETTLED_RAD: f64 = 1e-9;
 const NORMAL_STEPS: usize = 60;
 
@@ -161,7 +161,8 @@ impl Problem<'_> {
         (share * self.model.lean.sd_deg).max(SETTLED_DEG)
     }
 
-    /// Number of residuals of a view: for its markers, its base, and its measured force or else its lean (angle between force and normal).
+    /// Number of residuals of a view: for markers, base, and measured force. Without a measured force, the lean (angle between force and normal)
+    /// replaces it.
     pub(super) fn row_count(&self, view: &View) -> usize {
         let further = usize::from(view.force.is_none() || self.scatter.is_some());
         view.measurement.coordinate_count() + BASE_ROWS + further
@@ -253,7 +254,7 @@ impl Problem<'_> {
                     let seen = stated.marker_position(marker.node) + marker.displacement;
                     (placed * Point2::from(bent)).coords - (view.eye + (seen - view.eye) * nearer)
                 }
-                // A motion of the finger that both images share cancels in the displacement.
+                // A motion of the finger that is common to both images cancels in the displacement.
                 Some(rest) => {
                     let moved = (own.base * Point2::from(bent)).coords - (at + rest.displacements[node]);
                     candidate.base.rotation * moved - marker.displacement * nearer

@@ -61,8 +61,8 @@ impl fmt::Display for Quantity {
 }
 
 impl Quantity {
-    /// Whether the quantity is a factor on a modulus. Only measured forces determine such a factor, and its unknown in the search is its logarithm. The unknown
-    /// of any other quantity is the change of the quantity.
+    /// Whether the quantity is a factor on a modulus. Only measured forces determine such a factor, and the search varies the logarithm of the
+    /// factor. For any other quantity, the search varies the change of the quantity.
     pub fn is_modulus(&self) -> bool {
         matches!(self, Quantity::Modulus | Quantity::PlateModulus(_))
     }

@@ -17,13 +17,13 @@ use toml::Value;
 /// Camera height, mm, for a scene without a camera: so large that the height of markers has no effect.
 const NO_CAMERA_MM: f64 = 1e12;
 
-/// Prior uncertainty of the base relative to its references, if the scene states none. It suits a compliant part that is mounted by hand. Images state only the
-/// accuracy of the located references, which is far better.
+/// Prior uncertainty of the base relative to its references, if the scene states none. This prior suits a compliant part that is mounted by hand.
+/// Images state only the accuracy of the located references, which is far higher.
 pub const UNSTATED_BASE: BaseUncertainty =
     BaseUncertainty { sd_mm: 1.0, sd_rad: std::f64::consts::PI / 180.0, turn_rad_per_n: 0.0, turn_sd_rad_per_n: 0.0 };
 
-/// Above this relative scatter of measured forces, the calibration also tries forces mirrored about the normal. If the mirrored forces scatter less by more
-/// than the factor `FAR_LESS`, the sign of a component is wrong.
+/// If the relative scatter of measured forces exceeds this value, the calibration also tries forces mirrored about the normal. If the mirrored forces
+/// scatter less by more than the factor `FAR_LESS`, the sign of a component is wrong.
 const LARGE_SCATTER: f64 = 0.03;
 const FAR_LESS: f64 = 3.0;
 
@@ -32,7 +32,7 @@ const FAR_LESS: f64 = 3.0;
 pub struct RigQuestion {
     /// Quantities of finger, markers and base.
     pub sought: Vec<Sought>,
-    /// Friction between finger and objects, estimated from the directions of measured forces. `None` if it is not estimated.
+    /// Friction between finger and objects, estimated from the directions of measured forces. `None` if friction is not estimated.
     pub friction: Option<FrictionQuestion>,
     /// Whether the rotation of the base under force is estimated.
     pub base_compliance: bool,
@@ -45,9 +45,9 @@ pub struct RigQuestion {
 pub struct RigEstimate {
     /// Finger, markers, base and their errors.
     pub views: ViewEstimate,
-    /// Friction between finger and objects. `None` if it was not sought.
+    /// Friction between finger and objects. `None` if friction was not sought.
     pub friction: Option<FrictionEstimate>,
-    /// Rotation of the base under force. `None` if it was not sought.
+    /// Rotation of the base under force. `None` if this rotation was not sought.
     pub compliance: Option<BaseCompliance>,
     /// Relative standard deviation of a force in a new image, including the variation from object to object, dimensionless. `None` if it is unknown.
     pub force_error: Option<f64>,
@@ -141,7 +141,7 @@ impl Lean {
 }
 
 impl RigEstimate {
-    /// Values of the calibrated scene by key, to replace those of the scene. `None` removes the key.
+    /// Values of the calibrated scene by key. They replace the values of the scene; `None` removes the key.
     pub fn scene_values(&self, scene: &Scene) -> Vec<(String, Option<Value>)> {
         let mut values = self.finger_values();
         let mut put = |key: String, value: Value| values.push((key, Some(value)));
@@ -155,7 +155,7 @@ impl RigEstimate {
             put(BASE.sigma_mm.path(), Value::from(UNSTATED_BASE.sd_mm));
             put(BASE.sigma_deg.path(), Value::from(UNSTATED_BASE.sd_rad.to_degrees()));
         }
-        // An exactly known base does not turn under force.
+        // A base that is known exactly does not rotate under force.
         let is_sought = self.is_base_unstated || scene.base.as_ref().is_some_and(|base| base.uncertainty.is_some());
         if let Some(BaseCompliance { deg_per_n, sigma_deg_per_n }) = self.compliance.filter(|_| is_sought) {
             put(BASE.turn_deg_per_n.path(), Value::from(deg_per_n));
@@ -238,7 +238,8 @@ impl RigEstimate {
         values
     }
 
-    /// Positions of the base references, or else the camera's pose, in the frame of the calibrated finger. Empty if the base was not sought.
+    /// Positions of the base references or, without references, the camera's pose, in the frame of the calibrated finger. Empty if the base was not
+    /// sought.
     fn base_values(&self, scene: &Scene) -> Vec<(String, Option<Value>)> {
         if !self.sought(|quantity| *quantity == Quantity::BaseX) {
             return Vec::new();

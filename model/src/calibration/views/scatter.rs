@@ -15,15 +15,17 @@ const TWO_SIDED_95: f64 = 1.959_964;
 const OUTSIDE: f64 = 0.05;
 /// The search covers standard deviations of a new force up to this multiple of [`LARGEST`].
 const FARTHEST: f64 = 10.0;
-/// Iterations of the search for two variances. They give three digits if both variances matter. A variance of zero decreases only as 1 / iterations.
+/// Iterations of the search for two variances. They suffice for three digits if both variances matter. A variance that tends to zero decreases only
+/// as 1 / iterations.
 const ROUNDS: usize = 1000;
 
 /// An independent combination of the relative differences between forces estimated from images and measured forces.
 #[derive(Debug, Clone, PartialEq)]
 struct Combination {
-    /// Inverse of the variance without scatter, dimensionless. Zero for a common factor on all forces if a modulus is sought.
+    /// Inverse of the variance without scatter, dimensionless. Zero for the combination that is a common factor on all forces, if a modulus is
+    /// sought.
     precision: f64,
-    /// Observed value of the combination times the precision.
+    /// Observed value of the combination, multiplied by the precision.
     seen: f64,
     /// Square of the change in the relative force of each new image per unit of the combination.
     carried: Vec<f64>,
@@ -60,8 +62,9 @@ pub(super) struct Scatter {
 }
 
 impl Scatter {
-    /// Compares forces by the normal equations of a fit without its measured forces: matrix `normal` and vector `gradient`. The first `shared` unknowns belong
-    /// to all images. The last unknowns are relative forces, one for each entry of `off`. `off` holds each relative force minus its measured value.
+    /// Compares forces by the normal equations of a fit without its measured forces: matrix `normal` and vector `gradient`. The first `shared`
+    /// unknowns belong to all images. The last unknowns are relative forces, one for each entry of `off`. `off` lists each relative force minus its
+    /// measured value.
     ///
     /// `None` if even exact forces would not determine all unknowns.
     pub fn new(
@@ -113,7 +116,7 @@ impl Scatter {
         0.5 * self.combinations.iter().map(of).sum::<f64>()
     }
 
-    /// Number of independent combinations so precise that the images show a relative scatter of [`LARGEST`] in them.
+    /// Number of independent combinations that are precise enough to show a relative scatter of [`LARGEST`].
     fn differences(&self) -> usize {
         self.combinations.iter().filter(|it| it.precision * LARGEST * LARGEST > 1.0).count()
     }
@@ -165,12 +168,12 @@ impl Scatter {
         self.of_parameters[image] + self.combinations.iter().map(carried).sum::<f64>()
     }
 
-    /// Error of a force that the calibrated finger senses in a new image, beyond the image's own noise and base. It combines the uncertainty of the finger with
-    /// the scatter of measured forces. The scatter is `assumed` if the images do not show it.
+    /// Error of a force that the calibrated finger senses in a new image, beyond the image's own noise and base. The error combines the uncertainty
+    /// of the finger with the scatter of measured forces. If the images do not show the scatter, `assumed` is used.
     ///
-    /// An uncertain modulus changes every force by the same share. Uncertain geometry moves markers as noise does. The relative error due to geometry is larger
-    /// for a small force, or for a force whose position has little effect on the markers. Images with different effects of noise separate the two parts;
-    /// without such images each part gets half.
+    /// An uncertain modulus changes every force by the same share. Uncertain geometry displaces markers like noise. The relative error due to
+    /// geometry is larger for a small force, or for a force whose position has little effect on the markers. The two parts can be separated if images
+    /// differ in the effect of noise. Otherwise each part gets half.
     pub fn of_new(&self, assumed: f64) -> AddedForceError {
         let scatter = self.of_new_force().unwrap_or(assumed);
         let of_finger: Vec<f64> = (0..self.of_markers.len()).map(|image| self.of_finger(image, scatter)).collect();
@@ -204,7 +207,7 @@ fn shares(variances: &[f64], growing_with: &[f64]) -> [f64; 2] {
     found
 }
 
-/// Half of the 95 % interval of a mixture of normal distributions about zero, divided by 1.96. `mixture` holds the weight and the variance of each
+/// Half of the 95 % interval of a mixture of normal distributions about zero, divided by 1.96. `mixture` lists the weight and the variance of each
 /// distribution. The search is confined to the values from `low` to `high`.
 pub(super) fn predictive_sd(mixture: &[(f64, f64)], [mut low, mut high]: [f64; 2]) -> f64 {
     let all: f64 = mixture.iter().map(|(weight, _)| weight).sum();

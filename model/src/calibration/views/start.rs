@@ -18,22 +18,23 @@ struct Beginning {
     /// Starting point with the measured force, or with the force from the markers if none was measured. `None` if the finger has no equilibrium under the
     /// measured force.
     own: Option<ViewUnknowns>,
-    /// Force estimated from the markers, for comparison with the measured force. `None` if no force was measured or the markers give no estimate.
+    /// Force estimated from the markers, for comparison with the measured force. `None` if no force was measured or the markers do not determine the
+    /// force.
     of_markers: Option<MarkerForce>,
 }
 
 impl Problem<'_> {
-    /// Starting point of the search: each view as the scene's finger explains it best.
+    /// Starting point of the search. For each view, it contains the unknowns with which the scene's finger explains the view best.
     ///
     /// # Errors
-    /// [`CalibrationError`] if the scene's finger does not explain a view, or a view contradicts the finger or the others.
+    /// [`CalibrationError`] if the scene's finger does not explain a view, or a view contradicts the finger or the other views.
     pub(super) fn start(&self) -> Result<Point, CalibrationError> {
         let shared = vec![0.0; self.sought.len()];
         let stated = self.candidate(&shared).ok_or(CalibrationError::NoMinimum)?;
         let of_view = |view: &View| self.beginning(&stated, view).map_err(|error| view.wrong(error));
         let begins: Vec<Beginning> = self.views.iter().map(of_view).collect::<Result<_, _>>()?;
         let marker_forces: Vec<Option<MarkerForce>> = begins.iter().map(|beginning| beginning.of_markers).collect();
-        // A calibration without sought quantities compares the unchanged finger with its forces, so no force is refused.
+        // A calibration without sought quantities only compares the unchanged finger with the measured forces, so no force is refused.
         if !self.sought.is_empty() {
             self.check_forces(&marker_forces)?;
         }
@@ -50,7 +51,7 @@ impl Problem<'_> {
             return self.wrong_name(stated, view, &own).map_or(Ok(Beginning { own: Some(own), of_markers: None }), Err);
         };
         let (own, of_markers) = (self.start_of_known(stated, view, force.norm()), self.marker_force(stated, view));
-        // Either the measured force or the force estimated from the markers may be wrong, so both are tried.
+        // Either the measured force or the force estimated from the markers may be wrong, so the search tries both forces.
         let explained = own.into_iter().chain(of_markers.map(|of_markers| of_markers.own));
         let names: Vec<Option<ViewError>> = explained.map(|own| self.wrong_name(stated, view, &own)).collect();
         match names.into_iter().reduce(|first, second| first.filter(|_| second.is_some())).flatten() {

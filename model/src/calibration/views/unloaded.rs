@@ -1,4 +1,4 @@
-//! Uncertainty of the unloaded finger and its rig after a fit, as far as it affects sensed forces.
+//! Uncertainty of the unloaded finger and its rig after a fit. Only errors that affect sensed forces are included.
 
 use super::problem::{OWN, Point, Problem};
 use super::{Quantity, Sought};
@@ -11,8 +11,9 @@ use nalgebra::{DMatrix, Isometry2, RowDVector};
 const LEAST_SHARE: f64 = 1e-4;
 
 impl Problem<'_> {
-    /// Independent errors of the sought quantities, each with the size of one standard deviation, linearised at a fit. An error counts only if it changes the
-    /// force of a view without a measured force. This is tested with an unknown and with a known direction of the force.
+    /// Independent errors of the sought quantities, each with the size of one standard deviation, linearised at a fit. An error counts only if it
+    /// changes the estimated force of at least one view without a measured force. This effect is tested with an unknown and with a known direction of
+    /// the force.
     pub(super) fn unloaded_errors(&self, fitted: &Fit<Point>, base: &Isometry2<f64>) -> Vec<UnloadedError> {
         let shared = self.sought.len();
         if shared == 0 {
@@ -50,7 +51,8 @@ impl Problem<'_> {
             .collect()
     }
 
-    /// Changes of all sought quantities as one error of the calibrated finger. `base` is the calibrated pose of its base, mm and rad.
+    /// Expresses changes of all sought quantities as one error of the calibrated finger. `base` is the calibrated pose of the finger's base, mm and
+    /// rad.
     pub(super) fn unloaded_error(&self, changes: &[f64], base: &Isometry2<f64>) -> UnloadedError {
         let ribs = self.finger.rib_count();
         let mut error = UnloadedError::none(ribs);

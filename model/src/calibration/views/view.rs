@@ -12,7 +12,8 @@ use nalgebra::{Isometry2, Point2};
 pub struct View {
     /// Name of the view (its image) in messages.
     pub name: String,
-    /// Displacements of markers from the scene's undeformed finger, mm, in the frame of the view. This is the frame of the base as seen in the image.
+    /// Displacements of markers from the scene's undeformed finger, mm, in the frame of the view. The frame of the view is the frame of the base as
+    /// seen in the image.
     pub measurement: Measurement,
     /// Standard deviation of a coordinate of weight 1, mm.
     pub noise_mm: f64,
@@ -20,11 +21,11 @@ pub struct View {
     pub base: BaseUncertainty,
     /// Position (x, y) of the camera in the frame of the view, mm.
     pub eye: Vector,
-    /// Measured contact force in the frame of the view, N. `None` if it was not measured.
+    /// Measured contact force in the frame of the view, N. `None` if no force was measured.
     pub force: Option<Vector>,
 }
 
-/// An observation for the calibration of a scene, with the view to which it is converted.
+/// An observation for the calibration of a scene, and the view to which the observation is converted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LocatedView {
     /// The observation.
@@ -85,7 +86,7 @@ pub enum ViewError {
     },
     /// The measured force contradicts the markers.
     #[error(
-        "the measured force is {times:.3} times the force that its markers show, expected {usual:.3} (median of all images): check its sign, unit, \
+        "the measured force is {times:.3} times the force that the markers show, expected {usual:.3} (median of all images): check its sign, unit, \
          frame and row"
     )]
     Force {
@@ -102,7 +103,7 @@ pub enum ViewError {
     Name {
         /// Node number of the marker.
         node: NodeId,
-        /// Node whose computed position is near the marker.
+        /// Node with a computed position near the marker.
         other: NodeId,
         /// Distance from the computed position of the named node, mm.
         away_mm: f64,
@@ -110,8 +111,8 @@ pub enum ViewError {
     /// The calibrated finger would sense forces too inaccurately for use. The measured force of this view deviates most.
     #[error(
         "forces sensed with this calibration would have a relative standard deviation of {share:.2}, so that every 95 % interval would include zero. \
-         The measured force of this image deviates most: it is {times:.3} times the force that its markers show: check its sign, unit, frame and row, \
-         and the node numbers, or measure more forces"
+         The measured force of this image deviates most, {times:.3} times the force that the markers show: check its sign, unit, frame and row, and \
+         the node numbers, or measure more forces"
     )]
     ForceErrors {
         /// Relative standard deviation of a force in a new image, dimensionless.
@@ -121,8 +122,8 @@ pub enum ViewError {
     },
     /// Markers deviate too far from the calibrated finger. A marker of this view deviates most.
     #[error(
-        "the calibrated finger deviates from the markers by {missed_mm:.2} mm rms, although they move by only {moved_mm:.2} mm rms: check the finger \
-         of the scene and the node numbers. In this image node {node} deviates most, by {away_mm:.1} mm"
+        "the calibrated finger deviates from the markers by {missed_mm:.2} mm rms, although the markers move by only {moved_mm:.2} mm rms: check the \
+         finger of the scene and the node numbers. In this image node {node} deviates most, by {away_mm:.1} mm"
     )]
     MarkerErrors {
         /// Node of the marker.

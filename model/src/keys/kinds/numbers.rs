@@ -8,14 +8,15 @@ use toml::de::DeValue;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Quantity(pub &'static str, pub &'static str);
 
-/// Range of valid numbers. [`Positive`](Range::Positive), and [`Within`](Range::Within) from zero, exclude subnormal numbers, which have too few digits.
+/// Range of valid numbers. Two ranges exclude subnormal numbers, which have too few digits: [`Positive`](Range::Positive), and
+/// [`Within`](Range::Within) from zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Range {
     /// Any finite number.
     Finite,
-    /// A range that depends on other values, as the text states. The code that knows these values checks it.
+    /// A range that depends on other values, as the text states. The code that reads these values checks the range.
     ByOthers(&'static str),
-    /// Above zero, up to this limit, included.
+    /// Above zero, up to and including this limit.
     Positive(f64),
     /// Above the first limit (excluded), up to the second (included).
     Above(f64, f64),
@@ -23,7 +24,7 @@ pub enum Range {
     Within(f64, f64),
     /// Between two limits, both excluded.
     Between(f64, f64),
-    /// Magnitude up to this limit, included.
+    /// Magnitude up to and including this limit.
     AtMost(f64),
     /// Whole numbers between two limits, both included.
     Whole(f64, f64),
@@ -201,7 +202,7 @@ impl<T: Copy> OfRibs<T> {
         if let OfRibs::Each(each) = self { Some(each) } else { None }
     }
 
-    /// The stored values, mutable: one shared by all ribs, or one per rib.
+    /// The stored values, mutable: one value for all ribs, or one value per rib.
     pub fn all_mut(&mut self) -> &mut [T] {
         match self {
             OfRibs::Alike(all) => std::slice::from_mut(all),
@@ -209,7 +210,7 @@ impl<T: Copy> OfRibs<T> {
         }
     }
 
-    /// The stored values: one shared by all ribs, or one per rib.
+    /// The stored values: one value for all ribs, or one value per rib.
     pub fn all(&self) -> &[T] {
         match self {
             OfRibs::Alike(all) => std::slice::from_ref(all),
@@ -252,7 +253,7 @@ impl Kind for RibNumbers {
     }
 }
 
-/// Lengths at the ends of the ribs, mm, zero or more: as [`SideLengths`], or a list with one pair per rib.
+/// Lengths at the ends of the ribs, mm, zero or more: either [`SideLengths`] for all ribs, or a list with one pair per rib.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RibLengths();
 
@@ -289,8 +290,8 @@ impl Kind for RibLengths {
     }
 }
 
-/// A list of pairs of numbers. The first text names the pairs and their unit. The optional limit holds another name for the pairs, and the largest valid
-/// magnitude of a number in a pair, mm.
+/// A list of pairs of numbers. The first text names the pairs and their unit. The optional limit consists of another name for the pairs, and the
+/// largest valid magnitude of a number in a pair, mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pairs(pub &'static str, pub Option<(&'static str, f64)>);
 

@@ -28,11 +28,11 @@ pub enum Scaling {
 pub enum ContactSet {
     /// A force acts at every contact of the list.
     Fixed,
-    /// Forces act at one or more contacts of the list. The caller states at which.
+    /// Forces act at one or more contacts of the list. The caller states these contacts.
     AnyOf,
 }
 
-/// Settings of the training samples and of the fit. Training with equal settings on the same machine gives equal weights.
+/// Settings of the training samples and of the fit. Training with equal settings on the same machine leads to equal weights.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Origin {
@@ -80,7 +80,7 @@ pub struct NetworkCard {
     pub markers: Vec<NodeId>,
     /// The contacts in the order of the outputs.
     pub contacts: Vec<Contact>,
-    /// Whether forces act at all contacts, or at those that the caller states.
+    /// Whether forces act at all contacts, or at contacts that the caller states.
     pub contact_set: ContactSet,
     /// Conversion of displacements to inputs.
     pub scaling: Scaling,
@@ -92,7 +92,7 @@ pub struct NetworkCard {
     pub origin: Origin,
     /// Errors of each contact's force, in the order of the contacts.
     pub test_errors: Vec<TestError>,
-    /// Number of samples behind `test_errors`.
+    /// Number of samples from which `test_errors` follow.
     pub test_samples: usize,
 }
 

@@ -78,7 +78,7 @@ pub enum NetworkError {
     Damaged,
     /// The network was trained for another finger.
     #[error(
-        "the network was trained for another finger: its fingerprint is {trained:.8}..., that of this finger {found:.8}..."
+        "the network was trained for another finger: its fingerprint is {trained:.8}..., the fingerprint of this finger {found:.8}..."
     )]
     AnotherFinger {
         /// Fingerprint of the finger for which the network was trained, in hexadecimal digits.

@@ -12,18 +12,19 @@ use crate::sensing::{
 };
 use nalgebra::{DMatrix, DVector};
 
-/// Two contacts count as equal if neither their positions (as a share of the plate's length) nor their angles (in degrees) differ by more than this.
+/// Two contacts count as equal if neither their positions (as a share of the plate's length) nor their angles (in degrees) differ by more than this
+/// limit.
 const SAME_CONTACT: f64 = 1e-9;
-/// An input is refused if it exceeds `RANGE_FACTOR` times the largest input in training, plus `RANGE_SIGMAS` standard deviations of the input's noise. The
-/// margin allows for extremes that the training samples miss.
+/// An input is refused if it exceeds `RANGE_FACTOR` times the largest input in training, plus `RANGE_SIGMAS` standard deviations of the input's
+/// noise. The margin admits extremes that the training samples miss.
 const RANGE_FACTOR: f64 = 1.1;
 const RANGE_SIGMAS: f64 = 4.0;
 
 /// Estimates forces with a network, for the contacts and markers for which it is prepared.
 ///
 /// # Requirements
-/// The finger for which the network was trained, and all contacts of the training in any order. For [`ContactSet::AnyOf`], only the contacts at which forces
-/// act. Markers may be hidden if the network's inputs are principal directions.
+/// The finger for which the network was trained, and all contacts of the training in any order. [`ContactSet::AnyOf`] requires only the contacts at
+/// which forces act. Markers may be hidden if the network's inputs are principal directions.
 #[derive(Debug, Clone)]
 pub struct NetworkEstimator {
     forward: Forward,
@@ -58,7 +59,7 @@ impl NetworkEstimator {
         NetworkEstimator::with_instructions(network, finger, contacts, markers, Instructions::Detected)
     }
 
-    /// As [`NetworkEstimator::new`], with a given instruction set.
+    /// Like [`NetworkEstimator::new`], but with a given instruction set.
     ///
     /// # Errors
     /// [`NetworkError`] as from [`NetworkEstimator::new`].
@@ -116,8 +117,8 @@ impl NetworkEstimator {
         self.prepared.outputs()
     }
 
-    /// Estimates the forces of one frame. `displacements` holds ux, uy of each marker in the order of the markers, mm. `forces_n` receives the forces in the
-    /// order of the contacts, N. The evaluation allocates no memory and checks no ranges: displacements of NaN give forces of NaN.
+    /// Estimates the forces of one frame. `displacements` contains ux, uy of each marker in the order of the markers, mm. `forces_n` receives the
+    /// forces in the order of the contacts, N. The evaluation allocates no memory and checks no ranges: if displacements are NaN, forces are NaN.
     ///
     /// # Errors
     /// [`NetworkError::Length`] if a slice has the wrong length.
@@ -128,12 +129,12 @@ impl NetworkEstimator {
         Ok(())
     }
 
-    /// Estimates forces with their standard deviations. The standard deviations combine the effects of noise and hidden markers, linearised by the network's
-    /// derivatives, with the network's own error on held-out samples. `noise_mm` is the standard deviation of one coordinate, mm. The noise is estimated from
-    /// the residual if `noise_mm` is `None` or contradicts the residual.
+    /// Estimates forces with their standard deviations. The standard deviations combine three errors: noise, hidden markers, and the network's error
+    /// on held-out samples. The network's derivatives linearise the effects of noise and hidden markers. `noise_mm` is the standard deviation of one
+    /// coordinate, mm. The noise is estimated from the residual if `noise_mm` is `None` or contradicts the residual.
     ///
-    /// The residual is the part of the displacements outside the principal directions. The estimate's singular values are the reciprocals of the singular
-    /// values of the forces' derivatives with respect to the displacements.
+    /// The residual is the part of the displacements outside the principal directions. The singular values of the estimate are reciprocals: of the
+    /// singular values of the forces' derivatives with respect to the displacements.
     ///
     /// # Errors
     /// [`NetworkError`] for markers other than the prepared ones, for weights other than 1, and for shapes or forces outside the training.
@@ -173,9 +174,9 @@ impl NetworkEstimator {
         })
     }
 
-    /// Tests the part of displacements `x`, mm, outside the principal directions against the stated noise (chi-squared test). In noise-free training shapes,
-    /// this part is negligible. Returns the noise, the root mean square of the residual, both mm, and a warning if the residual exceeds the stated noise
-    /// significantly. The standard deviations of the forces follow from the returned noise.
+    /// Tests the residual against the stated noise (chi-squared test). The residual is the part of the displacements `x`, mm, outside the principal
+    /// directions. It is negligible for noise-free training shapes. Returns the noise (mm), the root mean square of the residual (mm), and a warning
+    /// if the residual exceeds the stated noise significantly. The standard deviations of the forces follow from the returned noise.
     fn residual(&self, x: &DVector<f64>, stated_mm: Option<f64>) -> Result<(f64, f64, Option<Warning>), SensingError> {
         let coordinates = x.len() as f64;
         let from_mean = x - &self.mean;
@@ -208,7 +209,7 @@ impl NetworkEstimator {
         Ok(())
     }
 
-    /// Refuses forces outside the range of the training. Forces at contacts other than the assumed ones cause such results.
+    /// Refuses forces outside the range of the training. Such results arise if forces act at other contacts than assumed.
     fn require_trained_forces(&self, forces_n: &[f64], sigmas_n: &[f64]) -> Result<(), NetworkError> {
         let [least_n, largest_n] = self.force_range_n;
         for (i, (&force_n, sigma_n)) in forces_n.iter().zip(sigmas_n).enumerate() {
@@ -226,7 +227,8 @@ fn require_length(what: &'static str, expected: usize, found: usize) -> Result<(
 }
 
 impl Network {
-    /// Checks that the network was trained for `finger` and `contacts`: all contacts of its list in any order, or some of them for [`ContactSet::AnyOf`].
+    /// Checks that the network was trained for `finger` and `contacts`. `contacts` must be all contacts of the network's list in any order. For
+    /// [`ContactSet::AnyOf`], some contacts of the list suffice.
     ///
     /// # Errors
     /// [`NetworkError::AnotherFinger`] or [`NetworkError::OtherContacts`] if the network was trained for another finger or other contacts.

@@ -21,11 +21,11 @@ use std::collections::{BTreeMap, HashMap};
 
 /// Key of the card in the metadata.
 const CARD: &str = "finray_network";
-/// Tensor that holds the checksum.
+/// Tensor that contains the checksum.
 const CHECKSUM: &str = "sha256";
 
 impl Network {
-    /// Writes the network as a safetensors file. Equal networks give equal bytes.
+    /// Writes the network as a safetensors file. Files of equal networks have equal bytes.
     ///
     /// # Errors
     /// [`NetworkError`] if the parts of the network do not fit together.
@@ -58,7 +58,7 @@ impl Network {
         }
         let sum = checksum(&card, &views);
         views.insert(CHECKSUM, TensorView::new(Dtype::U8, vec![sum.len()], &sum).map_err(|e| unreadable(&e))?);
-        // The metadata have only one key, because a hash map of several keys has no fixed order.
+        // The metadata have only one key, because the order of several keys in a hash map is not fixed.
         let metadata = HashMap::from([(CARD.to_owned(), card)]);
         safetensors::serialize(views, Some(metadata)).map_err(|error| unreadable(&error))
     }
@@ -111,7 +111,7 @@ impl Network {
     }
 }
 
-/// Reads the card. Checks its version first, because other versions have other keys.
+/// Reads the card. Checks the version of the card first, because other versions have other keys.
 fn read_card(text: &str) -> Result<NetworkCard, NetworkError> {
     let value: serde_json::Value = serde_json::from_str(text).map_err(|error| card_error(&error))?;
     let Some(found) = value.get("format").and_then(serde_json::Value::as_u64) else {

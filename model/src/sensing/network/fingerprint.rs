@@ -7,8 +7,8 @@ use sha2::{Digest, Sha256};
 use std::fmt;
 use std::str::FromStr;
 
-/// Numbers are compared to this many significant digits, because rounding errors must not matter. They arise, for example, if one scene states the number of
-/// ribs and another the positions of the same ribs.
+/// Numbers are compared to this many significant digits, because rounding errors must not matter. Rounding errors arise, for example, if one scene
+/// states the number of ribs and another scene states the positions of the same ribs.
 const DIGITS: i32 = 10;
 
 /// SHA-256 hash of the numbers that define a finger: key nodes, rigid arms, clips and ends, rigidities, tapers, rib thicknesses, joints, brackets with the
@@ -17,7 +17,7 @@ const DIGITS: i32 = 10;
 pub struct Fingerprint([u8; 32]);
 
 impl Fingerprint {
-    /// Fingerprint of a finger. Numbers that round to the same ten significant digits give the same fingerprint.
+    /// Fingerprint of a finger. Fingers have the same fingerprint if their numbers round to the same ten significant digits.
     pub fn of(finger: &Finger) -> Fingerprint {
         let mut numbers = Numbers(Sha256::new());
         // Coordinates may be zero, so they are rounded to a share of the longer plate.
@@ -109,7 +109,7 @@ impl Numbers {
     }
 }
 
-/// Formats a number with [`DIGITS`] significant digits. Plus and minus zero give the same text.
+/// Formats a number with [`DIGITS`] significant digits. Plus and minus zero have the same text.
 fn rounded(value: f64) -> String {
     format!("{:.*e}", DIGITS as usize - 1, value + 0.0)
 }

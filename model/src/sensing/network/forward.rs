@@ -9,7 +9,7 @@ use pulp::{Arch, Scalar, Simd, WithSimd};
 pub enum Instructions {
     /// The best instructions of the machine, detected at run time.
     Detected,
-    /// Instructions that every machine has.
+    /// Instructions that every machine supports.
     Portable,
 }
 
@@ -54,7 +54,7 @@ impl Forward {
         self.plan.coordinates
     }
 
-    /// Forces of one frame, N, from its displacements, mm. Lengths must be those of the network.
+    /// Forces of one frame, N, from its displacements, mm. The lengths of both slices must fit the network.
     pub(super) fn forces(&mut self, displacements: &[f64], forces_n: &mut [f64]) {
         let Forward { arch, plan, between } = self;
         dispatch(*arch, Evaluate { plan, between, displacements, forces_n });

@@ -1,14 +1,14 @@
 //! Estimates the displacements of hidden markers from the training shapes.
 //!
-//! Training shapes are x = mean + V^T c + noise, with principal directions V and independent coefficients c, whose variances L are stored. The measured
-//! coordinates x_s deviate by d = x_s - mean_s from their mean. The expected coordinates of all markers are mean + F d. For measured coordinates F is the
-//! identity, for hidden ones it is S_hs S_ss^-1. S = V^T L V + noise^2 I is the covariance of all coordinates (Rasmussen and Williams, Gaussian Processes for
-//! Machine Learning, eq. (A.6)).
+//! Training shapes are x = mean + V^T c + noise, with principal directions V and independent coefficients c, whose variances L are stored. The
+//! measured coordinates x_s deviate by d = x_s - mean_s from their mean. The expected coordinates of all markers are mean + F d. F is the identity
+//! for measured coordinates, and S_hs S_ss^-1 for hidden coordinates. S = V^T L V + noise^2 I is the covariance of all coordinates (Rasmussen and
+//! Williams, Gaussian Processes for Machine Learning, eq. (A.6)).
 
 use super::Network;
 use nalgebra::DMatrix;
 
-/// Noise that is assumed for networks trained without noise, as a share of the shapes' standard deviation. It keeps S_ss invertible.
+/// Noise that is assumed for networks trained without noise, as a share of the shapes' standard deviation. This noise keeps S_ss invertible.
 const LEAST_NOISE: f64 = 1e-6;
 
 /// The principal directions V as unit vectors, p x n for p inputs and n coordinates.
@@ -23,9 +23,9 @@ pub(super) fn directions(network: &Network) -> DMatrix<f64> {
     directions
 }
 
-/// Linear map F from the measured coordinates `seen` (indices, in their order) to all coordinates, dimensionless: one row per coordinate of the network, one
-/// column per measured coordinate. Also returns the covariance of the error of F for noise-free shapes, mm^2, which is zero if all coordinates are measured.
-/// `None` if the covariance of the measured coordinates is singular to rounding.
+/// Linear map F from the measured coordinates `seen` (indices, in their order) to all coordinates, dimensionless: one row per coordinate of the
+/// network, one column per measured coordinate. Also returns the covariance of the error of F for noise-free shapes, mm^2. This covariance is zero if
+/// all coordinates are measured. `None` if the covariance of the measured coordinates is singular to rounding.
 pub(super) fn filling(network: &Network, seen: &[usize]) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
     let n = network.inputs.coordinate_count();
     let mut matrix = DMatrix::zeros(n, seen.len());
@@ -45,7 +45,7 @@ pub(super) fn filling(network: &Network, seen: &[usize]) -> Option<(DMatrix<f64>
     for hidden in (0..n).filter(|coordinate| !seen.contains(coordinate)) {
         matrix.row_mut(hidden).copy_from(&filled.column(hidden).transpose());
     }
-    // F maps the measured part of a shape; the error is the difference from the whole shape.
+    // F maps the measured part of a shape to a whole shape; the error of F is the difference from the true whole shape.
     let mut selection = DMatrix::zeros(seen.len(), n);
     for (row, &coordinate) in seen.iter().enumerate() {
         selection[(row, coordinate)] = 1.0;

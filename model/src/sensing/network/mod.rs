@@ -56,9 +56,9 @@ pub struct Dense {
     pub inputs: usize,
     /// Length of y.
     pub outputs: usize,
-    /// W by rows, outputs x inputs. N in the last layer, dimensionless in the others.
+    /// W by rows, outputs x inputs; in N for the last layer, dimensionless for all others.
     pub weights: Vec<f32>,
-    /// b, length outputs. N in the last layer, dimensionless in the others.
+    /// b, one entry per output; in N for the last layer, dimensionless for all others.
     pub bias: Vec<f32>,
 }
 
@@ -71,9 +71,9 @@ pub struct Network {
     pub card: NetworkCard,
     /// Conversion of displacements to inputs.
     pub inputs: Inputs,
-    /// Layers of the MLP, at least one, all but the last with tanh. The first layer takes the p inputs. For [`ContactSet::AnyOf`], two further inputs per
-    /// contact follow. First come the masks of all contacts (1 if a force acts there, else 0), then the forces of all contacts from ridge regression, divided
-    /// by the prior's standard deviation. The last layer returns forces, N.
+    /// Layers of the MLP, at least one, all but the last with tanh. The first layer has the p inputs. For [`ContactSet::AnyOf`], it has two further
+    /// inputs per contact. First come the masks of all contacts (1 if a force acts at the contact, otherwise 0). Then follow the forces of all
+    /// contacts from ridge regression, divided by the prior's standard deviation. The last layer returns forces, N.
     pub layers: Vec<Dense>,
     /// Weights of the skip branch by rows, contacts x p, N. Empty without a skip branch, as for [`ContactSet::AnyOf`].
     pub skip: Vec<f32>,

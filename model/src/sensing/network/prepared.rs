@@ -4,9 +4,9 @@ use super::{ContactSet, Dense, Network};
 use crate::sensing::linear::Inverse;
 use nalgebra::DMatrix;
 
-/// Gain G of ridge regression, contacts x n, N/mm. It maps displacements x to the forces r = G x at the contacts marked in `touching`: G = (C^T C + ridge^2)^-1
-/// C^T. C consists of the columns of `compliance` (n x contacts, mm/N) for these contacts. The rows of G for other contacts are zero. `ridge` is the noise of a
-/// coordinate divided by the prior standard deviation of a force, mm/N.
+/// Gain G of ridge regression, contacts x n, N/mm. G = (C^T C + ridge^2)^-1 C^T maps displacements x to the forces r = G x at the contacts marked in
+/// `touching`. C consists of the columns of `compliance` (n x contacts, mm/N) for the marked contacts. The rows of G for other contacts are zero.
+/// `ridge` is the noise of a coordinate divided by the prior standard deviation of a force, mm/N.
 pub fn ridge_gain(compliance: &DMatrix<f64>, touching: &[bool], ridge: f64) -> DMatrix<f64> {
     let those: Vec<usize> = (0..touching.len()).filter(|&i| touching[i]).collect();
     let inverse = Inverse::of(&compliance.select_columns(&those), ridge);
@@ -34,8 +34,9 @@ impl Prepared {
     /// Prepares a network for the contacts `selected`, which are indices in the network's list. For [`ContactSet::AnyOf`] these are the contacts at which
     /// forces act.
     ///
-    /// The mask of these contacts is constant and becomes part of the bias of the first layer. Their forces from ridge regression, divided by the prior, become
-    /// further inputs with a skip connection to the outputs. These forces are G_S x with G_S = (C_S^T C_S + (noise / prior)^2)^-1 C_S^T.
+    /// The mask of these contacts is constant and becomes part of the bias of the first layer. The forces of these contacts from ridge regression,
+    /// divided by the prior, become further inputs with a skip connection to the outputs. The forces are G_S x with G_S = (C_S^T C_S + (noise /
+    /// prior)^2)^-1 C_S^T.
     pub(super) fn new(network: &Network, selected: &[usize]) -> Prepared {
         let (p, m) = (network.inputs.count(), network.contact_count());
         let mut layers = network.layers.clone();
@@ -130,7 +131,7 @@ fn rows(matrix: &[f32], columns: usize, selected: &[usize]) -> Vec<f32> {
     selected.iter().flat_map(|&row| &matrix[row * columns..(row + 1) * columns]).copied().collect()
 }
 
-/// First layer for forces at the contacts `selected`: its inputs [z, mask, ridge forces] become [z, ridge forces of these contacts].
+/// First layer for forces at the contacts `selected`. Its inputs [z, mask, ridge forces] are reduced to [z, ridge forces of the selected contacts].
 fn with_mask(layer: &Dense, p: usize, contacts: usize, selected: &[usize]) -> Dense {
     let by_row = || layer.weights.chunks_exact(layer.inputs);
     let kept = |row: &[f32]| -> Vec<f32> {

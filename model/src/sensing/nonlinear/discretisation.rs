@@ -7,12 +7,12 @@ use crate::mesh::Mesh;
 use crate::sensing::{Contact, Pad, SensingError, Warning};
 use crate::statics::{Ladder, Statics};
 
-/// The finer mesh divides each element into this number of parts. Members of a single element need more (`DIVISIONS_OF_SINGLE`), because their errors do not
-/// yet decrease with the square of the element length.
+/// The finer mesh divides each element into this number of parts. Members of a single element need more parts (`DIVISIONS_OF_SINGLE`), because their
+/// errors do not yet decrease with the square of the element length.
 const DIVISIONS: usize = 2;
 const DIVISIONS_OF_SINGLE: usize = 4;
-/// A stored error is reused for a similar estimate. The limits are differences of forces (share of the largest force), positions (share of the plate's length),
-/// and directions (degrees). An error of the mesh is only accurate to about a third.
+/// A stored error is reused for a similar estimate. Limits apply to differences of forces (share of the largest force), positions (share of the
+/// plate's length) and directions (degrees). Rough limits suffice, because a computed error of the mesh is only accurate to about a third.
 const SAME_FORCE: f64 = 0.12;
 const SAME_POSITION: f64 = 0.02;
 const SAME_ANGLE_DEG: f64 = 3.0;
@@ -25,9 +25,9 @@ const MOST_KEPT: usize = 256;
 /// An estimator on a mesh of the same finger, and its last estimate.
 ///
 /// # Reference
-/// Under the estimated forces the finer mesh bends further by d. The coarse mesh needs additional forces A^+ d to explain this, with A the derivatives of
-/// its shape with respect to the unknowns. Errors of co-rotational beams decrease with the square of the element length. Richardson's extrapolation
-/// therefore multiplies A^+ d by n^2 / (n^2 - 1), for n elements of the finer mesh per element of the coarse one.
+/// Under the estimated forces the finer mesh bends further by d. The coarse mesh needs additional forces A^+ d to bend by d as well. A contains the
+/// derivatives of its shape with respect to the unknowns. Errors of co-rotational beams decrease with the square of the element length. Richardson's
+/// extrapolation therefore multiplies A^+ d by n^2 / (n^2 - 1), for n elements of the finer mesh per element of the coarse mesh.
 #[derive(Debug, Clone)]
 pub struct Discretisation<'m> {
     finer: &'m Mesh,
@@ -51,7 +51,7 @@ impl<'m> Discretisation<'m> {
         mesh.refined(if mesh.has_single_elements() { DIVISIONS_OF_SINGLE } else { DIVISIONS })
     }
 
-    /// Prepares the comparison of a mesh with a [`finer`](Discretisation::finer) one.
+    /// Prepares the comparison of a mesh with a [`finer`](Discretisation::finer) mesh.
     pub fn new(mesh: &Mesh, finer: &'m Mesh) -> Discretisation<'m> {
         let squared = (finer.element_count() as f64 / mesh.element_count() as f64).powi(2);
         let extrapolated = squared / (squared - 1.0);
@@ -67,7 +67,7 @@ impl<'m> Discretisation<'m> {
     /// noise.
     ///
     /// # Errors
-    /// [`SensingError`] if the finer mesh has no equilibrium under the estimated forces, or there is no last estimate.
+    /// [`SensingError`] if the finer mesh has no equilibrium under the estimated forces, or no estimate has been made.
     pub fn widen(
         &mut self,
         estimator: &mut NonlinearEstimator,

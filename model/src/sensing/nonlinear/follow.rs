@@ -1,16 +1,17 @@
-//! Follows a step of the search along equilibria, while the share of the step grows from zero to one. The misfit is the sum of squared weighted residuals.
+//! Follows a step of the search along equilibria, from share zero to share one of the step. The misfit is the sum of squared weighted residuals.
 
 use super::{NonlinearEstimator, Posed, State};
 use crate::frame::FrameMotion;
 use crate::measurement::Measurement;
 use crate::statics::StaticsError;
 
-/// A step ends at an equilibrium if the misfit there (sum of squared weighted residuals) is more than this factor times the misfit at the start of the step.
+/// A step ends at an equilibrium with a misfit (sum of squared weighted residuals) of more than this factor times the misfit at the start of the
+/// step.
 const WORSE: f64 = 2.0;
 /// A step ends after this number of rejected shorter steps, at the largest share of the step for which an equilibrium was found.
 const MOST_REJECTED: usize = 2;
 
-/// Equilibrium under a share of a step's change of loads.
+/// Equilibrium under the loads after a share of a step.
 pub(super) struct OnTheWay {
     share: f64,
     misfit_mm2: f64,
@@ -21,8 +22,9 @@ impl NonlinearEstimator<'_> {
     /// Follows the equilibrium from `state` to the loads of `next`, and stores the resulting motion in `next`. All misfits (sums of squared weighted residuals)
     /// use the weights of `state`, because new weights would change the misfit without progress of the search. `current_mm2` is the misfit of `state`.
     ///
-    /// The first result is the misfit at the end of the step, mm^2, or else the share of the step (0 to 1) up to which equilibria exist. The second result is
-    /// the equilibrium with the smallest misfit on the path, if this misfit does not exceed `current_mm2`.
+    /// The first result is the misfit at the end of the step, mm^2. If no equilibrium exists at the end, it is the share of the step (0 to 1) up to
+    /// which equilibria exist. The second result is the equilibrium with the smallest misfit on the path, if this misfit does not exceed
+    /// `current_mm2`.
     pub(super) fn follow(
         &mut self,
         state: &State,
@@ -57,8 +59,8 @@ impl NonlinearEstimator<'_> {
         (misfit_mm2, best)
     }
 
-    /// State after a part of a step, iterated to equilibrium, with the part as a share of the step (0 to 1). `on_the_way` states this share. `None` if no
-    /// equilibrium is found, or if the equilibrium's misfit exceeds `current_mm2`, the misfit of `state`.
+    /// State after a part of a step, iterated to equilibrium, and this part as a share of the step (0 to 1). The share is taken from `on_the_way`.
+    /// `None` if no equilibrium is found, or if the equilibrium's misfit exceeds `current_mm2`, the misfit of `state`.
     pub(super) fn part_of_step(
         &mut self,
         state: &State,

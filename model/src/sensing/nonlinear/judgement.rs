@@ -27,8 +27,8 @@ const SAME_ANSWER: f64 = 1e-3;
 const CONFIRMING_COORDINATES: usize = 4;
 
 impl NonlinearEstimate {
-    /// Refuses an estimate with a significant force if zero forces explain the data equally well. Near buckling a small force causes large displacements, so
-    /// noise may look like a force. Both misfits are in mm^2.
+    /// Refuses an estimate with a significant force if zero forces explain the data equally well. Near buckling, a small force causes large
+    /// displacements, so noise may be mistaken for a force. Both misfits are in mm^2.
     ///
     /// # Errors
     /// [`SensingError::Ambiguous`] for the first force that differs significantly from zero.
@@ -41,8 +41,9 @@ impl NonlinearEstimate {
         claimed.map_or(Ok(()), |i| Err(SensingError::Ambiguous { contact: i + 1, force_n: forces_n[i], other_n: 0.0 }))
     }
 
-    /// Refuses an estimate if other forces explain the data equally well, even if their misfit is no minimum. On a linear finger, forces whose misfit exceeds
-    /// the smallest by at most [`AS_GOOD`] noise variances are within three standard deviations. `others` holds misfits, mm^2, and forces, N.
+    /// Refuses an estimate if other forces explain the data equally well, even if the misfit of these forces is no minimum. If the misfit exceeds the
+    /// smallest misfit by at most [`AS_GOOD`] noise variances, the forces of a linear finger are within three standard deviations. `others` lists
+    /// misfits, mm^2, and forces, N.
     ///
     /// # Errors
     /// [`SensingError::Ambiguous`] for the first force that differs.
@@ -57,8 +58,9 @@ impl NonlinearEstimate {
         Ok(())
     }
 
-    /// Refuses an estimate of several forces without redundant coordinates, if the forces differ from those of the linear finger. Many equilibria may then
-    /// explain the measurement exactly. The first of `starts` has the forces of the linear finger, if the search started from them.
+    /// Refuses an estimate of several forces without redundant coordinates, if the forces differ from the forces of the linear finger. Many
+    /// equilibria may then explain the measurement exactly. The first entry of `starts` contains the forces of the linear finger, if the search
+    /// started from these forces.
     ///
     /// # Errors
     /// [`SensingError::Unconfirmed`] if the estimate is refused.
@@ -72,8 +74,8 @@ impl NonlinearEstimate {
         if count > 1 && coordinates <= count && is_far { Err(SensingError::Unconfirmed) } else { Ok(()) }
     }
 
-    /// Whether the forces `other_n`, N, equal those of this estimate within its standard deviations. Their misfit exceeds that of this estimate by `excess`,
-    /// mm^2.
+    /// Whether the forces `other_n`, N, equal the forces of this estimate within its standard deviations. The misfit of `other_n` exceeds the misfit
+    /// of this estimate by `excess`, mm^2.
     ///
     /// # Errors
     /// [`SensingError::Ambiguous`] if the other forces differ and explain the data equally well.
@@ -95,8 +97,8 @@ impl NonlinearEstimate {
         (0..forces_n.len()).find(|&i| (forces_n[i] - other_n[i]).abs() > same(i))
     }
 
-    /// Refuses an estimate if another minimum explains the data equally well. Also refuses an estimate from few coordinates that is far from the forces of the
-    /// linear finger, if only one starting point leads to it. `minima` holds misfit, mm^2, and forces, N, of each minimum.
+    /// Refuses an estimate if another minimum explains the data equally well. An estimate from few coordinates that is far from the forces of the
+    /// linear finger is also refused, if only one starting point leads to the estimate. `minima` lists misfit, mm^2, and forces, N, of each minimum.
     ///
     /// # Errors
     /// [`SensingError::Ambiguous`] for another minimum, [`SensingError::Unconfirmed`] for an estimate that nothing confirms.
@@ -111,14 +113,15 @@ impl NonlinearEstimate {
         for (other_misfit, other_n) in minima {
             confirmations += usize::from(self.is_confirmed_by(other_n, other_misfit - misfit)?);
         }
-        // One of the minima is the estimate itself, so a confirmation needs a second one. A fit of many coordinates confirms the estimate as well.
+        // One of the minima is the estimate itself, so a confirmation needs a second minimum. A fit of many coordinates confirms the estimate as
+        // well.
         let confirmed =
             near || confirmations >= 2 || coordinates >= CONFIRMING_COORDINATES * self.forces.forces_n.len();
         if confirmed { Ok(()) } else { Err(SensingError::Unconfirmed) }
     }
 }
 
-/// The estimated contact, with the given direction if it was known. The angle is reduced to -180 to 180 degrees.
+/// The estimated contact. A known direction is returned as given. The angle is reduced to -180 to 180 degrees.
 fn answered(contact: &Contact, question: &ContactQuestion) -> Contact {
     let angle_deg = match question.direction {
         Direction::Angle(angle_deg) => angle_deg,

@@ -1,15 +1,15 @@
 //! Uncertainty of a force due to an uncertain lean (angle between force and normal), beyond the linearisation at the estimate.
 //!
-//! Markers that barely constrain the direction let it trade off against contact position and magnitude. This effect grows with the lean. The linearisation at
-//! the estimate may show only half of this effect.
+//! Markers that barely constrain the direction let it trade off against contact position and magnitude. The resulting uncertainty of the force grows
+//! with the lean. The linearisation at the estimate may show only half of this uncertainty.
 
 use super::search_history::SearchHistory;
 use super::{NonlinearEstimate, NonlinearEstimator, State};
 use crate::measurement::Measurement;
 use crate::sensing::{ContactQuestion, Direction, Lean, SensingError};
 
-/// Forces are evaluated for leans (angles between force and normal) at this distance on either side of the estimated lean, in standard deviations. These are
-/// the outer points of three-point Gauss-Hermite quadrature, and the ends of a uniform distribution.
+/// Distance, in standard deviations, of two leans (angles between force and normal) on either side of the estimated lean. Forces are evaluated at
+/// these two leans. The leans are the outer points of three-point Gauss-Hermite quadrature, and the ends of a uniform distribution.
 pub(crate) const REACH: f64 = 1.732_050_807_568_877_2;
 /// An uncertain lean (angle between force and normal) needs evaluation only if it contributes more than this share of a force's standard deviation.
 pub(crate) const COUNTS: f64 = 0.3;
@@ -29,8 +29,8 @@ pub(super) struct FoundLean {
 }
 
 impl NonlinearEstimator<'_> {
-    /// Widens the standard deviations of forces for each uncertain lean (angle between force and normal). The forces at both ends of the lean's range replace
-    /// the linearisation at the estimate if they imply a larger deviation.
+    /// Widens the standard deviations of forces for each uncertain lean (angle between force and normal). If the forces at both ends of the lean's
+    /// range imply a larger deviation than the linearisation at the estimate, the larger deviation is used.
     ///
     /// # Errors
     /// [`SensingError::Undetermined`] if the search finds forces at neither end.

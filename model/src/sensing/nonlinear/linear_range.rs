@@ -11,17 +11,17 @@ use nalgebra::DVectorView;
 
 /// A force with at most this relative standard deviation needs no check.
 pub(crate) const WELL_KNOWN: f64 = 0.3;
-/// A force is changed by one standard deviation. It is refused if the nonlinear motion of the markers then differs from the linearised motion by more than this
-/// share. See Bates and Watts, Nonlinear Regression Analysis and Its Applications, ch. 7, on the intrinsic curvature.
+/// A force is refused if its change by one standard deviation moves the markers differently from the linearised motion, by more than this share. See
+/// Bates and Watts, Nonlinear Regression Analysis and Its Applications, ch. 7, on the intrinsic curvature.
 pub(crate) const LARGEST_DEPARTURE: f64 = 0.5;
 
-/// An axis of the confidence region needs no check if its standard deviation is at most this share of the largest force. Without noise the ends of such an axis
-/// differ only by rounding.
+/// An axis of the confidence region needs no check if the standard deviation along the axis is at most this share of the largest force. Without
+/// noise, the ends of such an axis differ only by rounding.
 const STRAIGHT: f64 = 1e-6;
 /// The ends of the confidence region are checked at this distance from the estimate, in standard deviations.
 const REACH: f64 = 3.0;
-/// A force is not identifiable if the misfit (sum of squared residuals) grows by less than this towards an end of the confidence region, in noise variances.
-/// For a linear finger the misfit grows by 9.
+/// A force is not identifiable if the misfit (sum of squared residuals) grows by less than this number of noise variances towards an end of the
+/// confidence region. For a linear finger the misfit grows by 9.
 const LEAST_GROWTH: f64 = 1.0;
 
 impl NonlinearEstimator<'_> {
@@ -87,11 +87,11 @@ impl NonlinearEstimator<'_> {
         Ok(())
     }
 
-    /// Refuses a force if, within one standard deviation of it, the markers do not move linearly with the force or the finger has no equilibrium. For example,
+    /// Refuses a force if a change by one standard deviation does not move the markers linearly, or leads to forces without equilibrium. For example,
     /// a force along a plate hardly moves any marker until the plate buckles.
     ///
     /// # Errors
-    /// [`SensingError::Undetermined`] for the first force that is so uncertain.
+    /// [`SensingError::Undetermined`] for the first force that is refused.
     pub(super) fn require_linear_range(
         &mut self,
         state: &State,

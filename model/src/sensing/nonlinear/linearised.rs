@@ -1,4 +1,4 @@
-//! The problem linearised at a state: residuals, and their derivatives with respect to the unknowns.
+//! The problem linearised at a state: residuals and derivatives of the residuals with respect to the unknowns.
 
 use super::nuisances::{Nuisances, PriorRow, Priors};
 use super::unknowns::{BaseMotion, Unknown};
@@ -30,11 +30,11 @@ pub(super) struct Linearised {
     across: Vec<Vector>,
     /// Robust factor on the weight of each marker: 1, or less for an outlier.
     weights: Vec<f64>,
-    /// The priors. `prior_rows` has their rows of the least-squares problem at the linearised state.
+    /// The priors. `prior_rows` contains the rows of the priors in the least-squares problem at the linearised state.
     pub priors: Priors,
     prior_rows: Vec<PriorRow>,
-    /// Violations of the conditions of contacts with an object at the linearised state. Each is divided by its standard deviation and multiplied by the noise,
-    /// mm.
+    /// Violations of the contact conditions of an object at the linearised state, mm. Each violation is divided by its standard deviation and
+    /// multiplied by the noise.
     misses_mm: Vec<f64>,
     /// Derivatives of these violations, conditions x unknowns, mm per unit of the unknown.
     touch_rates: DMatrix<f64>,
@@ -55,7 +55,7 @@ pub(super) struct Linearised {
 #[derive(Debug, Clone, Copy)]
 struct MarkerPoint {
     node: NodeIndex,
-    /// Index of its key node, from 0.
+    /// Index of the marker's key node, from 0.
     key_node: usize,
     /// Undeformed position, finger frame, mm.
     rest: Vector,
@@ -82,7 +82,7 @@ impl MarkerPoint {
     fn displacement(&self, shape: Posed) -> Vector {
         let base = &shape.nuisances.base;
         let displaced = shape.motion.displacements[self.node];
-        // The part due to the motion of the base is exactly zero for a base at its expected pose.
+        // If the base is at its expected pose, the part due to the motion of the base is exactly zero.
         let by_base = base.translation.vector + (base.rotation * (self.rest + displaced) - (self.rest + displaced));
         displaced + by_base + shape.nuisances.shared_mm(self.key_node)
     }
@@ -117,7 +117,8 @@ impl Linearised {
         }
     }
 
-    /// Sets the derivatives with respect to one unknown from two states and the violations of their contact conditions. `by` is the change of the unknown.
+    /// Sets the derivatives with respect to one unknown by differences between two states and between the violations of their contact conditions.
+    /// `by` is the change of the unknown.
     pub(super) fn take_differences(&mut self, unknown: usize, [before, after]: [(Posed, &[f64]); 2], by: f64) {
         let key_nodes = self.marker_points.len();
         for (rate, point) in self.rates[unknown * key_nodes..].iter_mut().zip(&self.marker_points) {
@@ -148,15 +149,15 @@ impl Linearised {
         self.rates[unknown * self.weights.len() + key_node]
     }
 
-    /// Sets the robust factor of each marker from its distance to the computed position. The factor is 1 up to a limiting distance, and limit / distance beyond
-    /// it. This is the square root of Cauchy's weight for large distances.
+    /// Sets the robust factor of each marker from its distance to the computed position. The factor is 1 up to a limit of the distance, and limit /
+    /// distance beyond the limit. For large distances, this factor is the square root of Cauchy's weight.
     pub(super) fn weigh(&mut self, shape: Posed, measurement: &Measurement, noise_mm: Option<f64>) {
         let markers = measurement.markers();
         self.distances.clear();
         self.distances.extend(markers.iter().map(|marker| distance(&self.marker_points, marker, shape).norm()));
         let middle = self.distances.len() / 2;
         let median = *self.distances.select_nth_unstable_by(middle, f64::total_cmp).1;
-        // The median also accounts for the error of the model.
+        // Unlike the noise, the median includes the error of the model.
         let limit = OUTLIER_SIGMAS * noise_mm.unwrap_or(0.0).max(median / RAYLEIGH_MEDIAN);
         for marker in markers {
             let off = distance(&self.marker_points, marker, shape).norm();
@@ -341,7 +342,7 @@ impl NonlinearEstimator<'_> {
                             BaseMotion::Turn => Vector::new(-position.y, position.x),
                         };
                     }
-                    // In the frame of the rotated base, a force of known direction rotates in the opposite sense.
+                    // In the frame of the rotated base, a force of known direction rotates in the opposite sense to the base.
                     let held =
                         self.questions.iter().enumerate().filter(|(_, q)| matches!(q.direction, Direction::Angle(_)));
                     for (i, _) in held.filter(|_| way == BaseMotion::Turn) {
@@ -364,7 +365,7 @@ impl NonlinearEstimator<'_> {
     }
 }
 
-/// Writes the summed effects of the loads on the key nodes to `rates`. `room` is a buffer for one load.
+/// Sums the effects of the loads on the key nodes, and writes the sums to `rates`. `room` is a buffer for one load.
 fn add_up(
     loads: impl Iterator<Item = Result<FrameLoad, LoadError>>,
     rates: &mut [Vector],

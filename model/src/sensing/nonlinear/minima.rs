@@ -1,8 +1,8 @@
-//! Finds the minima of the misfit (sum of squared weighted residuals) from several starting points, and the smallest of them.
+//! Finds the minima of the misfit (sum of squared weighted residuals) from several starting points, and selects the smallest minimum.
 //!
-//! Most measurements have one minimum, to which the first starting point leads. Few markers, few ribs and buckling plates cause several minima. The search then
-//! also starts from multiples of the forces that fit the linear finger. For forces at known contacts it starts from every minimum among all equilibria of the
-//! finger under such forces ([`scan`](super::scan)). The scan may miss minima between the curves of a surface.
+//! Most measurements have one minimum, to which the first starting point leads. Few markers, few ribs and buckling plates cause several minima. The
+//! search then also starts from multiples of the forces that fit the linear finger. For forces at known contacts, the search starts from every
+//! minimum among all equilibria of the finger under such forces ([`scan`](super::scan)). The scan may miss minima between the curves of a surface.
 
 use super::scan::{ScannedPoint, least};
 use super::search_history::SearchHistory;
@@ -12,8 +12,8 @@ use crate::frame::FrameMotion;
 use crate::measurement::Measurement;
 use crate::sensing::SensingError;
 
-/// A minimum may be wrong if its residual exceeds both this share of the displacements and this many standard deviations of the noise. The search then also
-/// starts from multiples of the forces that fit the linear finger, and the best minimum counts.
+/// A minimum may be wrong if its residual exceeds both this share of the displacements and this many standard deviations of the noise. The search
+/// then also starts from multiples of the forces that fit the linear finger, and the best minimum is used.
 const POOR_FIT: f64 = 0.02;
 const POOR_FIT_SIGMAS: f64 = 3.0;
 
@@ -55,7 +55,8 @@ impl NonlinearEstimator<'_> {
     pub(super) fn minima(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Minima, SensingError> {
         let coordinates = measurement.coordinate_count();
         let moved_rms_mm = measurement.displacement_rms_mm();
-        // With priors, several minima may fit within a small share of the displacements, so only the noise limits the misfit.
+        // With priors, several minima may have residuals within a small share of the displacements. The limit of the misfit therefore follows from
+        // the noise alone.
         let share = if self.priors.count() == 0 { POOR_FIT } else { 0.0 };
         let poor = (share * moved_rms_mm).max(POOR_FIT_SIGMAS * noise_mm.unwrap_or(0.0));
         let largest_misfit = poor * poor * coordinates as f64;
@@ -81,7 +82,7 @@ impl NonlinearEstimator<'_> {
         let mut search = Search { measurement, noise_mm, has_very_many, history, best, failure, all };
         let starts = self.search_from_starts(&mut search, largest_misfit)?;
         let fits = search.best.as_ref().is_some_and(|it| self.misfit(&it.state, measurement) <= largest_misfit);
-        // With many markers, a minimum far from explaining the measurement also counts as unique, if two searches agree on it.
+        // With many markers, a minimum far from explaining the measurement also counts as unique if two searches agree on this minimum.
         let is_only_one = has_very_many && (fits || search.history.agree())
             || has_many && (is_good(&search.best, self) || search.history.agree_on_none());
         let is_worth_it = !is_coarse || self.priors.count() == 0 && !has_many;
@@ -112,7 +113,8 @@ impl NonlinearEstimator<'_> {
                 // The measurement is refused if the unknowns of a minimum that fits well are not identifiable.
                 self.judged(&mut found.state, measurement, noise_mm, found.steps)?;
             }
-            // If searches agree, further multiples of the linear finger's forces lead to no other minimum. Other directions or another base may.
+            // If searches agree, further multiples of the linear finger's forces lead to no other minimum. Starts with other directions or another
+            // base may lead to other minima.
             let are_settled = search.history.agree_on_none() || search.has_very_many && search.history.agree();
             if matches!(start, Start::Times(_)) && are_settled {
                 continue;
@@ -165,8 +167,8 @@ impl NonlinearEstimator<'_> {
         self.resumed(state, measurement, noise_mm).ok()
     }
 
-    /// Minimum nearest to a starting point, found by the trust-region search unless the starting point is near it. `None` if the search meets a path of
-    /// `history`. Adds forces and shape of the starting point to `starts`.
+    /// Minimum nearest to a starting point, found by the trust-region search unless the starting point is near the minimum. `None` if the search
+    /// meets a path of `history`. Adds forces and shape of the starting point to `starts`.
     pub(super) fn searched(
         &mut self,
         measurement: &Measurement,
@@ -183,7 +185,8 @@ impl NonlinearEstimator<'_> {
         self.minimum_near(start, measurement, noise_mm, history)
     }
 
-    /// Minimum nearest to a state, found by the trust-region search unless the state is near it. `None` if the search meets a path of `history`.
+    /// Minimum nearest to a state, found by the trust-region search unless the state is near the minimum. `None` if the search meets a path of
+    /// `history`.
     pub(super) fn minimum_near(
         &mut self,
         start: State,

@@ -61,13 +61,13 @@ fn largest_explained_rms_mm(noise_mm: f64, moved_rms_mm: f64) -> f64 {
 pub struct NonlinearEstimate {
     /// Forces with their standard deviations, noise and residual.
     pub forces: Estimate,
-    /// Covariance of the forces, N^2, in the order of the contacts. Includes the uncertainty of estimated positions and directions.
+    /// Covariance of the forces, N^2, in the order of the contacts. The covariance includes the uncertainty of estimated positions and directions.
     pub covariance_n2: DMatrix<f64>,
     /// Position and direction of each contact, given or estimated.
     pub contacts: Vec<Contact>,
     /// Number of Gauss-Newton steps.
     pub steps: usize,
-    /// Estimated errors that all markers share, each in its standard deviations.
+    /// Estimated errors that all markers share, each in units of its standard deviation.
     pub shared_errors: Vec<f64>,
     /// Estimated leans (angles between force and normal).
     leans: Vec<FoundLean>,
@@ -82,7 +82,7 @@ impl NonlinearEstimate {
     }
 }
 
-/// Forces at contacts near those of a measurement: of the frame before, or of a coarser mesh.
+/// Forces and contacts near the result of a measurement, from the previous frame or from a coarser mesh.
 #[derive(Debug, Clone, Copy)]
 pub struct NearForces<'n> {
     /// Position and direction of each contact.
@@ -91,12 +91,12 @@ pub struct NearForces<'n> {
     pub forces_n: &'n [f64],
 }
 
-/// Estimates forces with the co-rotational finger on one mesh. Each estimate after the first starts from the estimate before it, which suits a stream of camera
-/// frames. For unrelated measurements, call [`reset`](NonlinearEstimator::reset) before each, and give every thread a clone.
+/// Estimates forces with the co-rotational finger on one mesh. Each estimate after the first starts from the previous estimate, which suits a stream
+/// of camera frames. For unrelated measurements, call [`reset`](NonlinearEstimator::reset) before each measurement, and use one clone per thread.
 ///
 /// # Requirements
-/// At least as many measured coordinates as unknowns (one force per contact, and one for each unknown position or direction), and singular values that
-/// span at most [`LARGEST_SPAN`](super::LARGEST_SPAN).
+/// At least as many measured coordinates as unknowns. Unknowns are one force per contact, and each unknown position or direction. The ratio of the
+/// largest to the smallest singular value is at most [`LARGEST_SPAN`](super::LARGEST_SPAN).
 ///
 /// # Reference
 /// Minimises |W (u - u(f, s, angle))|^2 by the Levenberg-Marquardt method (Nocedal and Wright, Numerical Optimization,
@@ -122,7 +122,7 @@ pub struct NonlinearEstimator<'m> {
     scan: Option<Option<Scan>>,
 }
 
-/// Values of the unknowns, the equilibrium for these values, and the problem linearised there.
+/// Values of the unknowns, the equilibrium for these values, and the problem linearised at this equilibrium.
 #[derive(Debug, Clone)]
 struct State {
     forces_n: Vec<f64>,
@@ -130,7 +130,7 @@ struct State {
     nuisances: Nuisances,
     /// Rotation of the plate under the pad at each contact, rad.
     plate_turns_rad: Vec<f64>,
-    /// Loads of the first contact, then of the second and so on. Each contact has `Pad::load_count` loads.
+    /// Loads of all contacts in the order of the contacts. Each contact has `Pad::load_count` loads.
     loads: Vec<FrameLoad>,
     motion: FrameMotion,
     linearised: Linearised,
@@ -142,7 +142,7 @@ impl State {
         Posed { motion: &self.motion, forces_n: &self.forces_n, nuisances: &self.nuisances }
     }
 
-    /// Shape of the state, and the problem linearised there.
+    /// Shape of the state, and the problem linearised at the state.
     fn split(&mut self) -> (Posed<'_>, &mut Linearised) {
         let shape = Posed { motion: &self.motion, forces_n: &self.forces_n, nuisances: &self.nuisances };
         (shape, &mut self.linearised)
@@ -187,7 +187,7 @@ impl<'m> NonlinearEstimator<'m> {
         if questions.is_empty() {
             return Err(SensingError::NoContact);
         }
-        // Checks the known part of each contact; a valid value stands for an unknown direction or position.
+        // Checks the known part of each contact. An unknown direction or position is replaced by a valid value for this check.
         for question in questions {
             let angle_deg = if let Direction::Angle(angle) = question.direction { angle } else { 0.0 };
             let position = question.position.unwrap_or(ContactPosition::Node(finger.tip()));
@@ -221,27 +221,28 @@ impl<'m> NonlinearEstimator<'m> {
         self
     }
 
-    /// Forgets the last estimate. The next estimate starts from the held estimate, or else from least squares.
+    /// Forgets the last estimate. The next estimate starts from the held estimate or, without one, from least squares.
     pub fn reset(&mut self) {
         self.last.clone_from(&self.held);
     }
 
-    /// Holds the last estimate: estimates after a [`reset`](NonlinearEstimator::reset) start from it. This suits measurements that differ only by noise.
+    /// Holds the last estimate: estimates after a [`reset`](NonlinearEstimator::reset) start from the held estimate. This suits measurements that
+    /// differ only by noise.
     pub fn hold(&mut self) {
         self.held.clone_from(&self.last);
     }
 
-    /// Holds the equilibrium under known forces, N: estimates after a [`reset`](NonlinearEstimator::reset) start from it. Used for error bounds at known
-    /// forces. Holds nothing if positions or directions are unknown, or the finger has no equilibrium under the forces.
+    /// Holds the equilibrium under known forces, N: estimates after a [`reset`](NonlinearEstimator::reset) start from this equilibrium. Error bounds
+    /// at known forces use this method. Holds nothing if positions or directions are unknown, or the finger has no equilibrium under the forces.
     pub fn hold_at(&mut self, forces_n: &[f64]) {
         let before = self.held.take();
         self.forget();
         self.held = self.state_at(forces_n, before);
     }
 
-    /// Estimates the forces as [`estimate`](NonlinearEstimator::estimate), with a search that starts from forces at contacts near the result. If no minimum that
-    /// explains the measurement is near, or the measurement has so few markers that another minimum may explain it as well, the search is that of `estimate`.
-    /// Of a result that was chosen among all minima on a coarser mesh (`is_chosen`), only the minimum nearby is sought.
+    /// Estimates the forces like [`estimate`](NonlinearEstimator::estimate), but the search starts from `near`: forces and contacts near the result.
+    /// The search of `estimate` follows if no minimum near them explains the measurement, or if the markers are so few that another minimum may
+    /// explain it as well. If `near` was chosen among all minima on a coarser mesh (`is_chosen`), only the nearest minimum is sought.
     ///
     /// # Errors
     /// [`SensingError`] as for `estimate`.
@@ -263,7 +264,8 @@ impl<'m> NonlinearEstimator<'m> {
         self.estimate(measurement, noise_mm)
     }
 
-    /// State under known forces, N, followed from another state, or else from rest. `None` without equilibrium, with unknown contacts or with an object.
+    /// State under known forces, N, followed from the state `from`, or from rest if `from` is `None`. `None` without equilibrium, with unknown
+    /// contacts or with an object.
     fn state_at(&mut self, forces_n: &[f64], from: Option<State>) -> Option<State> {
         self.object.is_none().then_some(())?;
         let contacts: Vec<Contact> = self.questions.iter().map(ContactQuestion::known).collect::<Option<_>>()?;
@@ -290,7 +292,7 @@ impl<'m> NonlinearEstimator<'m> {
         Some(state)
     }
 
-    /// Forgets the last estimate and the held one.
+    /// Forgets the last estimate and the held estimate.
     pub fn forget(&mut self) {
         (self.last, self.held, self.is_chosen) = (None, None, false);
     }
@@ -368,7 +370,7 @@ impl<'m> NonlinearEstimator<'m> {
         Ok(())
     }
 
-    /// Lists the unknowns, and forgets all estimates for an earlier list.
+    /// Lists the unknowns. If the list changes, forgets all estimates.
     fn list_unknowns(&mut self, is_base_sought: bool) {
         let object = self.object.as_ref().map(|touching| &touching.object);
         self.unknowns = Unknown::of(&self.questions, is_base_sought, object, self.shared_errors.len());

@@ -1,9 +1,9 @@
 //! Nuisance parameters beside forces and positions: poses of the base and of an object, leans of forces, and errors that
 //! all markers share.
 //!
-//! Each parameter has a Gaussian prior, which is one row of the least-squares problem below the markers. The row is the deviation from the expected value, in
-//! standard deviations, times the noise of a coordinate. The expected rotation of a compliant base is proportional to the sum of the forces, and its
-//! uncertainty grows with this sum.
+//! Each parameter has a Gaussian prior, which is one row of the least-squares problem below the markers. The row is the deviation from the expected
+//! value, in standard deviations, multiplied by the noise of a coordinate. The expected rotation of a compliant base is proportional to the sum of
+//! the forces. The uncertainty of this rotation grows with the sum.
 
 use super::unknowns::{BaseMotion, Unknown};
 use crate::Vector;
@@ -20,7 +20,8 @@ pub(super) struct Nuisances {
     pub further_leans_deg: Vec<f64>,
     /// Deviation of the object from its stated pose: x (mm), y (mm) and rotation (rad).
     pub object: [f64; 3],
-    /// Errors that all markers share, in standard deviations; `shared_mm` is their total displacement of each key node's marker, mm.
+    /// Errors that all markers share, in standard deviations; `shared_mm` is the displacement of each key node's marker by all these errors together,
+    /// mm.
     pub shared: Vec<f64>,
     shared_mm: Vec<Vector>,
 }
@@ -110,7 +111,7 @@ pub(super) struct PriorRow {
     pub left_mm: f64,
 }
 
-/// All priors, scaled by the measurement's noise, mm.
+/// All priors. They are scaled by the measurement's noise, mm.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Priors {
     priors: Vec<Prior>,
@@ -174,7 +175,7 @@ impl Priors {
         self.priors.iter().map(move |prior| {
             let value = nuisances.value(prior.unknown);
             let by_unknown = match prior.unknown {
-                // The prior applies to the angle; the unknown is a force across the direction.
+                // The prior applies to the angle, but the unknown is the force across the direction.
                 Unknown::Across(i) => (1.0 / forces_n[i]).to_degrees(),
                 _ => 1.0,
             };

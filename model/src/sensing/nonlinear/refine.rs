@@ -16,15 +16,15 @@ const NEGLIGIBLE: f64 = 1e-4;
 const REMAINS: f64 = 1.0 / 3.0;
 /// Beam elements per member: at least the first number on the first mesh, at most the second number on the finest mesh.
 const ELEMENTS: std::ops::RangeInclusive<usize> = 4..=64;
-/// The first mesh has at least this number of elements, so that even for a finger with few ribs it separates minima as a fine mesh does.
+/// The first mesh has at least this number of elements. Even for a finger with few ribs, it then separates minima as a fine mesh does.
 const LEAST_ELEMENTS: usize = 40;
 
-/// Refines the mesh until doubling it changes every force by at most half of its standard deviation and at most 0.2 % of the largest force. A change of 0.01 %
-/// is always small enough. The standard deviations include the remaining error of the last mesh. Refinement also ends at 64 elements per member; the whole last
-/// change then counts as error. `object` touches the `pad` on the front plate; `None` if its shape is unknown. On the first mesh, the search starts from `near`
-/// if it is given.
+/// Refines the mesh until doubling it changes every force by at most half of its standard deviation and at most 0.2 % of the largest force. A change
+/// of 0.01 % is always small enough. The standard deviations include the remaining error of the last mesh. Refinement also ends at 64 elements per
+/// member; the whole last change then counts as error. `object` touches the `pad` on the front plate. It is `None` if the shape of the object is
+/// unknown. On the first mesh, the search starts from `near` unless `near` is `None`.
 ///
-/// Small changes alone do not prove convergence: near a limit load, and for loads between nodes, they may be small by chance and grow again.
+/// Small changes alone do not prove convergence. Near a limit load, and for loads between nodes, changes may be small by chance and grow again.
 ///
 /// # Errors
 /// [`SensingError`] from the estimate on any of the meshes.

@@ -1,9 +1,9 @@
 //! Scans all equilibria of the finger under forces at the contacts, to start a search near every minimum of the misfit (sum of squared residuals).
 //!
-//! One force of known position and direction has one curve of equilibria, which passes through the unloaded finger. Two forces have a surface, covered by
-//! curves of the second force from each point of the first force's curve. For one force of unknown position or direction, curves at several positions and
-//! directions pass near every minimum. Misfits between the points of a curve follow from the displacements and their derivatives at the two neighbouring points
-//! (cubic Hermite interpolation).
+//! One force of known position and direction has one curve of equilibria, which passes through the unloaded finger. Two forces have a surface of
+//! equilibria. Curves along which the second force varies, one from each point of the first force's curve, cover this surface. For one force of
+//! unknown position or direction, curves at several positions and directions pass near every minimum. Misfits between the points of a curve follow
+//! from the displacements and their derivatives at the two neighbouring points (cubic Hermite interpolation).
 
 use super::{NonlinearEstimator, State};
 use crate::Vector;
@@ -12,23 +12,24 @@ use crate::frame::FrameMotion;
 use crate::measurement::{Marker, Measurement};
 use crate::sensing::{Contact, ContactPosition, ContactQuestion, Direction};
 
-/// Intended largest changes between neighbouring points of a curve: of a displacement, as a share of the front plate's length, and of a rotation, rad. The
-/// first row is for a single curve, the second for several curves.
+/// Intended largest changes between neighbouring points of a curve. Each row contains the change of a displacement (share of the front plate's
+/// length) and of a rotation (rad). The first row is for a single curve, the second for several curves.
 const STEPS: [[f64; 2]; 2] = [[0.02, 0.15], [0.1, 0.6]];
-/// A step is repeated with half its length if its change exceeds the largest change by more than this factor.
+/// A step is repeated with half its length if its change exceeds the intended largest change by more than this factor.
 const TOO_LONG: f64 = 1.5;
-/// A curve ends beyond these displacements (share of the front plate) and rotations (rad), which exceed those of a grasping finger.
+/// A curve ends beyond this displacement (share of the front plate's length) or this rotation (rad). Both exceed the displacements and rotations of a
+/// grasping finger.
 const ENDS: [f64; 2] = [0.5, 1.5];
 /// A step without equilibrium is repeated with this share of its length. [`Statics::tried`](crate::statics::Statics) has already tried larger shares.
 const SHORTER: f64 = 0.125;
-/// A curve ends after this number of steps without equilibrium in a row.
+/// A curve ends after this number of successive steps without equilibrium.
 const MOST_FAILED: usize = 2;
 /// A curve that starts at the unloaded finger ends after this number of first steps without equilibrium. The first step may be far too long: a plate pushed
 /// along its axis moves little until it buckles.
 const MOST_FAILED_AT_REST: usize = 5;
 /// A curve ends after this number of points on either side of its start.
 const MOST_POINTS: usize = 200;
-/// The misfit (sum of squared residuals) is evaluated at the ends of this number of intervals between neighbouring points of a curve.
+/// Number of intervals between neighbouring points of a curve. The misfit (sum of squared residuals) is evaluated at the ends of these intervals.
 const BETWEEN: usize = 8;
 /// Scanned positions, as shares of the front plate, and scanned directions, degrees, for contacts whose position or direction is unknown.
 const POSITIONS: [f64; 6] = [0.15, 0.35, 0.5, 0.65, 0.8, 0.95];
@@ -97,8 +98,8 @@ impl NonlinearEstimator<'_> {
         Some(Scan { curves })
     }
 
-    /// Contacts at which equilibria are scanned. A direction that follows the plate is fixed to the undeformed normal; an unknown position or direction has
-    /// several values.
+    /// Contacts at which equilibria are scanned. A direction that follows the plate is fixed to the undeformed normal. Several values replace an
+    /// unknown position or direction.
     fn scanned_contacts(&self, question: &ContactQuestion) -> Vec<Contact> {
         let length_mm = self.finger().plate_length_mm(Plate::Front);
         let positions = match question.position {
@@ -174,7 +175,7 @@ impl NonlinearEstimator<'_> {
 }
 
 impl Curve {
-    /// Misfits at the points of the curve, except the last point, and between them.
+    /// Misfits at the points of the curve, except the last point, and between the points.
     fn misfits(&self, measurement: &Measurement, curve: usize) -> Vec<ScannedPoint> {
         let mut scanned = Vec::with_capacity(BETWEEN * self.points.len());
         let at =

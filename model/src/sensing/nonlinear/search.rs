@@ -2,8 +2,8 @@
 //! region.
 //!
 //! The finger hardly responds to a force along a plate until the plate buckles. A step that suits the linearised finger may lead far away, or to no
-//! equilibrium. The trust region therefore limits steps to the range in which predictions held. A step also ends at an equilibrium whose misfit is much larger
-//! than that at the start of the step ([`follow`](super::follow)).
+//! equilibrium. The trust region therefore limits steps to the range in which earlier predictions were accurate. A step also ends at an equilibrium
+//! if its misfit is much larger than the misfit at the start of the step ([`follow`](super::follow)).
 
 use super::search_history::SearchHistory;
 use super::{Found, NonlinearEstimator, SETTLED_ANGLE_DEG, State};
@@ -12,7 +12,7 @@ use crate::optimise::{Convergence, Prediction, TrustRegion};
 use crate::sensing::SensingError;
 use crate::statics::StaticsError;
 
-/// The search ends after this number of steps; from a good starting point it needs three.
+/// The search ends after this number of steps. From a good starting point, the search needs three steps.
 const MAX_STEPS: usize = 60;
 /// Steps have converged when they change every unknown by less than this share of its scale. They have also converged when
 /// every combination of unknowns is within a hundredth of its standard deviation of the optimum.
@@ -20,11 +20,11 @@ const CONVERGENCE: Convergence = Convergence { relative_decrease: 1e-2 * 1e-2, s
 /// After [`MAX_STEPS`], the result is accepted if the last step changed every unknown by at most this share of its scale. No camera resolves such a change. If
 /// the finger does not explain the data, the weights of the markers change in every step and converge slowly.
 const SMALL_ENOUGH: f64 = 1e-5;
-/// The minimum may be near if a step changes the unknowns by at most this share of their scales. If the minimum proves not to be near, the next limit is a
-/// tenth of that change.
+/// The minimum may be near if a step changes the unknowns by at most this share of their scales. If the minimum proves not to be near, the next limit
+/// is a tenth of the change in this step.
 const MAY_BE_NEAR: f64 = 0.03;
-/// A step is accepted if it increases the misfit (sum of squared residuals) by at most this share: by rounding, or while directions follow a turning plate. A
-/// turning normal may make a good step look worse, but the next step corrects the residual.
+/// A step is accepted if it increases the misfit (sum of squared residuals) by at most this share. Causes of an increase are rounding, and directions
+/// that follow a turning plate. A turning normal may make a good step look worse, but the next step corrects the residual.
 const SETTLED_SLACK: f64 = 1e-12;
 const TURNING_SLACK: f64 = 0.5;
 
@@ -40,7 +40,7 @@ struct Search<'s, 'm> {
     reach: TrustRegion,
     /// Whether the last step left directions that follow the plate unchanged.
     is_settled: bool,
-    /// Largest relative change of an unknown in the last step; `near` is the change below which the minimum may be near.
+    /// Largest relative change of an unknown in the last step. The minimum may be near if this change is below `near`.
     last_change: f64,
     near: f64,
     /// Whether every step was complete and as good as predicted.
@@ -56,8 +56,9 @@ enum End {
 }
 
 impl NonlinearEstimator<'_> {
-    /// Searches by Gauss-Newton steps, each of which ends at an equilibrium. Steps are shortened if they do not reduce the misfit (sum of squared residuals).
-    /// The minimum counts as near if every step was complete and as good as predicted. `None` if the search meets an earlier path of `history`.
+    /// Searches by Gauss-Newton steps. Each step ends at an equilibrium. Steps are shortened if they do not reduce the misfit (sum of squared
+    /// residuals). The minimum counts as near if every step was complete and as good as predicted. `None` if the search meets an earlier path of
+    /// `history`.
     ///
     /// # Errors
     /// [`SensingError`] if the unknowns are not identifiable, or the steps do not converge.

@@ -1,7 +1,7 @@
 //! Paths of searches. A search that meets an earlier path ends there, because it would continue along this path.
 //!
-//! With known contacts and directions, forces alone describe the state of a search. With unknown contacts or directions, two searches may pass the same forces
-//! and end elsewhere, so their paths are not recorded.
+//! With known contacts and directions, forces alone describe the state of a search. With unknown contacts or directions, two searches may pass the
+//! same forces and end at different minima, so their paths are not recorded.
 //!
 //! A minimum far from explaining the measurement does not need full accuracy. If two searches agree on such a minimum, the search does not start from further
 //! multiples of the forces of the linear finger.
@@ -17,11 +17,11 @@ const MET: f64 = 0.01;
 const FAR: f64 = 1.25;
 /// A search far from explaining the measurement ends if the next step is predicted to decrease the misfit (sum of squared residuals) by at most this share.
 const NEARLY: f64 = 0.01;
-/// Two searches agree if neither their misfits (relative difference) nor their forces (as a share of the largest force) differ by more than this.
+/// Two searches agree if their misfits (relative difference) and their forces (share of the largest force) differ by at most this value.
 const AGREE: f64 = 0.05;
 
-/// Path of a search: the forces of each step, N, and the minimum at its end with misfit, mm^2, and forces, N. `end` is `None` if the search ended without a
-/// minimum.
+/// Path of a search: the forces of each step, N, and the minimum at the end of the path, with misfit, mm^2, and forces, N. `end` is `None` if the
+/// search ended without a minimum.
 #[derive(Debug, Clone)]
 struct SearchPath {
     points: Vec<Vec<f64>>,
@@ -31,13 +31,13 @@ struct SearchPath {
 /// Paths of all searches.
 #[derive(Debug, Clone, Default)]
 pub(super) struct SearchHistory {
-    /// Whether paths are recorded: only if forces are the only unknowns and no direction follows the plate.
+    /// Whether paths are recorded. They are recorded only if forces are the only unknowns and no direction follows the plate.
     are_kept: bool,
     ended: Vec<SearchPath>,
     current: Vec<Vec<f64>>,
-    /// Index of the ended path that the current one has met.
+    /// Index of the ended path that the current path has met.
     met: Option<usize>,
-    /// Misfit above which a minimum is far from explaining the measurement, mm^2. `None` if any misfit may explain it.
+    /// Misfit above which a minimum is far from explaining the measurement, mm^2. `None` if any misfit may explain the measurement.
     far_mm2: Option<f64>,
 }
 
@@ -49,13 +49,13 @@ impl SearchHistory {
         SearchHistory { are_kept: forces_alone && !questions.iter().any(follows), ..SearchHistory::default() }
     }
 
-    /// This history with the largest misfit, mm^2, that explains the measurement. `None` if any misfit may explain the measurement.
+    /// This history with a limit: the largest misfit, mm^2, that explains the measurement. `None` if any misfit may explain the measurement.
     pub(super) fn explaining_up_to(self, misfit_mm2: Option<f64>) -> SearchHistory {
         SearchHistory { far_mm2: misfit_mm2.map(|misfit_mm2| FAR * FAR * misfit_mm2), ..self }
     }
 
-    /// Whether a search may end at the misfit `misfit_mm2`: if this misfit is far from explaining the measurement, and its predicted decrease `decrease_mm2` in
-    /// the next step is small.
+    /// Whether a search may end at the misfit `misfit_mm2`. It may if this misfit is far from explaining the measurement, and the predicted decrease
+    /// `decrease_mm2` in the next step is small.
     pub(super) fn ends_far(&self, misfit_mm2: f64, decrease_mm2: f64) -> bool {
         self.is_far(misfit_mm2) && decrease_mm2 <= NEARLY * misfit_mm2
     }
@@ -108,7 +108,7 @@ impl SearchHistory {
         self.ended.iter().position(|way| way.end.is_some() && passes(way))
     }
 
-    /// Ends the current path. Returns the minimum at its end, or the minimum at the end of the earlier path that it has met.
+    /// Ends the current path. Returns the minimum at its end, or the minimum at the end of the earlier path that the current path has met.
     pub(super) fn end(&mut self, end: Option<(f64, Vec<f64>)>) -> Option<(f64, Vec<f64>)> {
         let end = self.met.map_or(end, |met| self.ended[met].end.clone());
         self.ended.push(SearchPath { points: std::mem::take(&mut self.current), end: end.clone() });

@@ -7,12 +7,12 @@
 use super::{NonlinearEstimator, SETTLED_ANGLE_DEG, State};
 use crate::measurement::Measurement;
 
-/// The correction fails after this number of steps. From one camera frame to the next it needs three or four.
+/// The correction fails after this number of steps. From one camera frame to the next, it needs three or four steps.
 const MAX_STEPS: usize = 12;
 /// The minimum is not near if a node turns by more than this angle in the first correction, rad.
 const LARGEST_TURN: f64 = 0.3;
-/// The minimum is not near if all later corrections together turn the nodes by more than this share of the turn in the first correction. A load step of the
-/// statics has the same limit. The tangent predicts a smooth path, but not a snap to another branch.
+/// The minimum is not near if all later corrections together turn the nodes by more than this share of the turn in the first correction. The statics
+/// limit a load step in the same way. The tangent predicts a smooth path, but not a snap to another branch.
 const LATER_TURNS: f64 = 0.5;
 /// Later corrections may always turn nodes by this negligible angle, rad.
 const TURN_NOISE: f64 = 1e-4;
@@ -24,7 +24,8 @@ const SETTLED_STEP: f64 = 1e-8;
 const SETTLED_TURN: f64 = 1e-5;
 
 impl NonlinearEstimator<'_> {
-    /// Corrects a state with known derivatives, and returns the number of steps. `None` if the minimum is not near; the state is then unusable.
+    /// Corrects a state with known derivatives, and returns the number of steps. If the minimum is not near, returns `None`, and the state is
+    /// unusable.
     pub(super) fn correct(
         &mut self,
         state: &mut State,

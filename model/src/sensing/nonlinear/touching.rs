@@ -1,8 +1,8 @@
 //! Contacts with an object of known shape: the plate, or the pad on it, touches the object's outline tangentially.
 //!
-//! Each contact adds two rows to the least-squares problem, below those of the markers and the priors. The point of the outline that faces the plate must
-//! coincide with the contact, both perpendicular to the plate and along it. The rows determine position and direction as accurately as the object's pose is
-//! known.
+//! Each contact adds two rows to the least-squares problem, below the rows of the markers and the priors. The point of the outline that faces the
+//! plate must coincide with the contact, both perpendicular to the plate and along it. The rows determine position and direction as accurately as the
+//! object's pose is known.
 
 use super::search_history::SearchHistory;
 use super::{NonlinearEstimator, Posed, SETTLED_ANGLE_DEG, State};
@@ -14,12 +14,12 @@ use crate::sensing::{Contact, ContactQuestion, Direction, Lean, Normal, SensingE
 use crate::statics::StaticsError;
 use nalgebra::Point2;
 
-/// Assumed standard deviation of a closed contact, mm: perpendicular to the plate, and along it. It is far smaller than the error of outlines, but not smaller
-/// than the error of a mesh.
+/// Assumed standard deviation of a closed contact, mm: perpendicular to the plate, and along it. This deviation is far smaller than the error of
+/// outlines, but not smaller than the error of a mesh.
 const CLOSED_SD_MM: [f64; 2] = [0.01, 0.03];
-/// Step of the difference quotients, as a share of each unknown's scale. For so small a step, the differenced quantities are almost linear in the step.
+/// Step of the difference quotients, as a share of each unknown's scale. Within such a small step, the differenced quantities are almost linear.
 const STEP: f64 = 1e-5;
-/// Number of times that loads are updated for the bent shape, which determines their directions and levers.
+/// Number of times that loads are updated for the bent shape. The shape determines directions and levers of the loads.
 const FOLLOWED: usize = 3;
 /// Settling (iteration to loads that fit the shape) ends after this number of updates. Each update removes most of the remaining change.
 const SETTLINGS: usize = 12;
@@ -76,7 +76,8 @@ impl Touching {
         self.misses_mm(mesh, contacts, shape, noise_mm).map(|missed_mm| missed_mm * missed_mm).sum()
     }
 
-    /// Distance between the plate at position `s_mm` and the point of the outline that faces it, mm: the gap, and the distance along the plate.
+    /// Distance between the plate at position `s_mm` and the point of the outline that faces this position. Returns the gap and the distance along
+    /// the plate, mm.
     fn missed_mm(&self, mesh: &Mesh, s_mm: f64, shape: Posed) -> Result<[f64; 2], LoadError> {
         let Posed { motion, nuisances, .. } = shape;
         let turn_deg = mesh.normal_turn(motion, &Load::at_position(s_mm, Vector::zeros()), 0.0)?.to_degrees();
@@ -133,11 +134,11 @@ impl<'m> NonlinearEstimator<'m> {
         state.misfit(measurement) + touched
     }
 
-    /// Computes the same derivatives as [`differentiate`](NonlinearEstimator::differentiate), but by first-order differences of states. Directions follow the
-    /// object, and the differences include the effect of this on the shape.
+    /// Computes the same derivatives as [`differentiate`](NonlinearEstimator::differentiate), but by first-order differences of states. Directions
+    /// follow the object, and the differences include the effect of changed directions on the shape.
     ///
     /// # Errors
-    /// [`SensingError::Statics`] if the tangent is not that of an equilibrium.
+    /// [`SensingError::Statics`] if the tangent does not belong to an equilibrium.
     pub(super) fn differentiate_by_differences(&mut self, state: &mut State) -> Result<(), SensingError> {
         let Some(touching) = self.object.clone() else { return Ok(()) };
         let noise_mm = self.priors.noise_mm();
@@ -160,8 +161,8 @@ impl<'m> NonlinearEstimator<'m> {
         Ok(())
     }
 
-    /// State after a step of one unknown (index and change). The shape follows from the tangent, and the loads follow the shape. If `step` is `None`, no
-    /// unknown changes.
+    /// State after a step of one unknown (index and change). The tangent determines the new shape, and the new shape determines the loads. If `step`
+    /// is `None`, no unknown changes.
     fn followed(&mut self, state: &State, step: Option<(usize, f64)>) -> Result<State, SensingError> {
         let none = SensingError::Statics(StaticsError::NoEquilibrium { converged_fraction: 1.0 });
         let mut state = state.clone();
@@ -255,7 +256,7 @@ impl<'m> NonlinearEstimator<'m> {
             }
         }
         let [gap_mm, along_mm] = nearest_mm;
-        // A distance along the plate below the spacing of neighbouring points counts as zero.
+        // A distance along the plate counts as zero if it is smaller than the spacing of neighbouring points.
         let beyond_mm = (along_mm.abs() - length_mm / PLACES as f64).max(0.0);
         let gap_mm = gap_mm.hypot(beyond_mm).copysign(gap_mm);
         let object = &touching.object;

@@ -10,23 +10,23 @@ use nalgebra::{Translation2, UnitComplex};
 const LONGEST_MOVE: f64 = 0.2;
 /// A position stays at least this share of the plate's length away from the base. Closer positions are indistinguishable from the clamp.
 const NEAREST_TO_BASE: f64 = 0.01;
-/// Scale of a rotation of the base, rad. It moves the tip about as far as a force of 1 N does.
+/// Scale of a rotation of the base, rad. A rotation by this scale moves the tip about as far as a force of 1 N does.
 const TURN_UNIT: f64 = 0.01;
 
-/// One unknown. The number is the index of its contact or of its shared error, from 0.
+/// One unknown. A number in a variant is the index of the contact or of the shared error, from 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Unknown {
-    /// Force along its direction, N.
+    /// Force along the contact's direction, N.
     Force(usize),
     /// Position along the front plate, mm.
     Position(usize),
-    /// Component of a force across its current direction, N. It changes the direction.
+    /// Component of a force across the force's current direction, N. This component changes the direction.
     Across(usize),
     /// Motion of the base from its measured pose.
     Base(BaseMotion),
-    /// Motion of the object from its stated pose. The object turns about its own origin.
+    /// Motion of the object from its stated pose. The object rotates about the origin of its outline.
     Object(BaseMotion),
-    /// Error that all markers share, in its standard deviations.
+    /// Error that all markers share, in units of its standard deviation.
     Shared(usize),
 }
 
@@ -80,8 +80,8 @@ impl Unknown {
 }
 
 impl NonlinearEstimator<'_> {
-    /// Sets the scale of each unknown: 1 N for forces, [`TURN_UNIT`] for rotations, 1 mm for translations, and one standard deviation for errors that all
-    /// markers share. A shift of a position by its scale moves the finger about as far as 1 N does.
+    /// Sets the scale of each unknown: 1 N for forces, [`TURN_UNIT`] for rotations, 1 mm for translations, and one standard deviation for errors that
+    /// all markers share. A shift of a contact by the scale of its position moves the finger about as far as a force of 1 N does.
     pub(super) fn rescale(&self, state: &mut State) {
         let largest = state.forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         for (scale, unknown) in state.linearised.scales.iter_mut().zip(&self.unknowns) {
@@ -98,8 +98,8 @@ impl NonlinearEstimator<'_> {
         }
     }
 
-    /// Largest relative change of an unknown by the state's step. Forces count relative to the largest force, positions relative to the plate's length,
-    /// rotations in rad.
+    /// Largest relative change of an unknown by the state's step. The change of a force is relative to the largest force, of a position to the
+    /// plate's length. The change of a rotation is in rad.
     pub(super) fn relative_change(&self, state: &State) -> f64 {
         let largest = state.forces_n.iter().fold(f64::MIN_POSITIVE, |m, f| m.max(f.abs()));
         let length = self.finger().plate_length_mm(Plate::Front);
@@ -127,7 +127,7 @@ impl NonlinearEstimator<'_> {
                 Unknown::Across(i) => {
                     let turned_deg = x.atan2(forces_n[i]).to_degrees();
                     match self.questions[i].direction {
-                        // A lean is small, so the force keeps its sign, which may be negative.
+                        // A lean is small, so a positive or negative force keeps its sign.
                         Direction::Leaning(_) => {
                             nuisances.further_leans_deg[i] += (x / forces_n[i]).atan().to_degrees();
                             forces_n[i] = forces_n[i].signum() * forces_n[i].hypot(x);

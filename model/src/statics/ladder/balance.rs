@@ -1,4 +1,4 @@
-//! Residual of a finger's equilibrium equations: its elimination with a factored stiffness, and Newton's correction.
+//! Residual of a finger's equilibrium equations: elimination of the residual with a factored stiffness, and Newton's correction.
 
 use super::chain::{Between, ChainForces, joints_of};
 use super::elements::OneLine;

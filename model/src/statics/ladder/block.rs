@@ -1,13 +1,14 @@
-//! One step of block elimination: it eliminates N unknowns, and M neighbouring unknowns remain.
+//! One step of block elimination. A step eliminates N unknowns; M neighbouring unknowns remain.
 //!
-//! Every elimination step of the ladder has this form, whether it eliminates a node, the rotations of a pinned member, the tip or a rung. Let K be the
-//! block's stiffness, C its coupling to the neighbours, and g its gradient. The block moves by x = -K^-1 (g + C neighbours). It adds -C^T K^-1 C to the
-//! stiffness of the neighbours and -C^T K^-1 g to their gradient. With K = L D L^T, both need only W = L^-1 C and y = L^-1 g.
+//! Every elimination step of the ladder has this form, whether it eliminates a node, the rotations of a pinned member, the tip or a rung. Let K be
+//! the block's stiffness, C the block's coupling to the neighbours, and g the block's gradient. The block moves by x = -K^-1 (g + C neighbours). It
+//! adds -C^T K^-1 C to the stiffness of the neighbours and -C^T K^-1 g to their gradient. With K = L D L^T, both terms need only W = L^-1 C and y =
+//! L^-1 g.
 
 use crate::number::Number;
 use finray_numerics::linear::{Ldl, copy_lane};
 
-/// The factored stiffness of a block, and its coupling to the neighbours.
+/// The factored stiffness of a block, and the block's coupling to the neighbours.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Block<R: Number, const N: usize, const M: usize> {
     pub(super) factor: Ldl<R, N>,
@@ -31,7 +32,7 @@ impl<R: Number, const N: usize, const M: usize> Block<R, N, M> {
         }
     }
 
-    /// Factorises the stiffness. Rows of `coupling` are the block's unknowns, its columns the neighbours' unknowns.
+    /// Factorises the stiffness. Rows of `coupling` are the block's unknowns; columns are the neighbours' unknowns.
     #[inline(always)]
     pub(super) fn factorise(&mut self, stiffness: &[[R; N]; N], coupling: &[[R; M]; N]) {
         self.factor.factorise(stiffness);

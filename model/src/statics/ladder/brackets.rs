@@ -1,8 +1,8 @@
 //! Rigid brackets between the ends of a chain (a condensed rib) and the key nodes.
 //!
-//! A bracket v rotates with its key node. If the node moves by u and rotates by w, the end of the chain moves by u + w quarter_turn(v). A chain is formulated
-//! in the rotations of its own ends, which equal those of the key nodes unless the chain is pinned. The chain rule for rigid arms then transforms its
-//! stiffness and gradient from its ends to the key nodes.
+//! A bracket v rotates with its key node. If the node moves by u and rotates by w, the end of the chain moves by u + w quarter_turn(v). A chain is
+//! formulated in the rotations of its own ends, which equal the rotations of the key nodes unless the chain is pinned. The chain rule for rigid arms
+//! then transforms stiffness and gradient from the ends of the chain to the key nodes.
 
 use super::ends::{Ends, EndsMatrix};
 use crate::finger::Part;
@@ -20,7 +20,7 @@ impl<R: Number> Brackets<R> {
     #[inline(always)]
     pub(super) fn of(frame: &PlaneFrame, line: &Line, motion: &FrameMotion<R>, linear: bool) -> Option<Brackets<R>> {
         let ends = [line.nodes[0], line.nodes[line.nodes.len() - 1]];
-        // A linked node at the end of a plate member is a key node that follows an undeformable rib. It has no bracket.
+        // A linked node at the end of a plate member is a key node that follows an undeformable rib. Such a node has no bracket.
         if line.part != Part::Ribs || !ends.iter().any(|node| frame.is_linked(*node)) {
             return None;
         }
@@ -54,7 +54,8 @@ impl<R: Number> Brackets<R> {
         }
     }
 
-    /// Transforms the stiffness by the motions of the chain's ends into that by the motions of the key nodes. Only the upper triangle is read.
+    /// Transforms the stiffness by the motions of the chain's ends into the stiffness by the motions of the key nodes. Only the upper triangle is
+    /// read.
     #[inline(always)]
     pub(super) fn carry_stiffness(&self, stiffness: &mut EndsMatrix<R>) {
         for row in 1..6 {
@@ -73,7 +74,7 @@ impl<R: Number> Brackets<R> {
         }
     }
 
-    /// Adds the geometric stiffness that forces cause on rotating brackets. `gradient` holds the elements' forces at the chain's ends, N.
+    /// Adds the geometric stiffness that forces cause on rotating brackets. `gradient` contains the elements' forces at the chain's ends, N.
     #[inline(always)]
     pub(super) fn add_turning(&self, gradient: &Ends<R>, stiffness: &mut EndsMatrix<R>) {
         for (i, v) in self.0.iter().enumerate() {
@@ -90,7 +91,7 @@ impl<R: Number> Brackets<R> {
         }
     }
 
-    /// Corrections of the chain's ends that follow from those of the key nodes.
+    /// Corrections of the chain's ends, computed from the corrections of the key nodes.
     #[inline(always)]
     pub(super) fn carried(&self, key_nodes: &Ends<R>) -> Ends<R> {
         let mut ends = *key_nodes;

@@ -1,10 +1,11 @@
 //! The elements from the first end of a chain to one of its nodes, as a cantilever that grows element by element.
 //!
-//! The motion of the second end relative to the rotating first end (the *deflection*) determines how the elements deform. With the deflection as unknown, the
-//! stiffness matrix contains only the elements' stiffness. With nodal positions as unknowns, the matrix also resists a motion of one end alone. Its resistance
-//! to a common motion of both ends is then a small difference of large numbers. Eliminating n elements node by node amplifies rounding errors by n^3. The
-//! deflection of the next element is therefore eliminated instead of the node before that element. Consecutive elements act as springs in series. The stiffness
-//! S of the elements so far and the stiffness k of the next element combine to S - S (S + k)^-1 S. Little is subtracted, because k is large compared with S.
+//! The motion of the second end relative to the rotating first end (the *deflection*) determines how the elements deform. With the deflection as
+//! unknown, the stiffness matrix contains only the elements' stiffness. With nodal positions as unknowns, the matrix also resists a motion of one end
+//! alone. The resistance to a common motion of both ends is then a small difference of large numbers. Eliminating n elements node by node amplifies
+//! rounding errors by n^3. The deflection of the next element is therefore eliminated instead of the node before that element. Consecutive elements
+//! act as springs in series. The stiffness S of the elements so far and the stiffness k of the next element combine to S - S (S + k)^-1 S. Little is
+//! subtracted, because k is large compared with S.
 //!
 //! A fourth unknown is the rotation of the whole cantilever, which rotates the elements' forces. A translation of the whole cantilever changes no forces.
 
@@ -106,7 +107,7 @@ impl<R: Number> Joint<R> {
     }
 }
 
-/// Stiffness of the first elements of a chain by the [`Deflection`], with the nodes between eliminated.
+/// Stiffness of the first elements of a chain by the [`Deflection`]. The nodes between these elements are eliminated.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cantilever<R: Number> {
     /// Stiffness by the deflection: a symmetric matrix of which only the upper triangle is valid.
@@ -118,8 +119,8 @@ pub(super) struct Cantilever<R: Number> {
 impl<R: Number> Cantilever<R> {
     /// The cantilever of one element without loads. `carried` is the force at the element's second end, N, which rotates with the element.
     ///
-    /// The stiffness by the deflection is that of the second end alone. A rotation of the whole cantilever by w changes the force f by w quarter_turn(f). The
-    /// moment of this change about the first end is w f . lever.
+    /// The stiffness by the deflection is the stiffness of the second end alone. A rotation of the whole cantilever by w changes the force f by w
+    /// quarter_turn(f). This change of the force has the moment w f . lever about the first end.
     #[inline(always)]
     pub(super) fn of_element(element: &Response<R>, carried: Vector2<R>, lever: Vector2<R>) -> Cantilever<R> {
         let mut stiffness = [[lever.x.zero(); 4]; 4];
@@ -136,8 +137,8 @@ impl<R: Number> Cantilever<R> {
         Cantilever { stiffness, lever }
     }
 
-    /// Adds the second derivatives of the potential of a dead load on the element. A dead load does not rotate with the cantilever, so the full tangent of its
-    /// potential is transformed.
+    /// Adds the second derivatives of the potential of a dead load on the element. A dead load does not rotate with the cantilever, so the full
+    /// tangent of the load's potential is transformed.
     #[inline(always)]
     pub(super) fn add_load(&mut self, potential: &Response<R>) {
         let tangent = &potential.tangent;
@@ -161,7 +162,7 @@ impl<R: Number> Cantilever<R> {
         joint.lever = next.lever;
         self.lever = sum(self.lever, next.lever);
         let s = &mut self.stiffness;
-        // Moves the stiffness to the new second end. The old second end moves like the new one, minus `arm` times the rotation.
+        // Moves the stiffness to the new second end. The old second end moves like the new second end, minus `arm` times the rotation.
         let lifted = [s[0][0] * arm.x + s[0][1] * arm.y, s[0][1] * arm.x + s[1][1] * arm.y];
         s[2][2] -= arm.x * s[0][2] + arm.y * s[1][2];
         s[0][2] -= lifted[0];
@@ -199,7 +200,7 @@ impl<R: Number> Cantilever<R> {
         let s = &self.stiffness;
         let arm = quarter_turn(self.lever);
         let upper = |i: usize, j: usize| s[i.min(j)][i.max(j)];
-        // Column of the first end's rotation, which changes the deflection by minus the arm.
+        // Column of the first end's rotation. This rotation changes the deflection by minus the arm.
         let mut held = [arm.x; 3];
         for i in 0..3 {
             held[i] = upper(i, 0) * arm.x + upper(i, 1) * arm.y + upper(i, 2) - s[i][TURN];

@@ -1,7 +1,7 @@
 //! A chain of elements condensed onto its two ends: a plate member between two key nodes, or a rib.
 //!
-//! The elements are appended one by one to a [`Cantilever`], so the work is proportional to their number. Stiffness and forces are stored separately,
-//! because many loads use the stiffness at rest.
+//! The elements are appended one by one to a [`Cantilever`], so the work is proportional to the number of elements. Stiffness and forces are stored
+//! separately, because many loads use the stiffness at rest.
 
 use super::SMALL_PIVOT;
 use super::block::Block;
@@ -26,7 +26,7 @@ pub(super) struct Element<'a, R: Number> {
     pub lever: Vector2<R>,
 }
 
-/// Condensed stiffness of a chain. The [`Joint`]s of the chain, one per element but the first, are stored in [`Factor`](super::Factor).
+/// Condensed stiffness of a chain. The [`Joint`]s of the chain, one for each element except the first, are stored in [`Factor`](super::Factor).
 #[derive(Debug, Clone)]
 pub(super) struct Chain<R: Number = f64> {
     /// Vector from the first node of the chain to the second node of its first element, mm.
@@ -200,8 +200,8 @@ impl<R: Number> Chain<R> {
         }
     }
 
-    /// Gradient by the motions of the chain's two ends, or of the key nodes if the chain has brackets. It is equivalent to the gradients `on_element` by the
-    /// motions of each element's nodes.
+    /// Gradient by the motions of the chain's two ends, or of the key nodes if the chain has brackets. This gradient is equivalent to the gradients
+    /// `on_element` by the motions of each element's nodes.
     pub(super) fn condensed_gradient(&self, joints: &[Joint<R>], on_element: impl Fn(usize) -> Ends<R>) -> Ends<R> {
         let mut gradient = on_element(0);
         if !joints.is_empty() {
@@ -220,7 +220,7 @@ impl<R: Number> Chain<R> {
         gradient
     }
 
-    /// Corrections of the chain's two ends that follow from those of the key nodes.
+    /// Corrections of the chain's two ends, computed from the corrections of the key nodes.
     #[inline(always)]
     pub(super) fn carried(&self, key_nodes: &Ends<R>) -> Ends<R> {
         self.brackets.as_ref().map_or(*key_nodes, |brackets| brackets.carried(key_nodes))
@@ -231,8 +231,8 @@ impl<R: Number> Chain<R> {
         self.pins.as_ref().map_or(self.lever.x.zero(), |block| block.factor.log_determinant())
     }
 
-    /// Back substitution: from the corrections of the two ends to those of the inner nodes and of the pinned rotations. The interior of the chain is given by
-    /// its joints (one elimination per element), the forward substitution y = L^-1 g of each joint, and its inner nodes.
+    /// Back substitution: computes the corrections of inner nodes and pinned rotations from the corrections of the two ends. The arguments describe
+    /// the interior of the chain: its joints (one elimination per element), the forward substitution y = L^-1 g of each joint, and the inner nodes.
     #[inline(always)]
     pub(super) fn correct(
         &self,
@@ -288,7 +288,7 @@ pub(super) struct ChainForces<R: Number> {
     pins_y: [R; 2],
     /// Gradient by the motions of the two ends, or of the key nodes if the chain has brackets; N and N mm.
     pub gradient: Ends<R>,
-    /// Gradient before any condensation, N and N mm: that of the first element by the first end, and that of the last element by the second end.
+    /// Gradient before any condensation, N and N mm: of the first element by the first end, and of the last element by the second end.
     pub raw: Ends<R>,
     /// Work of the residual on the corrections of the eliminated unknowns, N mm.
     pub work: R,
@@ -317,12 +317,12 @@ impl<R: Number> ChainForces<R> {
 /// The elements of a chain that are condensed so far, as a cantilever with its forces.
 pub(super) type PartialChain<R> = (Cantilever<R>, Forces<R>);
 
-/// Index ranges of a chain's inner nodes and inner rotations in a motion. Both are numbered consecutively.
+/// Index ranges of a chain's inner nodes and inner rotations in a motion. Inner nodes and inner rotations are numbered consecutively.
 #[derive(Debug, Clone)]
 pub(super) struct Between {
     pub nodes: Range<usize>,
     pub rotations: Range<usize>,
-    /// Rotation slots that the two ends are clamped to; at a pinned end, the slot of the pin.
+    /// Rotation slots to which the two ends are clamped; at a pinned end, the slot of the pin.
     ends: [usize; 2],
 }
 
@@ -345,7 +345,7 @@ impl Between {
     }
 }
 
-/// Range of a line's joints in an array with one entry per member. All elements of the line but the first have a joint.
+/// Range of a line's joints in an array with one entry per member. All elements of the line except the first have a joint.
 pub(super) fn joints_of(line: &Line) -> Range<usize> {
     match line.members.len() {
         0 => line.members.clone(),

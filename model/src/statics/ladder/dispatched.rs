@@ -1,5 +1,5 @@
-//! Elimination of one finger with the widest SIMD instructions of the machine, bitwise equal to the scalar elimination. Several lines are condensed at a time
-//! in SIMD lanes; rungs are eliminated one after the other.
+//! Elimination of one finger with the widest SIMD instructions of the machine, bitwise equal to the scalar elimination. SIMD lanes condense several
+//! lines at a time; rungs are eliminated one after the other.
 //!
 //! Each task is a struct, not a closure. The compiler uses the wide instructions for code that is inlined into [`WithSimd::with_simd`], but not for closures.
 

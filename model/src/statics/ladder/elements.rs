@@ -58,15 +58,15 @@ impl<R: Number> Elements<R> for OneLine<'_, R> {
     }
 }
 
-/// Lines with equal numbers of elements, one line per lane. Their common motion holds nodes and rotations from the first to the last node, then the rotations
-/// to which the ends are clamped.
+/// Lines with equal numbers of elements, one line per lane. The common motion of the lines lists nodes and rotations from the first to the last node,
+/// then the rotations to which the ends are clamped.
 #[derive(Clone, Copy)]
 pub(super) struct ParallelLines<'a, R> {
     frame: &'a PlaneFrame,
     /// The line in each lane. Unused lanes repeat the last line.
     lines: [&'a Line; MOST_LANES],
     members: [&'a [Member]; MOST_LANES],
-    /// Indices of each line's first inner node and of its rotation slot. The other inner nodes follow in order.
+    /// Indices of each line's first inner node and of this node's rotation slot. The other inner nodes follow in order.
     inner: [(NodeIndex, RotationSlot); MOST_LANES],
     like: R,
 }
@@ -94,7 +94,7 @@ impl<'a, R: Number> ParallelLines<'a, R> {
         abreast
     }
 
-    /// Copies the motion of the lines from that of the frame.
+    /// Copies the motion of the lines from the motion of the frame.
     #[inline(always)]
     pub(super) fn take_motion(&self, of_frame: &FrameMotion, motion: &mut FrameMotion<R>) {
         let (count, like) = (self.count(), self.like);
@@ -129,7 +129,7 @@ impl<'a, R: Number> ParallelLines<'a, R> {
     }
 }
 
-/// These are methods, because closures would not be inlined, and each lane operation would become a function call.
+/// Methods instead of closures: closures would not be inlined, and each lane operation would become a function call.
 impl<R: Number> ParallelLines<'_, R> {
     #[inline(always)]
     fn beam(&self, index: usize) -> Beam<R> {

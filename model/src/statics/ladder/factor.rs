@@ -29,7 +29,7 @@ pub(crate) struct Factor<R: Number = f64> {
 }
 
 impl<R: Number> Factor<R> {
-    /// A factor without arrays, in the number type of `like`; for ladders that only use the stiffness at rest.
+    /// A factor without arrays, in the number type of `like`, for ladders that only use the stiffness at rest.
     pub(super) fn none(like: R) -> Factor<R> {
         let (chains, joints, rungs) = (Vec::new(), Vec::new(), Vec::new());
         let never = like.zero().exceeds(like.zero());
@@ -59,8 +59,8 @@ impl<R: Number> Factor<R> {
         }
     }
 
-    /// Line indices of the back and front plate member that lead from below to rung `level`, or to the tip if `level` is the number of rungs. Lines are ordered
-    /// back, front, ribs, each from the base.
+    /// Line indices of the back and front plate member that end at rung `level` on its base side, or at the tip if `level` is the number of rungs.
+    /// Lines are ordered back, front, ribs; each group starts at the base.
     pub(super) fn plate_members(&self, level: usize) -> [usize; 2] {
         [level, self.rungs.len() + 1 + level]
     }
@@ -85,7 +85,7 @@ impl<R: Number> Factor<R> {
         sum
     }
 
-    /// Sum of a quantity at the ends of lines (plate members and ribs), over the lines that end at a rung.
+    /// Sums a quantity at the ends of lines (plate members and ribs), over all lines that end at a rung.
     #[inline(always)]
     pub(super) fn rung_sum<'a>(&self, level: usize, at_ends: impl Fn(usize) -> &'a Ends<R>) -> Ends<R>
     where

@@ -12,7 +12,7 @@ use crate::element::Response;
 use crate::frame::FrameMotion;
 use crate::number::Number;
 
-/// Storage for the results of condensing one line, or several in SIMD lanes: stiffness, forces, and a joint per element but the first.
+/// Storage for the results of condensing one line, or several lines in SIMD lanes: stiffness, forces, and a joint for each element except the first.
 pub(super) struct Condensed<'a, R: Number> {
     pub chain: &'a mut Chain<R>,
     pub joints: &'a mut [Joint<R>],

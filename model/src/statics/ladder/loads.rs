@@ -14,7 +14,7 @@ use std::ops::Range;
 pub(super) struct OnNode<R> {
     /// First derivatives by x, y (N) and by the rotation (N mm).
     pub gradient: [R; 3],
-    /// Second derivative by the rotation, N mm. It is not zero for a load at the end of a rigid arm, which moves on a circle.
+    /// Second derivative by the rotation, N mm. It is not zero for a load on a rigid arm, because the end of the arm moves on a circle.
     pub curvature: R,
 }
 
@@ -59,7 +59,7 @@ impl<R: Number> Applied<R> {
         self.on_members.iter().find(|(loaded, _)| *loaded == member).map(|(_, potential)| potential)
     }
 
-    /// Whether at least one element of a range carries a load.
+    /// Whether a load acts on at least one element of a range.
     #[inline(always)]
     pub(super) fn on_any_member(&self, members: &Range<usize>) -> bool {
         self.on_members.iter().any(|(loaded, _)| members.contains(loaded))

@@ -1,12 +1,13 @@
-//! The finger as a ladder. Plates and ribs are condensed onto the key nodes; then the pair of key nodes of each rib (a rung) is eliminated, from tip to base.
+//! The finger as a ladder. Plates and ribs are condensed onto the key nodes. The two key nodes of each rib (a rung) are then eliminated, from tip to
+//! base.
 //!
-//! Members are condensed onto their ends ([`chain`]). The back and front node of each rib then remain as a block of six unknowns. Each block is coupled
-//! only to its two neighbours, so the system is block tridiagonal. Its elimination from the tip needs a fixed number of operations per rib and no heap memory.
-//! Tests compare the solution with the sparse solver ([`SparseEquations`](super::SparseEquations)).
+//! Members are condensed onto their ends ([`chain`]). The back and front node of each rib then remain as a block of six unknowns. Each block is
+//! coupled only to its two neighbours, so the system is block tridiagonal. Elimination from the tip needs a fixed number of operations per rib and no
+//! heap memory. Tests compare the solution with the sparse solver ([`SparseEquations`](super::SparseEquations)).
 //!
-//! Stiffness and forces are stored separately. [`Factor`] holds the factored tangent. The tangent at rest is computed only once per mesh; it suffices for
-//! linear solutions, and starts co-rotational ones. [`Balance`] holds the forces. Both are generic over [`Number`](crate::number::Number), for one load, or for
-//! several in SIMD lanes.
+//! Stiffness and forces are stored separately. [`Factor`] stores the factored tangent. The tangent at rest is computed only once per mesh. It
+//! suffices for linear solutions, and co-rotational solutions start with it. [`Balance`] stores the forces. Both types are generic over
+//! [`Number`](crate::number::Number), for one load or for several loads in SIMD lanes.
 
 mod balance;
 mod block;
@@ -32,9 +33,9 @@ pub(super) use balance::Balance;
 use ends::Ends;
 pub(super) use factor::Factor;
 
-/// A pivot below this share of the members' diagonal terms may have lost significant digits to cancellation. The same limit applies to the stiffness of a chain
-/// after an element is appended, relative to the stiffness before. The smallest share in the paper's finger is 2e-2 on any mesh. Thin plates, and random
-/// fingers with errors above 1e-8, fall below the limit.
+/// A pivot below this share of the members' diagonal terms may have lost significant digits to cancellation. The same limit applies to the stiffness
+/// of a chain after an element is appended, relative to the stiffness before. In the paper's finger, the share is at least 2e-2 on any mesh. Thin
+/// plates, and random fingers with errors above 1e-8, have shares below the limit.
 const SMALL_PIVOT: f64 = 1e-3;
 
 /// Location of a frame node or of a load in the ladder.
@@ -46,7 +47,7 @@ enum Location {
         rung: usize,
         row: usize,
     },
-    /// A node inside a line, `element` elements from the line's first end; or a load on the element with the index `element`, from 0.
+    /// A node inside a line, `element` elements from the line's first end, or a load on the element with the index `element`, counted from 0.
     Inside {
         line: usize,
         element: usize,
@@ -95,8 +96,8 @@ impl<'m> Ladder<'m> {
         dispatched::factorise(&mut self.balance, &mut self.own, motion);
     }
 
-    /// Whether the tangent equals the stiffness at rest. With nonlinear kinematics, this holds if nothing has moved, the ribs are deformable, and all loads act
-    /// on nodes. Loads on arms or between nodes contribute to the tangent.
+    /// Whether the tangent equals the stiffness at rest. With nonlinear kinematics, they are equal if nothing has moved, the ribs are deformable, and
+    /// all loads act on nodes. Loads on arms or between nodes contribute to the tangent.
     fn has_rest_stiffness(&self, unmoved: bool, loads: &[FrameLoad]) -> bool {
         if self.linear() {
             return true;

@@ -1,15 +1,16 @@
 //! Retraction of Newton's correction at the nodes inside a member, so that chords and nodes rotate by the same angle.
 //!
-//! Newton's method adds displacements and rotations linearly. A correction that rotates a plate member by `a` rotates its nodes by `a`. The chords of its
-//! elements rotate only by atan(a) = a - a^3 / 3 (by `a e` less if they also elongate by the strain `e`). Both ends of an element of length h then rotate by
-//! phi = a^3 / 3 against its chord, which causes a shear force of 12 EI phi / h^2. This force is negligible for an element that spans a whole member. But the
-//! rotations for which the tangent stays positive definite shrink as h^(2/3), so finer meshes would need more load steps. The effect
-//! is larger at the end of a rigid arm or link, which moves on a circle while its neighbours move along straight lines.
+//! Newton's method adds displacements and rotations linearly. A correction that rotates a plate member by `a` rotates its nodes by `a`. The chords of
+//! the member's elements rotate only by atan(a) = a - a^3 / 3 (by `a e` less if the chords also elongate by the strain `e`). Both ends of an element
+//! of length h then rotate by phi = a^3 / 3 relative to the element's chord. This rotation causes a shear force of 12 EI phi / h^2. The shear force
+//! is negligible for an element that spans a whole member. However, the rotations for which the tangent stays positive definite shrink as h^(2/3), so
+//! finer meshes would need more load steps. The effect is larger at the end of a rigid arm or link, which moves on a circle while its neighbours move
+//! along straight lines.
 //!
-//! Any update that agrees with Newton's to first order converges as fast; it is called a *retraction*. This retraction keeps Newton's update at the key
-//! nodes. It moves the nodes between them along a smooth curve that follows arms and links, and rotates the nodes with their chords. A fine mesh then needs
-//! no more load steps and iterations than a coarse mesh. The curve must meet the key nodes without a kink. A curve correct to second order does not suffice,
-//! because the stiffness of elements grows without bound as they become shorter.
+//! A *retraction* is an update that agrees with Newton's update to first order; it converges as fast as Newton's update. This retraction keeps
+//! Newton's update at the key nodes. It moves the nodes between key nodes along a smooth curve that follows arms and links, and rotates these nodes
+//! with their chords. A fine mesh then needs no more load steps and iterations than a coarse mesh. The curve must meet the key nodes without a kink.
+//! A curve correct to second order does not suffice, because the stiffness of elements grows without bound as they become shorter.
 //!
 //! Reference: Absil, Mahony, Sepulchre, Optimization Algorithms on Matrix Manifolds (2008), sec. 4.1 and 6.3.
 
@@ -19,7 +20,7 @@ use crate::frame::{BeamEnd, FrameMotion, Member, PlaneFrame, end_motions};
 use crate::number::{Number, arctangent, sine_and_versine};
 use nalgebra::Vector2;
 
-/// For rotations below this, rad, second-order terms are below rounding.
+/// For rotations below this angle, rad, second-order terms are smaller than rounding errors.
 const NO_TURN: f64 = 1e-8;
 
 /// The motion before a correction, and buffers for one line.
@@ -41,8 +42,9 @@ impl<R: Number> Retraction<R> {
         Retraction { before: FrameMotion::empty(), chords: Vec::new() }
     }
 
-    /// Updates the inner nodes of a line after a correction was added, in the lanes in which at least one of the line's nodes rotates. `end_nodes` are
-    /// the linear corrections of the line's first and last node, mm. If such a node follows a rigid link, its motion differs from its linear correction.
+    /// Updates the inner nodes of a line after a correction was added, in the lanes in which at least one of the line's nodes rotates. `end_nodes`
+    /// are the linear corrections of the line's first and last node, mm. If the first or last node follows a rigid link, its motion differs from its
+    /// linear correction.
     #[inline(always)]
     pub(super) fn mend(&mut self, elements: impl Elements<R>, motion: &mut FrameMotion<R>, end_nodes: [Vector2<R>; 2]) {
         let count = elements.count();
@@ -76,8 +78,9 @@ impl<R: Number> Retraction<R> {
         let end_chord = chord_in(motion, &last);
         let last_slope = slope(whole, count, end_chord, -self.surplus(count - 1, end_chord));
         let mut slopes = end_slopes([first_slope, last_slope], count);
-        // The slopes so far are exact for the end chords, but Newton's rotations apply at the end nodes, half an element away. The difference would cause a
-        // shear force that grows as 1 / h. The effect of axial forces would grow with it, so the tangent might lose positive definiteness.
+        // The current slopes are exact for the end chords, but Newton's rotations apply at the end nodes, half an element away. The difference would
+        // cause a shear force that grows as 1 / h. The effect of axial forces would grow with this shear force, so the tangent might lose positive
+        // definiteness.
         if count > 2 {
             let mut more = slopes;
             for (end, (at, next)) in [(0, 1), (count - 1, count - 2)].into_iter().enumerate() {
@@ -105,8 +108,8 @@ impl<R: Number> Retraction<R> {
         }
     }
 
-    /// Chord of an element (mm), and its rotation beyond the linear correction (rad), after the [`cubic`] with the given slopes is added across the member.
-    /// The element is the `index`-th of `count`.
+    /// Chord of an element (mm), and its rotation beyond the linear correction (rad), after the [`cubic`] with the given slopes is added across the
+    /// member. The element is number `index` of `count` elements.
     #[inline(always)]
     fn leaning(
         &self,
@@ -124,7 +127,8 @@ impl<R: Number> Retraction<R> {
         (lifted, self.surplus(index, lifted))
     }
 
-    /// Stores each chord and its rotation by the linear correction. Returns the offset of each end of the elastic part from its linear correction, mm.
+    /// Stores each chord and the chord's rotation by the linear correction. Returns the offset of each end of the elastic part from its linear
+    /// correction, mm.
     #[inline(always)]
     fn measure(
         &mut self,
@@ -215,7 +219,8 @@ fn cubic<R: Number>(slopes: [R; 2], xi: f64) -> R {
     (slopes[0] * rest - slopes[1] * xi) * (xi * rest)
 }
 
-/// End slopes of the [`cubic`] from the slopes of the first and last of `count` chords. With fewer than three chords, the slopes are returned unchanged.
+/// End slopes of the [`cubic`], computed from the slopes of the first and the last of `count` chords. With fewer than three chords, the slopes are
+/// returned unchanged.
 #[inline(always)]
 fn end_slopes<R: Number>(chords: [R; 2], count: usize) -> [R; 2] {
     if count < 3 {

@@ -7,16 +7,17 @@ use nalgebra::Vector2;
 
 /// Kinematics of an undeformable rib, which joins the front node to the back node.
 ///
-/// The rung's unknowns become generalised coordinates q: x, y and rotation of the back node, rotation of the rib, rotation of the front node. If rib and
-/// nodes rotate together, the last two coordinates are absent. Unused coordinates keep unit stiffness. The nodes move by u = T q.
+/// The rung's unknowns become generalised coordinates q: x, y and rotation of the back node, rotation of the rib, rotation of the front node. If rib
+/// and nodes rotate together, the last two coordinates are absent. Unused coordinates keep unit stiffness. The motion of the nodes is u = T q.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RigidRib<R> {
-    /// Vectors from the back to the front node in their current directions, one per rotation, mm: back bracket, rib, front bracket. If rib and nodes rotate
-    /// together, the first vector is the sum of all three.
+    /// Vectors in their current directions, mm, that lead from the back to the front node: back bracket, rib, front bracket. Each vector has one
+    /// rotation. If rib and nodes rotate together, the first vector is the sum of all three vectors.
     pub levers: [Vector2<R>; 3],
     /// Whether the rib and both of its nodes rotate by the same angle.
     pub together: bool,
-    /// Gradient of elements and loads by the position of the front node, N; zero with linear kinematics. It adds geometric stiffness as the levers rotate.
+    /// Gradient of elements and loads by the position of the front node, N; zero with linear kinematics. This gradient adds geometric stiffness when
+    /// the levers rotate.
     pub front_pull: Vector2<R>,
 }
 
@@ -72,8 +73,8 @@ fn transposed<R: Number>(matrix: &EndsMatrix<R>) -> EndsMatrix<R> {
 
 /// A node of a rung that coincides with a node of the rung below, because the ribs of both rungs share a junction.
 ///
-/// The three unknowns of the tied node keep unit stiffness without coupling, so their y equals their gradient. Stiffness, gradient and couplings of the tied
-/// node are added to those of the node below.
+/// The three unknowns of the tied node keep unit stiffness without coupling, so their forward substitution y equals their gradient. Stiffness,
+/// gradient and couplings of the tied node are added to those of the node below.
 #[derive(Debug, Clone, Copy)]
 struct TiedNode<R> {
     /// Index of the node's first unknown: 0 for the back node, 3 for the front node.
@@ -83,8 +84,8 @@ struct TiedNode<R> {
 }
 
 impl<R: Number> TiedNode<R> {
-    /// Moves the stiffness between the tied and the other node to `coupling`. Stores the tied node's own stiffness and replaces it by unit stiffness. Rows of
-    /// `coupling` are the unknowns of this rung, columns those of the rung below.
+    /// Moves the stiffness between the tied and the other node to `coupling`. Stores the tied node's own stiffness, and replaces this stiffness by
+    /// unit stiffness. Rows of `coupling` are the unknowns of this rung, columns are the unknowns of the rung below.
     #[inline(always)]
     fn release(&mut self, stiffness: &mut EndsMatrix<R>, coupling: &mut EndsMatrix<R>) {
         let (row, other, zero) = (self.row, 3 - self.row, stiffness[0][0].zero());
@@ -100,8 +101,8 @@ impl<R: Number> TiedNode<R> {
     }
 }
 
-/// A rung: the back and front node of one rib, with the unknowns x, y and rotation of the back node, then of the front node. It is eliminated towards the rung
-/// below.
+/// A rung: the back and front node of one rib, with the unknowns x, y and rotation of the back node, then of the front node. Elimination of a rung
+/// adds to the rung below.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rung<R: Number> {
     pub(super) block: Block<R, 6, 6>,
@@ -151,7 +152,7 @@ impl<R: Number> Rung<R> {
         }
     }
 
-    /// Lanes in which each pivot exceeds its limit; `None` with an undeformable rib, because the unknowns then differ.
+    /// Lanes in which each pivot exceeds its limit. `None` for an undeformable rib, because such a rung has other unknowns.
     #[inline(always)]
     pub(super) fn pivots_exceed(&self, limits: &Ends<R>) -> Option<R::Mask> {
         self.rib.is_none().then(|| self.block.factor.pivots_exceed(limits))
@@ -201,7 +202,7 @@ impl<R: Number> Rung<R> {
         }
     }
 
-    /// Motion of both nodes, given y = L^-1 g and the motion of the rung below; then the rotation of an undeformable rib with hinges, rad.
+    /// Motion of both nodes, given y = L^-1 g and the motion of the rung below. Also returns the rotation of an undeformable rib with hinges, rad.
     #[inline(always)]
     pub(super) fn motion(&self, y: &Ends<R>, below: &Ends<R>) -> (Ends<R>, Option<R>) {
         let mut q = self.block.motion(y, below);

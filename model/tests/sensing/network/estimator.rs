@@ -8,16 +8,16 @@ use finray_tests::{CAMERA_NOISE_MM, paper};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Least squares in f64 of a shape that the network can take.
+/// Rounding error of least squares in f64 for a shape within the network's range.
 const ROUNDING: f64 = 1e-9;
-/// A derivative in f64 against a difference of f32 forces over a step of 1e-2.
+/// Largest error of a derivative in f64, compared with a difference of f32 forces over a step of 1e-2.
 const DERIVATIVE: f64 = 2e-3;
 
 #[test]
 fn sigmas_are_noise_through_the_derivatives_and_the_networks_own_error() {
     for contact_set in [ContactSet::Fixed, ContactSet::AnyOf] {
         let mut network = random_network(5, &[17, 20], contact_set, &[20, 10], 30);
-        // Neither part of the sum is lost in the other.
+        // Neither part of the sum is negligible.
         let (noise_mm, clean_rms_n) = (0.1, 0.3);
         network.card.test_errors = vec![TestError { rms_n: 0.3, clean_rms_n }; 2];
         let mut estimator = estimator(&network, &[17, 20], Instructions::Detected);
@@ -55,12 +55,12 @@ fn noise_that_the_residual_contradicts_is_not_believed() {
     let noisy: Vec<f64> = shape.iter().map(|x| x + rng.random_range(-0.5..0.5)).collect();
     let measurement = measured(&network.card.markers, &noisy);
     let unknown = estimator.estimate(&measurement, None).expect("noise alone");
-    // 36 coordinates of uniform noise between -0.5 and 0.5, of standard deviation 0.29.
+    // 36 coordinates have uniform noise between -0.5 and 0.5, with a standard deviation of 0.29.
     assert!((0.2..0.4).contains(&unknown.noise_mm), "{}", unknown.noise_mm);
     let contradicted = estimator.estimate(&measurement, Some(CAMERA_NOISE_MM)).expect("noise alone");
     assert!(matches!(contradicted.warning, Some(Warning::Residual(_))));
     assert_eq!((&contradicted.forces_n, contradicted.residual_rms_mm), (&unknown.forces_n, unknown.residual_rms_mm));
-    // Where nothing was stated the residual is all that is known of the noise: Student's t for 36 degrees of freedom, 2.0281, over 1.9600.
+    // Without a stated noise, only the residual determines the noise. Student's t widens the deviation: by 2.0281 / 1.9600 for 36 degrees of freedom.
     let wider = unknown.noise_mm / contradicted.noise_mm;
     assert!((wider - 2.0281 / 1.959_96).abs() < 1e-4, "{wider}");
     let believed = estimator.estimate(&measurement, Some(0.25)).expect("noise alone");

@@ -1,4 +1,4 @@
-//! Network files: they read back unchanged, and damaged ones are refused with a message that names the fault.
+//! Network files are read back unchanged, and damaged files are refused with a message that names the fault.
 
 use super::random_network;
 use finray_model::sensing::network::{ContactSet, FORMAT, Network, NetworkError};
@@ -8,7 +8,7 @@ use proptest::prelude::*;
 proptest! {
     #![proptest_config(cases(24))]
 
-    /// Files with any bytes changed are refused, and none of them stops the program.
+    /// Files with changed bytes are refused, and no such file causes a panic.
     #[test]
     fn garbled_files_are_refused(changes in prop::collection::vec((any::<prop::sample::Index>(), 1..=255_u8), 1..4)) {
         let bytes = random_network(1, &[19, 20], ContactSet::Fixed, &[3], 4).to_bytes().expect("a file");

@@ -25,7 +25,7 @@ fn a_fingerprint_is_that_of_the_numbers() {
     assert_eq!(Fingerprint::of(&Scene::from_toml(&renamed).expect("a scene").finger), fingerprint);
     assert_eq!(fingerprint.to_string().parse(), Ok(fingerprint));
     assert!("0123".parse::<Fingerprint>().is_err());
-    // Thickness and modulus count through EA and EI: E / (1 - nu^2) is what is compared.
+    // Thickness and modulus enter through EA and EI, so E / (1 - nu^2) is compared.
     let plane_strain = changed(|d| {
         d.poissons_ratio = 0.4;
         let softer = |strip: &mut Strip| strip.youngs_modulus_mpa *= 1.0 - 0.16;

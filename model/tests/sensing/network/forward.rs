@@ -9,10 +9,10 @@ use finray_tests::{at_node, at_position, cases, paper};
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 
-/// Our forces against burn's, which adds in another order and takes another tanh: 1e-5 of the 5 N of training.
+/// Largest difference from burn's forces: 1e-5 of the 5 N of the training. burn adds in another order and uses another tanh.
 const AGAINST_BURN_N: f64 = 5e-5;
 
-/// burn's forces for the inputs of the first layer, and what skips to the outputs.
+/// burn's forces for the inputs of the first layer, including the skip branch.
 fn burn_forces(network: &Network, inputs: Vec<f64>) -> Vec<f64> {
     let device = Device::flex();
     let matrix =
@@ -42,8 +42,8 @@ fn inputs_of(network: &Network, displacements: &[f64]) -> Vec<f64> {
 proptest! {
     #![proptest_config(cases(24))]
 
-    /// Any widths, also those that fill no register: burn's forces, on detected and on portable instructions, one by one
-    /// and many at once, in any order of the contacts.
+    /// Forces equal burn's forces for any widths of the layers, even widths that fill no register. Tested with detected and portable instructions,
+    /// for single and many frames, and for any order of the contacts.
     #[test]
     fn forces_are_those_of_burn(
         seed in any::<u64>(),
@@ -74,7 +74,7 @@ proptest! {
         }
     }
 
-    /// Of a network for any of twelve contacts, the forces of those that touch are ridge forces and burn's correction.
+    /// For a network for any of twelve contacts, the forces at touching contacts are the sum of ridge forces and burn's correction.
     #[test]
     fn any_contacts_may_touch(seed in any::<u64>(), touching in prop::sample::subsequence((13..=24).collect::<Vec<usize>>(), 1..=12)) {
         let nodes: Vec<usize> = (13..=24).collect();
@@ -99,7 +99,7 @@ proptest! {
     }
 }
 
-/// The widths of the paper.
+/// Forces equal burn's forces for the layer widths of the paper.
 #[test]
 fn forces_of_the_papers_network_are_those_of_burn() {
     let network = random_network(2, &[19, 20], ContactSet::Fixed, &[150, 200, 150], 46);
@@ -141,7 +141,7 @@ fn other_fingers_contacts_and_markers_are_refused() {
         let error = new(&paper(), &contacts).expect_err("other contacts");
         assert!(error.to_string().contains("exactly the contacts 19@0, 20@0"), "{error}");
     }
-    // The node by its position is the same contact.
+    // A contact at the position of a node is the same contact as the node.
     let position_mm = paper().front_position_mm(NodeId(19)).expect("on the front plate");
     assert_eq!(new(&paper(), &[at_position(position_mm, 0.0), at_node(20, 0.0)]), Ok(()));
     let any = random_network(1, &[18, 19, 20], ContactSet::AnyOf, &[3], 4);

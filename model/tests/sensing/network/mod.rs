@@ -18,10 +18,10 @@ mod fingerprint;
 mod forward;
 mod hidden;
 
-/// The same sums on other instructions: they round and add in another order.
+/// Largest difference of forces, N, between instruction sets, which round and add in a different order.
 const BETWEEN_INSTRUCTIONS_N: f64 = 5e-6;
 
-/// A network of random weights for the paper's finger: `hidden` layers, `directions` principal directions.
+/// A network with random weights for the paper's finger. `hidden` describes the hidden layers; `directions` is the number of principal directions.
 fn random_network(
     seed: u64,
     contacts: &[usize],
@@ -69,7 +69,7 @@ fn random_network(
             kinematics: Kinematics::Corotational,
             elements_per_member: 4,
             samples: 1000,
-            // Random weights give any forces.
+            // Random weights may lead to any forces.
             force_range_n: [-1e3, 1e3],
             largest_total_n: 10.0,
             direction_spread_deg: 0.0,
@@ -84,7 +84,7 @@ fn random_network(
     Network::new(card, inputs, layers, skip, compliance).expect("parts that fit")
 }
 
-/// A shape that the training might have held.
+/// A shape that the training might have contained.
 fn random_shape(network: &Network, seed: u64) -> Vec<f64> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let z = DVector::from_fn(network.inputs.count(), |_, _| rng.random_range(-2.0..2.0));

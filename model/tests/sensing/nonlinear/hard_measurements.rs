@@ -1,4 +1,4 @@
-//! Nonlinear sensing of difficult measurements: missing or wrong markers, large noise, unknown direction or position. Answers are right within the
+//! Nonlinear sensing of difficult measurements: missing or wrong markers, large noise, unknown direction or position. Forces are correct within the
 //! stated standard deviation, or refused.
 
 use finray_model::frame::FrameLoad;
@@ -13,20 +13,20 @@ use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// What makes a measurement hard.
+/// Properties that make a measurement difficult.
 #[derive(Debug, Clone, Copy)]
 struct Hardship {
     noise_mm: f64,
     /// Markers hidden at random.
     hidden: usize,
-    /// Whether a marker is 20 mm off.
+    /// Whether one marker has an error of 20 mm.
     wild: bool,
     forces_n: [f64; 2],
 }
 
 const CAMERA: Hardship = Hardship { noise_mm: CAMERA_NOISE_MM, hidden: 0, wild: false, forces_n: [0.3, 3.0] };
 
-/// Errors in stated sigmas, and the share of cases refused. The contacts are drawn anew for each case.
+/// Errors in stated sigmas, and the share of refused cases. Contacts are drawn separately for each case.
 fn standardised_errors(
     questions: &[ContactQuestion],
     contacts: impl Fn(&mut ChaCha8Rng) -> Vec<Contact>,
@@ -76,7 +76,7 @@ fn known(contacts: &[Contact]) -> Vec<ContactQuestion> {
     contacts.iter().copied().map(ContactQuestion::from).collect()
 }
 
-/// Right within a few sigma, or refused: more than 6 sigma is met once in 10^9.
+/// Checks that errors are at most a few sigma, and that few cases are refused. An error above 6 sigma has a probability of about 1 in 10^9.
 fn assert_honest(what: &str, (errors, refused): &(Vec<f64>, f64), most_refused: f64) {
     let worst = largest(errors);
     assert!(worst <= 6.0, "{what}: {worst} sigma");
@@ -84,12 +84,12 @@ fn assert_honest(what: &str, (errors, refused): &(Vec<f64>, f64), most_refused: 
     let covered = errors.iter().filter(|e| e.abs() <= 1.96).count() as f64 / errors.len().max(1) as f64;
     let allowed = STANDARD_ERRORS * share_error(0.95, errors.len().max(1)) + 0.01;
     assert!(covered >= 0.95 - allowed, "{what}: covered {covered}");
-    // A sigma of twice the error would cover by saying too little; a hundred draws know their scatter to 7 %.
+    // A sigma of twice the error would cover the errors, but would be too large. A hundred draws determine the scatter to 7 %.
     let scatter = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len().max(1) as f64).sqrt();
     assert!(errors.len() < 50 || scatter > 0.6, "{what}: scatter {scatter} of sigma");
 }
 
-/// Hidden markers (1 to 21 of 23), 1 mm of noise, a marker 20 mm off, neighbouring contacts, two angles on one node, all
+/// Cases: hidden markers (1 to 21 of 23), 1 mm of noise, a marker with an error of 20 mm, neighbouring contacts, two angles on one node, and all
 /// twelve nodes at once.
 #[test]
 fn hard_measurements_are_right_or_refused() {
@@ -98,7 +98,7 @@ fn hard_measurements_are_right_or_refused() {
             let contacts = at_nodes(&nodes);
             let found =
                 standardised_errors(&known(&contacts), |_| contacts.clone(), Hardship { hidden, ..CAMERA }, 100);
-            // Two markers leave forces on neighbouring nodes with two explanations in one measurement of eight: 7.7 N and 1.5 N on node 19.
+            // With two markers, one of eight measurements of forces on neighbouring nodes has two explanations: 7.7 N and 1.5 N on node 19.
             let most_refused = if hidden == 21 && nodes.len() == 2 { 0.15 } else { 0.1 };
             assert_honest(&format!("{hidden} hidden, {nodes:?}"), &found, most_refused);
         }
@@ -133,13 +133,13 @@ fn unknown_directions_and_positions_are_covered() {
         let question =
             ContactQuestion { position: Some(ContactPosition::Node(NodeId(node))), direction: Direction::Auto };
         let found = standardised_errors(&[question], |_| vec![at_node(node, 0.0)], hardship, 150);
-        // Near the base a force hardly shows its direction.
+        // Near the base, displacements hardly depend on the direction of a force.
         assert_honest(&format!("{question:?}"), &found, if node == 24 { 0.5 } else { 0.01 });
     }
 }
 
-/// Forces nearly along the plate of a soft finger: it has buckled, and the linear forces are no start for the search. Every answer is right
-/// within its stated deviation, and hardly any force is refused.
+/// Forces nearly along the plate of a soft finger, which has buckled. The forces of the linear finger are then no starting point for the search.
+/// Every returned force is correct within its stated deviation, and hardly any force is refused.
 #[test]
 fn forces_along_a_buckled_plate_are_found() -> Result<(), Box<dyn std::error::Error>> {
     let finger = Scene::from_toml(finray_fixtures::SOFT_SCENE)?.finger;
@@ -171,13 +171,13 @@ fn forces_along_a_buckled_plate_are_found() -> Result<(), Box<dyn std::error::Er
             }
         }
     }
-    // 3 N at 34.3 mm and -85 degrees are not found from any start.
+    // 3 N at 34.3 mm and -85 degrees is not found from any starting point.
     assert!(carried > 40 && refused <= 1, "{refused} of {carried} forces are refused");
     Ok(())
 }
 
-/// Two forces near the limit of what a soft finger carries: steps towards them lead beyond it again and again, and a search that threw
-/// away what the finger carried of a step ended at other forces, 1 mm off where noise is 0.067 mm.
+/// Two forces near the limit load of a soft finger: steps towards these forces often lead beyond the limit. A search that discarded the part of a
+/// step with an equilibrium once ended at other forces, with a residual of 1 mm for a noise of 0.067 mm.
 #[test]
 fn pairs_near_the_limit_load_are_found() -> Result<(), Box<dyn std::error::Error>> {
     let finger = Scene::from_toml(finray_fixtures::SOFT_SCENE)?.finger;

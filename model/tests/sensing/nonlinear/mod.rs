@@ -18,7 +18,8 @@ use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-/// Every contact node, -60 to 60 degrees: relative error of the sensed force on a truth, by force.
+/// Largest relative error of the sensed force for each true force, over every contact node and directions from -60 to 60 degrees. The mesh `truth`
+/// computes the true shapes.
 fn errors_over_the_finger(truth: &Mesh, forces_n: &[f64], sense: impl Fn(Contact, &Measurement) -> f64) -> Vec<f64> {
     let mut worst = vec![0.0_f64; forces_n.len()];
     for node in 13..=24 {
@@ -36,8 +37,8 @@ fn errors_over_the_finger(truth: &Mesh, forces_n: &[f64], sense: impl Fn(Contact
     worst
 }
 
-/// On noise-free data of its own model the force comes back to rounding, also where the linear start is far off (5 N at
-/// the tip along the plate once led to another minimum).
+/// On noise-free data of the same model, the force is recovered to rounding. This also holds if the linear starting point is far from the force: 5 N
+/// at the tip along the plate once led to another minimum.
 #[test]
 fn forces_come_back_from_the_own_model() {
     let mesh = Mesh::key_nodes(&paper());
@@ -48,7 +49,7 @@ fn forces_come_back_from_the_own_model() {
     assert!(worst.iter().all(|e| *e <= 1e-9), "{worst:?}");
 }
 
-/// On the 684-node truth the 25-node model errs by at most 0.8 % up to 3 N, a refined one by at most 0.3 % up to 5 N.
+/// For true shapes on 684 nodes, the error of the 25-node model is at most 0.8 % up to 3 N. The error of a refined model is at most 0.3 % up to 5 N.
 #[test]
 fn forces_come_back_from_the_fine_mesh() {
     let finger = paper();
@@ -90,12 +91,12 @@ fn positions_and_directions_are_found() {
     }
 }
 
-/// A force along the normal of the deformed plate: its direction is the plate's rotation where it acts.
+/// A force along the normal of the deformed plate. Its direction follows from the rotation of the plate at the contact.
 #[test]
 fn normals_turn_with_the_plate() {
     let finger = paper();
     let mesh = Mesh::with_elements_per_member(&finger, 4);
-    // The follower force by iteration: a dead force in the direction that the plate has under it.
+    // Finds the follower force by iteration: a dead force along the normal that the plate has under this force.
     let mut contact = at_node(16, 0.0);
     for _ in 0..40 {
         let load = mesh.frame_load(&contact.load(&finger, 3.0)).expect("a contact node");
@@ -111,7 +112,7 @@ fn normals_turn_with_the_plate() {
     assert!((found.forces.forces_n[0] / 3.0 - 1.0).abs() < 1e-5, "{found:?}");
 }
 
-/// One marker that is 20 mm off hardly moves the estimate.
+/// One marker with an error of 20 mm hardly changes the estimate.
 #[test]
 fn a_wild_marker_is_weighted_down() {
     let finger = paper();
@@ -132,8 +133,8 @@ fn a_wild_marker_is_weighted_down() {
     }
 }
 
-/// What the stated noise does not explain widens the stated interval: here the contact is a node away from where it is
-/// said to be.
+/// A residual that the stated noise does not explain widens the stated interval. In this test, the true contact is one node away from the stated
+/// contact.
 #[test]
 fn what_noise_does_not_explain_is_uncertainty() {
     let mesh = Mesh::key_nodes(&paper());
@@ -145,11 +146,11 @@ fn what_noise_does_not_explain_is_uncertainty() {
     let (right, wrong) = (ask(20, CAMERA_NOISE_MM), ask(19, CAMERA_NOISE_MM));
     assert_eq!(right.noise_mm, CAMERA_NOISE_MM);
     assert!(wrong.noise_mm > 3.0 * CAMERA_NOISE_MM && wrong.sigmas_n[0] > 3.0 * right.sigmas_n[0], "{wrong:?}");
-    // Noise that is stated large enough is believed.
+    // A sufficiently large stated noise is accepted.
     assert_eq!(ask(19, 1.0).noise_mm, 1.0);
 }
 
-/// What is not identifiable is refused.
+/// Unknowns that are not identifiable are refused.
 #[test]
 fn what_is_not_identifiable_is_refused() {
     let finger = paper();
@@ -173,7 +174,7 @@ fn what_is_not_identifiable_is_refused() {
 proptest! {
     #![proptest_config(cases(96))]
 
-    /// The ladder's sensitivities to added and moved loads are differences of equilibria, on any finger.
+    /// The ladder's sensitivities to added and moved loads equal differences of equilibria, on any finger.
     #[test]
     fn sensitivities_are_differences_of_equilibria(
         finger in built_finger_with_zones(),
@@ -214,7 +215,7 @@ proptest! {
             let difference: Vector = (more[node] - less[node]) / (2.0 * step);
             prop_assert!((difference - rate).norm() <= 1e-4 * largest, "added, node {node}: {difference} against {rate}");
         }
-        // Where the load stays on one element (an arm, a node between two have a kink).
+        // The load stays on one element, because displacements have a kink at an arm and at a node between two elements.
         let [FrameLoad::Interior { member: a, .. }, FrameLoad::Interior { member: b, .. }] =
             [position(s_mm + shift), position(s_mm - shift)] else { return Err(TestCaseError::reject("a kink")) };
         prop_assume!(a == b);
@@ -227,7 +228,7 @@ proptest! {
     }
 }
 
-/// An estimate that starts from the forces that are known finds what it finds otherwise, in the few steps of a frame of a stream.
+/// An estimate that starts from known forces returns the same result as any other estimate, in as few steps as for a frame of a stream.
 #[test]
 fn an_estimate_starts_from_forces_that_are_known() -> Result<(), Box<dyn std::error::Error>> {
     let finger = paper();

@@ -14,12 +14,12 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 const NOISE_MM: f64 = 0.02;
-/// How a base of these tests gives way: a tenth of a degree a newton, towards the finger's back.
+/// Rotation of a compliant base in these tests: a tenth of a degree per newton, towards the back of the finger.
 const TURN_RAD_PER_N: f64 = -0.002;
-/// How a base is mounted that does not give way.
+/// Uncertainty of the mounting of a rigid base.
 const MOUNTED: BaseUncertainty =
     BaseUncertainty { sd_mm: 0.05, sd_rad: 0.001, turn_rad_per_n: 0.0, turn_sd_rad_per_n: 0.0 };
-/// Forces that are sensed from bases that give way.
+/// Number of forces that are sensed with compliant bases.
 fn giving_way() -> usize {
     case_count(120, 200)
 }
@@ -29,8 +29,8 @@ fn bracketed() -> Finger {
     finger_of(finray_fixtures::BRACKETED_SCENE)
 }
 
-/// A force that leans from the normal of the deformed plate by an angle, by iteration: a dead force in the direction that the plate
-/// has under it.
+/// Finds, by iteration, a force that leans by an angle from the normal of the deformed plate. Each iteration applies a dead force, with the direction
+/// from the last shape.
 fn leaning(mesh: &Mesh, node: usize, force_n: f64, lean_deg: f64) -> Result<(Contact, Measurement), StaticsError> {
     let finger = mesh.finger();
     let mut contact = at_node(node, lean_deg);
@@ -45,7 +45,7 @@ fn leaning(mesh: &Mesh, node: usize, force_n: f64, lean_deg: f64) -> Result<(Con
     Ok((contact, Measurement::of_shape(finger, &mesh.shape(&motion))))
 }
 
-/// The same displacements as seen from a base that is thought to be elsewhere.
+/// The same displacements, relative to a base that is assumed at another pose.
 fn from_another_base(finger: &Finger, seen: &Measurement, moved: Vector, turned_rad: f64) -> Measurement {
     let (sin, cos) = turned_rad.sin_cos();
     let marker = |marker: &Marker| {
@@ -57,14 +57,14 @@ fn from_another_base(finger: &Finger, seen: &Measurement, moved: Vector, turned_
     Measurement::new(finger, seen.markers().iter().map(marker)).expect("the same nodes")
 }
 
-/// Without noise, the force, the base and nothing else come back, whatever the base.
+/// Without noise, force and pose of the base are recovered exactly, for any pose of the base.
 #[test]
 fn a_base_that_is_elsewhere_is_found() {
     let finger = bracketed();
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
     let (contact, seen) = leaning(&mesh, 8, 6.0, 0.0).expect("carried");
     let loose = BaseUncertainty { sd_mm: 10.0, sd_rad: 0.3, ..BaseUncertainty::default() };
-    // A direction is known where the measurement has the base.
+    // A known direction refers to the base of the measurement.
     let estimate = |measurement: &Measurement, turned_rad: f64| {
         let contact = Contact { angle_deg: contact.angle_deg + turned_rad.to_degrees(), ..contact };
         let mut estimator = NonlinearEstimator::new(&mesh, &[contact.into()]).expect("on the plate");
@@ -74,13 +74,13 @@ fn a_base_that_is_elsewhere_is_found() {
         let elsewhere = from_another_base(&finger, &seen, moved, turned_rad);
         let found = estimate(&elsewhere.clone().with_base(loose), turned_rad).expect("identifiable");
         assert!((found.forces_n[0] / 6.0 - 1.0).abs() < 1e-5, "{found:?}");
-        // Taken for exact, such a base is a force that is far off, or no finger.
+        // If such a base is assumed to be exact, the force has a large error, or the measurement is refused.
         let wrong = estimate(&elsewhere, turned_rad);
         assert!(wrong.is_err() || wrong.is_ok_and(|found| (found.forces_n[0] / 6.0 - 1.0).abs() > 0.05));
     }
 }
 
-/// Bases, leans and noise as the priors state them: errors are as large as stated.
+/// Bases, leans and noise are drawn from their priors; errors are then as large as stated.
 #[test]
 fn stated_sigmas_hold_what_base_and_friction_leave_open() {
     let cases = case_count(60, 300);
@@ -109,11 +109,11 @@ fn stated_sigmas_hold_what_base_and_friction_leave_open() {
     assert!(largest > 0.02, "the priors are part of the sigmas: {largest}");
 }
 
-/// A lean that markers hardly tell, of a wide range: the standard deviation is that of forces at either end of it, which are further off on one side
-/// than the tangent at the estimate says.
+/// A lean within a wide range that markers hardly determine. The standard deviation follows from the forces at both ends of the range. At one end,
+/// the force differs more than the tangent at the estimate predicts.
 #[test]
 fn a_wide_range_of_friction_widens_by_its_ends() {
-    // Stated so large that nothing is learned of the lean.
+    // A stated noise so large that the markers do not constrain the lean.
     const STATED_MM: f64 = 0.2;
     let finger = bracketed();
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
@@ -143,7 +143,7 @@ fn a_wide_range_of_friction_widens_by_its_ends() {
     assert!(largest > 1.1, "{largest}");
 }
 
-/// Leans that a law gives are followed exactly: friction that builds up with the force, about either normal.
+/// Leans that follow the law of friction that builds up with the force are reproduced exactly, for either normal.
 #[test]
 fn friction_that_builds_up_is_followed() {
     let finger = bracketed();
@@ -166,7 +166,8 @@ fn friction_that_builds_up_is_followed() {
     }
 }
 
-/// What is sensed, as shares: of intervals that hold the true force, the mean square error, and the mean of the stated standard deviation.
+/// Results of many estimates: share of intervals that contain the true force, mean square of the relative error, and mean of the relative stated
+/// standard deviation.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sensed {
     within: f64,
@@ -174,8 +175,9 @@ struct Sensed {
     sigma: f64,
 }
 
-/// Senses forces by friction from bases that no marks show, where each base is thought to be known as `stated` has it. The base turns by
-/// `turn_rad_per_n`, drawn anew with `turn_sd_rad_per_n`, times the force, beside what the first of `stated` says of its mounting.
+/// Senses forces with friction on bases without reference marks, once with each uncertainty of the base in `stated`. The true base has a mounting
+/// error as in the first entry of `stated`. It also rotates by the force times `turn_rad_per_n`, which is drawn for each case with the standard
+/// deviation `turn_sd_rad_per_n`.
 fn sensed_from_bases_that_give_way(turn_sd_rad_per_n: f64, stated: [BaseUncertainty; 2]) -> [Sensed; 2] {
     let finger = bracketed();
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
@@ -209,8 +211,8 @@ fn sensed_from_bases_that_give_way(turn_sd_rad_per_n: f64, stated: [BaseUncertai
     all
 }
 
-/// A base that no marks show and that gives way: its turn is expected to be the force times its compliance, and tells of the force. Where it is
-/// expected to be none, that contradicts the markers: intervals widen, and forces err more.
+/// A compliant base without reference marks. If its expected rotation is the force times its compliance, the rotation provides information on the
+/// force. If the expected rotation is zero, it contradicts the markers: intervals widen, and errors of the force grow.
 #[test]
 fn a_base_that_gives_way_is_expected_to_turn() {
     let yields = BaseUncertainty { turn_rad_per_n: TURN_RAD_PER_N, ..MOUNTED };
@@ -219,7 +221,8 @@ fn a_base_that_gives_way_is_expected_to_turn() {
     assert!(not.square > 1.5 * expected.square && not.sigma > 2.0 * expected.sigma, "{expected:?}, {not:?}");
 }
 
-/// A compliance that is known to a standard deviation: intervals hold it. Taken for exact, it misleads, and they are too narrow.
+/// If the uncertain compliance has a stated standard deviation, intervals contain the force as often as stated. If this compliance is assumed to be
+/// exact, errors are larger and intervals too narrow.
 #[test]
 fn a_compliance_that_is_not_quite_known_is_in_the_interval() {
     const SHARE: f64 = 0.3;
@@ -232,7 +235,7 @@ fn a_compliance_that_is_not_quite_known_is_in_the_interval() {
     assert!(exact.within < 0.95 - chance && exact.square > known.square, "{known:?}, {exact:?}");
 }
 
-/// A prior has no weight against a measurement of unknown noise.
+/// Without a noise of the measurement, the weight of a prior is undefined.
 #[test]
 fn priors_need_a_noise() {
     let finger = bracketed();
@@ -244,7 +247,7 @@ fn priors_need_a_noise() {
     assert_eq!(estimator.estimate(&measurement, None), Err(SensingError::NoiseNotStated));
 }
 
-/// A base may be further from where it is thought to be than the finger bends: a small force, a finger mounted anew.
+/// The error of the assumed base may exceed the deflection of the finger, for example for a small force on a newly mounted finger.
 #[test]
 fn bases_far_off_are_found() {
     let finger = bracketed();
@@ -267,17 +270,17 @@ fn bases_far_off_are_found() {
     }
 }
 
-/// The stated standard deviation is what noise of each coordinate does to the answer, one after the other.
+/// The stated standard deviation combines the responses of the force to the noise of each coordinate.
 #[test]
 fn sigmas_are_responses_to_noise() {
-    // So loose that it adds nothing to the sum.
+    // An uncertainty so large that the prior has no effect on the sum.
     let loose = BaseUncertainty { sd_mm: 100.0, sd_rad: 1.0, ..BaseUncertainty::default() };
     responses_of(loose, 0.0);
-    // A base whose turn is the force times its compliance is a second balance: it adds as little.
+    // A base with a rotation of exactly force times compliance acts as a second force sensor. Its prior adds equally little to the sum.
     responses_of(BaseUncertainty { sd_rad: 1e-7, turn_rad_per_n: TURN_RAD_PER_N, ..loose }, TURN_RAD_PER_N * 8.0);
 }
 
-/// Senses 8 N from a base that is turned, and compares.
+/// Senses 8 N with a rotated base, and compares the stated deviation with the responses.
 fn responses_of(base: BaseUncertainty, turned_rad: f64) {
     let finger = bracketed();
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
@@ -308,6 +311,6 @@ fn responses_of(base: BaseUncertainty, turned_rad: f64) {
         }
     }
     let responses = variance.sqrt();
-    // Central differences of answers that settle to a hundredth of their standard deviation.
+    // Central differences of forces that have converged to a hundredth of their standard deviation.
     assert!((stated / responses - 1.0).abs() < 0.01, "stated {stated} N, responses {responses} N");
 }

@@ -7,7 +7,7 @@ use finray_train::samples::{SampleRecipe, Stream};
 use rand::Rng;
 use std::collections::{HashMap, HashSet};
 
-/// Largest chi-squares by degrees of freedom that are still chance: one of ten thousand draws exceeds them.
+/// Limits of chi-square for 6 and 11 degrees of freedom; chance exceeds each limit in one of ten thousand draws.
 const CHI_SQUARE_6: f64 = 27.9;
 const CHI_SQUARE_11: f64 = 37.4;
 
@@ -15,7 +15,7 @@ fn chi_square(counts: impl IntoIterator<Item = (usize, f64)>) -> f64 {
     counts.into_iter().map(|(found, expected)| (found as f64 - expected).powi(2) / expected).sum()
 }
 
-/// Everything that can be random at once; many of these forces are not carried, so that draws are repeated too.
+/// A recipe in which all quantities are random. The finger does not carry many of these forces, so draws are also repeated.
 fn all_spread() -> SampleRecipe {
     SampleRecipe {
         any_of: true,
@@ -50,7 +50,7 @@ fn the_first_of_a_longer_draw_are_the_same() {
     assert_eq!((few.count(), few.markers), (15, many.markers));
 }
 
-/// No case of one seed and stream is met in another, and no purpose shares its random numbers with another.
+/// No case occurs for two seeds or two streams, and no two purposes share random numbers.
 #[test]
 fn seeds_and_streams_share_nothing() {
     let (recipe, finger) = (linear([19, 20]), paper());
@@ -73,7 +73,7 @@ fn seeds_and_streams_share_nothing() {
     }
 }
 
-/// Sec. IV-A of the paper: 0 to 5 N a node, 0 to 10 N in all.
+/// Ranges of sec. IV-A of the paper: 0 to 5 N per node, 0 to 10 N in total.
 #[test]
 fn forces_are_in_the_papers_range() {
     let count = 3000;
@@ -85,7 +85,8 @@ fn forces_are_in_the_papers_range() {
         assert!(samples.touching.iter().all(|touching| *touching == vec![true; contacts]));
         let sums: Vec<f64> = samples.forces.column_iter().map(|case| case.sum()).collect();
         assert!(sums.iter().all(|sum_n| *sum_n < 10.0));
-        // Twelve forces exceed 10 N unless their mean is below a third of what is expected: all are scaled to 0..10 N.
+        // The sum of twelve forces exceeds 10 N unless their mean is below a third of its expected value. In practice, all cases are therefore scaled
+        // to 0..10 N.
         let (numbers, largest) = match contacts {
             1 | 2 => (samples.forces.row(0).iter().copied().collect(), 5.0),
             12 => (sums, 10.0),
@@ -95,15 +96,15 @@ fn forces_are_in_the_papers_range() {
     }
 }
 
-/// Numbers spread evenly from zero have the mean 1/2 and the variance 1/12 of the range, and its square; the largest of
-/// thousands comes within a hundredth.
+/// Checks for a uniform distribution from zero to `largest`: its mean is half of the range, and its variance is 1/12 of the squared range. The
+/// extremes of thousands of numbers lie within a hundredth of the limits.
 fn assert_evenly_spread(numbers: &[f64], largest: f64) {
     let (mean, deviation) = (largest / 2.0, largest / f64::sqrt(12.0));
     assert_normal(numbers, mean, deviation);
     assert!(numbers.iter().any(|x| *x > 0.99 * largest) && numbers.iter().any(|x| *x < 0.01 * largest));
 }
 
-/// As many cases touch one contact as two, or all; each subset of a number is met as often as the others.
+/// Every number of loaded contacts is equally frequent, and so is every subset with the same number of contacts.
 #[test]
 fn every_number_of_contacts_touches_as_often() {
     let count = 3600;
@@ -112,7 +113,7 @@ fn every_number_of_contacts_touches_as_often() {
     for (touching, forces) in samples.touching.iter().zip(samples.forces.column_iter()) {
         by_number[touching.iter().filter(|touches| **touches).count()] += 1;
         for (touches, force_n) in touching.iter().zip(forces.iter()) {
-            // A force that touches is zero once in 2^52.
+            // A drawn force is zero with a probability of 2^-52.
             assert_eq!(*touches, *force_n > 0.0, "{force_n}");
         }
         assert!(forces.sum() < 10.0);

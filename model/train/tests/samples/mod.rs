@@ -1,5 +1,5 @@
-//! Random load cases. Draws are reproducible on any number of threads and within the requested ranges (`draws`). Their shapes are those of the finger
-//! (`shapes`). Impossible requests are refused (`refusals`).
+//! Random load cases. Draws are reproducible on any number of threads and within the requested ranges (`draws`). Their shapes agree with the sparse
+//! solver (`shapes`). Impossible requests are refused (`refusals`).
 
 use finray_model::Kinematics;
 use finray_tests::{STANDARD_ERRORS, at_node, paper};
@@ -9,7 +9,7 @@ mod draws;
 mod refusals;
 mod shapes;
 
-/// Normal forces at some nodes of the linear finger.
+/// A recipe with normal forces at the given nodes of the linear finger.
 fn linear(nodes: impl IntoIterator<Item = usize>) -> SampleRecipe {
     SampleRecipe::paper(nodes.into_iter().map(|node| at_node(node, 0.0)).collect(), Kinematics::Linear)
 }
@@ -18,7 +18,7 @@ fn draw(recipe: &SampleRecipe, count: usize) -> Samples {
     recipe.draw(&paper(), count, 1, Stream::Test).expect("forces that the finger carries")
 }
 
-/// Checks the mean of some numbers and their standard deviation against those that they were drawn with.
+/// Checks that numbers have the mean and the standard deviation of the distribution from which they were drawn.
 fn assert_normal(numbers: &[f64], mean: f64, deviation: f64) {
     let count = numbers.len() as f64;
     let found = numbers.iter().sum::<f64>() / count;

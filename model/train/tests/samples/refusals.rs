@@ -7,10 +7,10 @@ use finray_model::sensing::{Contact, SensingError};
 use finray_tests::{at_node, at_position, paper};
 use finray_train::samples::{SampleRecipe, SamplesError, Stream};
 
-/// A finger that carries none of the forces ends the draw with a message.
+/// If the finger carries none of the drawn forces, the draw fails with a message.
 #[test]
 fn forces_beyond_the_finger_are_refused() {
-    // A million times what it carries: the chance that one of a hundred draws is carried is 1e-4.
+    // The range is a million times the force that the finger carries. The probability that the finger carries one of a hundred draws is 1e-4.
     let range_n = 1e7;
     let contacts = vec![at_node(19, 0.0)];
     let too_large = SampleRecipe {
@@ -43,7 +43,7 @@ fn wrong_contacts_are_refused() {
     assert!(matches!(refused(&[off_plate]), SensingError::Load(LoadError::PositionOffPlate { .. })));
 }
 
-/// Ranges and spreads that are none.
+/// Ranges that are not positive, and spreads that are negative or not finite, are refused.
 #[test]
 fn impossible_ranges_are_refused() {
     let finger = paper();

@@ -9,12 +9,12 @@ use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
 use finray_tests::{STANDARD_ERRORS, at_node, at_position, largest, paper};
 use finray_train::samples::SampleRecipe;
 
-/// The ladder against the general sparse path, as a share of the largest displacement.
+/// Tolerance between ladder solver and sparse solver, as a share of the largest displacement.
 const BETWEEN_PATHS: f64 = 1e-8;
-/// The same linear solution by other products.
+/// Tolerance between two computations of the same linear solution, which multiply in another order.
 const ROUNDING: f64 = 1e-9;
 
-/// Displacements of the free nodes by the sparse path, mm: ux, uy of each.
+/// Displacements of the free nodes by the sparse solver, mm: ux and uy of each node.
 fn solved(finger: &Finger, recipe: &SampleRecipe, forces_n: &[f64]) -> Vec<f64> {
     let mesh = Mesh::with_elements_per_member(finger, recipe.elements);
     let load = |(contact, &force_n): (&Contact, &f64)| {
@@ -40,7 +40,7 @@ fn assert_close(found: impl IntoIterator<Item = f64>, expected: &[f64], toleranc
     }
 }
 
-/// The shapes are those of the sparse path, which shares no elimination with the ladder.
+/// The shapes agree with the sparse solver, whose elimination is independent of the ladder solver.
 #[test]
 fn shapes_are_those_of_the_finger() {
     let finger = paper();
@@ -58,7 +58,8 @@ fn shapes_are_those_of_the_finger() {
     }
 }
 
-/// A hidden marker leaves out its two rows and changes nothing else. What is hidden twice or clamped is hidden once.
+/// Hiding a marker removes its two rows and changes nothing else. A marker that is listed twice as hidden counts once; a clamped marker does not
+/// count.
 #[test]
 fn hidden_markers_leave_out_their_rows() {
     let finger = paper();
@@ -74,8 +75,8 @@ fn hidden_markers_leave_out_their_rows() {
     assert_eq!(kept.displacements, seen.displacements.select_rows(&rows));
 }
 
-/// The same random numbers give the same forces on fingers whose moduli scatter. The linear finger shows each case's
-/// factor; co-rotational, the shape is that of a finger described with it.
+/// Scatter of the moduli does not change the random forces. On the linear finger, the displacements of each case yield its modulus factor. On the
+/// co-rotational finger, the shape equals the shape of a finger with that factor.
 #[test]
 fn moduli_scatter_as_stated() {
     let finger = paper();
@@ -102,7 +103,7 @@ fn moduli_scatter_as_stated() {
     }
 }
 
-/// Two components of each force, sensed on the linear finger, give back its size and its direction.
+/// Sensing two components of each force on the linear finger recovers the force's magnitude and direction.
 #[test]
 fn directions_scatter_as_stated() {
     let finger = paper();
@@ -133,7 +134,7 @@ fn directions_scatter_as_stated() {
         }
     }
     deviations_deg.iter().for_each(|deviations| assert_normal(deviations, 0.0, spread_deg));
-    // Each force has a direction of its own.
+    // The directions of the two forces are independent.
     let products = deviations_deg[0].iter().zip(&deviations_deg[1]).map(|(a, b)| a * b);
     let correlation = products.sum::<f64>() / (count as f64 * spread_deg * spread_deg);
     assert!(correlation.abs() <= STANDARD_ERRORS / (count as f64).sqrt(), "{correlation}");

@@ -35,7 +35,7 @@ impl Inner<'_> {
     }
 }
 
-/// Matrix of the equations. The unknowns are those of the fingers' bodies, finger by finger, then those of the border.
+/// Matrix of the equations. The unknowns belong to the fingers' bodies, finger by finger, and then to the border.
 pub(super) struct Bordered<'o> {
     fingers: Vec<Inner<'o>>,
     border: DMatrix<f64>,

@@ -86,8 +86,8 @@ pub struct Touching {
 pub struct Tangent {
     /// Derivatives of the slip, mm per mm and mm per rad.
     pub slip_by: Unknowns,
-    /// Generalised forces of a contact force of 1 N along the normal, and of one of 1 N along the tangent. Entries: N and N mm on the body in the finger's
-    /// frame, then on the object in the world frame. The first vector is also the gradient of the gap.
+    /// Generalised forces of a contact force of 1 N along the normal, and of a contact force of 1 N along the tangent. Entries: N and N mm on the
+    /// body in the finger's frame, then on the object in the world frame. The first vector is also the gradient of the gap.
     pub pull: [Unknowns; 2],
     /// Derivatives of both vectors in `pull` with respect to each unknown (mm or rad), one row per unknown.
     pub pull_by: [[Unknowns; 2]; 6],

@@ -16,12 +16,13 @@ use std::collections::BTreeMap;
 
 /// A solve is abandoned after this number of Newton steps; 99 % of the solves that converge take fewer.
 const MOST_STEPS: usize = 30;
-/// A solve is abandoned if the object or a body moves by more than this factor times the allowed distance; 99 % of the solves that converge never do.
+/// A solve is abandoned if the object or a body moves by more than this factor times the allowed distance; 99 % of the solves that converge never
+/// exceed this distance.
 const ASTRAY: f64 = 2.5;
 /// From this Newton step on, friction uses the normal force of the previous step. This mostly ends alternation between sticking and slipping.
 const LAGGING: usize = 15;
-/// The iteration counts as cycling if all contact statuses equal those of an earlier step (from step `LAGGING` on), and the lengths of the two steps
-/// differ by at most this share.
+/// The iteration counts as cycling if all contact statuses are the same as in an earlier step (from step `LAGGING` on), and the lengths of the two
+/// steps differ by at most this share.
 const ROUND: f64 = 1e-3;
 /// A step shorter than this share of the object's size never counts as cycling, because the iteration may still converge.
 const ROUND_MM: f64 = 1e-6;

@@ -127,7 +127,7 @@ impl Scene<'_> {
         let loads = [around.weight.x, around.weight.y, arm.perp(&around.weight)];
         let from = around.carried_from(before.object);
         for i in 0..3 {
-            // If a hand holds a coordinate, the equation of balance is replaced by one that keeps the coordinate constant.
+            // If a hand holds a coordinate, the equation of balance is replaced by an equation that keeps the coordinate constant.
             let (drag, load) = if self.held[i] { (1.0, 0.0) } else { (drags[i], loads[i]) };
             equations.residual[object + i] += drag * (state.object[i] - from[i]) - load;
             equations.derivatives.add(object + i, object + i, drag);

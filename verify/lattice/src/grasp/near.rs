@@ -114,9 +114,9 @@ impl Scene<'_> {
         pair.tangent(part.map_or(Vector::zeros(), rest), &now, &then)
     }
 
-    /// Contact forces of the pairs within the search distance. A new pair takes over the force of a pair that has left this distance. Both pairs must have
-    /// the same part of the finger, or the same corner of the object. If several new pairs qualify, the one with the smallest gap among neighbours on the
-    /// plate takes the force. Without neighbours, the nearest pair along the plate takes it.
+    /// Contact forces of the pairs within the search distance. A new pair inherits the force of a pair that has left this distance. Both pairs must
+    /// have the same part of the finger, or the same corner of the object. If several new pairs qualify, the one with the smallest gap among
+    /// neighbours on the plate takes the force. Without neighbours, the nearest pair along the plate takes it.
     pub(super) fn inherited(&self, state: &State, pairs: &[ContactPair]) -> BTreeMap<Key, [f64; 2]> {
         let own = |pair: &ContactPair| (pair.key, state.forces.get(&pair.key).copied().unwrap_or_default());
         let mut forces: BTreeMap<Key, [f64; 2]> = pairs.iter().map(own).collect();

@@ -1,4 +1,4 @@
-//! Kinematics of a contact compared with finite differences, and its forces with lever arms.
+//! Tests of a contact: derivatives against finite differences, and balance of forces and moments.
 
 use finray_lattice::energy::BodyMotion;
 use finray_lattice::grasp::contact::{Pair, PairPose, Unknowns};
@@ -46,7 +46,7 @@ prop_compose! {
 
 const REST: Vector = Vector::new(70.0, 12.0);
 
-/// Both with one unknown moved.
+/// The poses of finger and object after a change of one unknown.
 fn moved(stand: &PairPose, unknown: usize, by: f64) -> PairPose {
     let mut stand = *stand;
     match unknown {
@@ -59,7 +59,7 @@ fn moved(stand: &PairPose, unknown: usize, by: f64) -> PairPose {
 }
 
 proptest! {
-    /// Against central differences, whose error is the square of the step over the square of the lengths at hand, and rounding.
+    /// Derivatives agree with central differences. Their error is the square of the step relative to the lengths in the contact, plus rounding.
     #[test]
     fn derivatives_are_those_of_differences(pair in pairs(), now in stands(), before in stands()) {
         const STEP: f64 = 1e-5;
@@ -81,7 +81,7 @@ proptest! {
         }
     }
 
-    /// Action and reaction: forces on finger and object are opposite, along and across the normal, and have the same moment about any point.
+    /// Action and reaction: the forces on finger and object are opposite, along and across the normal, and their moments about the origin cancel.
     #[test]
     fn forces_on_finger_and_object_are_opposite(pair in pairs(), now in stands()) {
         let at = pair.touching(REST, &now, &now);

@@ -40,7 +40,7 @@ fn trusted(study: &Study, situations: &[Situation]) -> Option<String> {
         0 => ("", String::new()),
         cells => (
             " in which the finger carries these forces",
-            format!("; in {cells} others it has no equilibrium under at least one of them"),
+            format!("; in {cells} others the finger has no equilibrium under at least one of these forces"),
         ),
     };
     let weakest = match &weak_regions(study, known)[..] {
@@ -48,7 +48,7 @@ fn trusted(study: &Study, situations: &[Situation]) -> Option<String> {
         weak => format!("Weakest regions of the known finger: {}.", weak.join(", ")),
     };
     Some(format!(
-        "The mean error stays within {} under {} N in {} of the {} positions and directions{which}{}, contact and finger known{missing}{}. {weakest}",
+        "The mean error stays within {} under {} N in {} of the {} positions and directions{which}{}, with contact and finger known{missing}{}. {weakest}",
         percent(TRUSTED_ERROR),
         list(&known.map.request.forces_n, ", "),
         counts.trusted,
@@ -96,7 +96,9 @@ fn failing_if_known(known: &Situation) -> String {
         true => ("camera noise outweighs the model's error", by_noise),
         false => ("the model's error outweighs camera noise", by_model),
     };
-    format!("All known: {cause} in {most} of the {failed} sensed forces that fail ({small} of them at {least_n} N).")
+    format!(
+        "All known: {cause} in {most} of the {failed} sensed forces that fail ({small} of the {failed} at {least_n} N)."
+    )
 }
 
 /// Shares of failing cells, for forces off the normal and along it, and the main causes for forces along it. `None` if either share has no cell
@@ -110,7 +112,8 @@ fn failing(study: &Study, situation: &Situation) -> Option<String> {
     let why = causes::largest_by_region(study, situation.map.truth, situation.contact);
     let why = why.map_or_else(String::new, |why| format!("; {why}"));
     Some(format!(
-        " {name}: {turned} of the cells (position and direction) with a force off the normal fail, {along} of those along it{why}."
+        " {name}: {turned} of the cells (position and direction) with a force off the normal fail, and {along} \
+         of the cells with a force along the normal{why}."
     ))
 }
 
@@ -142,11 +145,11 @@ fn use_what(study: &Study) -> Option<String> {
     let linear = small(study, TruthId::Corotational, EstimatorId::LeastSquares, study.noise_mm > 0.0);
     let linear = linear.and_then(|map| TrustCounts::of(&map.worst()).share()).map_or_else(String::new, |linear| {
         let [trusted, linear] = [TRUSTED_ERROR, linear].map(percent);
-        format!(" Least squares: within {trusted} in {linear} of the cells with an equilibrium.")
+        format!(" Least squares: mean error within {trusted} in {linear} of the cells with an equilibrium.")
     });
     Some(format!(
-        "The {estimator} estimator, its model on {mesh}: mean error {error} along the normal. The median time per image is {seconds}{warm}{within}. At 25 Hz \
-         an image lasts {:.0} ms, {fast}.{linear}",
+        "The {estimator} estimator with its model on {mesh}: mean error {error} along the normal. The median time per image is \
+         {seconds}{warm}{within}. Images at 25 Hz are {:.0} ms apart, {fast}.{linear}",
         1e3 * CAMERA_FRAME_S
     ))
 }
@@ -156,7 +159,8 @@ fn how_sure(study: &Study) -> Option<String> {
     let known = coverage(study, TruthId::Corotational)?;
     let CoverageRow { refused, samples, covered_without_warning, covered_with_warning, .. } = known;
     let without = covered_without_warning.map_or_else(|| "none".to_owned(), percent);
-    let with = covered_with_warning.map(|covered| format!(" and in {} of those with a warning", percent(covered)));
+    let with =
+        covered_with_warning.map(|covered| format!(" and in {} of the answers with a warning", percent(covered)));
     let softer = coverage(study, TruthId::Twin).and_then(how_sure_if_softer);
     Some(format!(
         "Contact and finger known: the 95 % intervals of the nonlinear estimator contain the force in {without} of the answers without a warning{} \
@@ -172,10 +176,12 @@ fn how_sure_if_softer(softer: &CoverageRow) -> Option<String> {
     let covered = percent(softer.covered_without_warning?);
     let warned = percent(softer.warned as f64 / samples.max(1) as f64);
     let with = softer.covered_with_warning;
-    let with = with.map_or_else(String::new, |with| format!(", with a warning ({warned}) in {}", percent(with)));
+    let with = with.map_or_else(String::new, |with| {
+        format!(" and in {} of the answers with a warning ({warned} of the samples)", percent(with))
+    });
     Some(format!(
-        " If the ends are softer than modelled: without a warning ({share} of {samples} samples) they hold in {covered}{with}. A wrong model is therefore \
-         not detected reliably."
+        " If the ends are softer than modelled, the intervals contain the force in {covered} of the answers without a warning ({share} of {samples} \
+         samples){with}. A wrong model is therefore not detected reliably."
     ))
 }
 

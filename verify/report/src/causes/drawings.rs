@@ -69,8 +69,8 @@ pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
     let columns = std::iter::once("no remedy".to_owned()).chain(added).collect();
     let map = small_maps(&study.finger, Frame::full(title, alt), columns, rows);
     let caption = format!(
-        "Root mean square error of {force_n} N: by least squares with an assumed contact; with modulus and zones (softer base and tip) known; with the contact \
-         known too; by the nonlinear estimator."
+        "Root mean square error of {force_n} N, from left to right: least squares with an assumed contact; then modulus and zones (softer base and \
+         tip) known; then the contact also known; then the nonlinear estimator."
     );
     Ok(Some(Figure::wide(map.svg()?, caption, CSV)))
 }

@@ -68,7 +68,7 @@ pub(super) struct CauseShare {
     pub cause: Cause,
     /// Share of the mean square error that disappears without the cause. Cells that the estimator does not answer without the cause count as no reduction.
     pub share: f64,
-    /// Root mean square of sensed / true - 1 without the cause, over the cells answered then.
+    /// Root mean square of sensed / true - 1 without the cause, over the cells answered without the cause.
     pub rms_without: f64,
     /// Number of cells answered without the cause.
     pub cells: usize,
@@ -108,7 +108,7 @@ impl Shares {
     pub(super) fn without(&self, of: &CauseShare) -> String {
         let left = format!("{} without it", percent(of.rms_without));
         if of.cells < self.answered {
-            return format!("{left} at the {} of {} positions that are answered then", of.cells, self.answered);
+            return format!("{left} at the {} of {} positions that are then answered", of.cells, self.answered);
         }
         left
     }

@@ -7,19 +7,20 @@ use finray_studies::experiments::contact_scene::samples::NoiseSamples;
 use finray_studies::experiments::contact_scene::study::{SceneStudy, StrainOfScene, StudiedStep};
 
 /// How the scenes are computed and sensed.
-pub(super) const ABOUT: &str = "In simulation, an object is pressed onto a finger of rigid bodies and springs, in quasi-static equilibrium. Its contact forces \
-                                are the true ones; rapier, started in each equilibrium, must stay there (Checks). The nonlinear estimator, on beams, receives \
-                                the noisy displacements of the key nodes and of points on both outlines. It knows which parts touch, and the coefficient of \
-                                friction as a bound on the angle of the force.";
+pub(super) const ABOUT: &str = "In simulation, an object is pressed onto a finger of rigid bodies and springs, in quasi-static equilibrium. The \
+                                contact forces of this finger are the true forces; rapier, started in each equilibrium, must stay in it (page \
+                                Checks). The nonlinear estimator models the finger with beams and receives the noisy displacements of the key nodes \
+                                and of points on both outlines. It also receives the touching parts, and the coefficient of friction as a bound on \
+                                the angle of the force.";
 
 /// Sentence on the errors of the scenes without and with friction, and on the contact with the largest relative error.
 pub(super) fn verdict(scenes: &[SceneStudy]) -> Option<String> {
     let of =
         |friction: bool| worst_total(scenes.iter().filter(|scene| (scene.friction > 0.0) == friction)).map(percent);
     let smooth = of(false)?;
-    let rough = of(true).map(|rough| format!(", with friction (only its coefficient is known) by up to {rough}"));
+    let rough = of(true).map(|rough| format!(", and by up to {rough} with friction (only its coefficient is known)"));
     Some(format!(
-        "In simulation, without noise, the sensed total of objects pressed onto the lattice errs by up to {smooth}{}.{}{}",
+        "In simulation, without noise, the sensed total force of objects pressed onto the lattice errs by up to {smooth} without friction{}.{}{}",
         rough.unwrap_or_default(),
         least_known(scenes).unwrap_or_default(),
         beyond_limits(scenes)
@@ -30,12 +31,12 @@ pub(super) fn verdict(scenes: &[SceneStudy]) -> Option<String> {
 fn beyond_limits(scenes: &[SceneStudy]) -> String {
     let beyond = |scene: &SceneStudy| {
         let StrainOfScene { strain, limit } = scene.largest_strain.filter(|at| at.strain > at.limit)?;
-        Some(format!("\"{}\" ({} of strain, limit {})", scene.name, percent(strain), percent(limit)))
+        Some(format!("\"{}\" (strain {}, limit {})", scene.name, percent(strain), percent(limit)))
     };
     let beyond: Vec<String> = scenes.iter().filter_map(beyond).collect();
     match beyond.is_empty() {
         true => String::new(),
-        false => format!(" Beyond the limits of the beam model at its end: {}.", list(beyond, ", ")),
+        false => format!(" Scenes that exceed the strain limit of the beam model: {}.", list(beyond, ", ")),
     }
 }
 
@@ -55,8 +56,9 @@ fn least_known(scenes: &[SceneStudy]) -> Option<String> {
     let [error_n, total_n] = [which, contacts].map(|which| samples.rms_error_n(which));
     let (scene, name, true_n) = (&scene.name, name_of(seen), seen.normal_n);
     Some(format!(
-        " Several contacts are sensed less accurately than their sum. At the end of the scene \"{scene}\", with noise, {contacts} contacts err by {low_n:.2} \
-         to {high_n:.2} N each ({name}, which carries {true_n:.2} N, by {error_n:.2} N), their total by {total_n:.2} N."
+        " Several contacts are sensed less accurately than their sum. At the end of the scene \"{scene}\", with noise, the forces of {contacts} \
+         contacts err by {low_n:.2} to {high_n:.2} N each, and their total by {total_n:.2} N. The contact with the largest relative error \
+         ({name}, {true_n:.2} N) errs by {error_n:.2} N."
     ))
 }
 
@@ -84,8 +86,8 @@ pub(super) fn by_scene(scenes: &[SceneStudy]) -> Table {
         })
         .page("contact covered", Format::Plain, move |scene| covered(scene, contacts))
         .page("total covered", Format::Plain, move |scene| covered(scene, total))
-        .table("Over all steps: largest error of the total and imbalance of forces without noise; noise samples answered; coverage of the \
-                95 % intervals (lowest of a step in brackets; refused samples are not covered)", CSV, scenes)
+        .table("Over all steps. Without noise: largest error of the total and largest imbalance of forces. With noise: answered samples, and \
+                coverage of the 95 % intervals (in brackets: lowest coverage of a step; a refused sample counts as not covered)", CSV, scenes)
 }
 
 fn samples(scene: &SceneStudy) -> impl Iterator<Item = &NoiseSamples> {

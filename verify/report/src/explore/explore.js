@@ -59,7 +59,7 @@
     return html('div', { class: 'explore-scroll' }, html('table', {}, html('thead', {}, head), body));
   }
 
-  /** A labelled select. `offer` gets entries [value, words, whether it exists]; the select keeps its value if it exists, else takes the first that does. */
+  /** A labelled select. `offer` gets entries [value, words, whether it exists]; the select keeps its value if it exists, otherwise selects the first that exists. */
   function choice(host, label, changed) {
     const select = html('select');
     host.append(html('label', {}, html('span', {}, label), select));
@@ -209,7 +209,7 @@
   function causeInWords(found) {
     if (!found) return 'The main cause was not computed here.';
     if (!found.cause) return `No main cause at ${found.where}.`;
-    const without = some(found.part) ? `: without it the mean square error is ${share(Math.min(found.part, 1 - EPSILON), 1)} smaller` : '';
+    const without = some(found.part) ? `: without this cause the mean square error is ${share(Math.min(found.part, 1 - EPSILON), 1)} smaller` : '';
     return `Main cause at ${found.where}, ${found.practice}: ${found.cause}${without}.`;
   }
 
@@ -482,7 +482,7 @@
       const row = (contact, i) => [`${i + 1}: ${number(contact.x)}, ${number(contact.y)}`, newton(sizeOf(contact.true)),
         contact.sensed ? newton(sizeOf(contact.sensed)) : 'not identifiable', newton(contact.sigma_n)];
       panel.text.replaceChildren(table(['Contact at x, y (mm)', 'True, N', 'Sensed, N', 'Sigma, N'], step.contacts.map(row)));
-      panel.note.textContent = step.xy ? 'Base left, tip right. Arrows and numbers are forces along the normal of each contact, in one scale for all steps; true and sensed arrows stand side by side.'
+      panel.note.textContent = step.xy ? 'Base left, tip right. Arrows and numbers are forces along the normal of each contact, drawn to one scale for all steps; true and sensed arrows are side by side.'
         : 'The shape of this step is not stored: the finger is drawn at rest.';
       picture(steps, step);
     }

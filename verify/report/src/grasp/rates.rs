@@ -39,7 +39,8 @@ pub(crate) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 
 pub(crate) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let Some(closed_loop) = &study.closed_loop else { return Ok(None) };
-    let caption = "Largest true force above the target, mean of both fingers: mean, least and largest value over the realisations of the noise. The overshoot also depends on when the frames are taken, up to the dotted lines.";
+    let caption = "Overshoot of the true force (mean of both fingers): mean, least and largest value over the noise realisations. The overshoot also \
+                   depends on the times of the frames, up to the dotted lines.";
     let figure = Figure::wide(chart(closed_loop)?, caption, CSV);
     let table = columns().table("Every loop", CSV, closed_loop.runs.clone());
     let folded = details("Overshoot, error once held and rise of every loop", vec![Block::Table(table)]);
@@ -54,12 +55,12 @@ fn about(LoopStudy { target_n, motor_deg_per_s, runs }: &LoopStudy) -> Option<St
     let steady = runs.iter().filter_map(|run| run.over(|of| of.steady_error.abs())).map(|errors| errors.most);
     let steady = percent(steady.fold(0.0, f64::max));
     Some(format!(
-        "A simulated closed loop: two of the paper's fingers (lattices of one segment per member) close on a disc until the mean of both sensed forces is \
-         {target_n} N, and hold this force for 30 frames. The motor turns at {motor_deg_per_s} degrees per second. In each frame the controller corrects half \
-         of the missing force, or less if sensing is delayed. Up to nine tenths of the force all loops share steps of 22.5 degrees; then each continues \
-         separately, with {realisations} realisations of {noise_mm} mm noise. The motor continues between two frames, so the force overshoots by up to what \
-         it adds in one frame and in each frame of delay (dotted: by the mean rise). In the hold, the largest mean error of the force is {steady}. The \
-         motor's speed, not the frame rate, sets the rise time."
+        "A simulated closed loop: two of the paper's fingers (lattices of one segment per member) close on a disc until the mean of both sensed \
+         forces is {target_n} N, and hold this force for 30 frames. The motor turns at {motor_deg_per_s} degrees per second. In each frame the \
+         controller corrects half of the missing force, or less if sensing is delayed. All loops share steps of 22.5 degrees up to nine tenths of the \
+         target; from there each loop continues separately, with {realisations} realisations of {noise_mm} mm noise. The motor keeps turning between two \
+         frames. The overshoot can reach the force that the motor adds in one frame and in each frame of delay (dotted: from the mean rise). During \
+         the hold, the largest mean error of the force is {steady}. The motor's speed, not the frame rate, sets the rise time."
     ))
 }
 

@@ -9,13 +9,13 @@ use finray_studies::lattice::accuracy::FinenessRow;
 const COARSENESS_ORDER: f64 = 2.0;
 
 /// How the lattice is built, and what it verifies.
-pub(super) const ABOUT: &str = "The finger as rigid bodies connected by springs of EA / l, 12 EI / l^3 and EI / l. It uses no element or solver of the \
+pub(super) const ABOUT: &str = "The finger as rigid bodies connected by springs of EA / l, 12 EI / l^3 and EI / l. It shares no element or solver with the \
                                 beams, and no parameter is fitted. This verifies solver and kinematics, not beam theory. rapier2d lets the bodies come to \
-                                rest; Newton's method minimises the energy and separates the lattice's errors from those of settling.";
+                                rest; Newton's method minimises the energy and separates the lattice's errors from the errors of settling.";
 /// Reason for the choice of the axial springs.
 pub(super) const SPRINGS: &str = "The ends of a segment come closer when it bends. Points at a sixth of its length from the ends keep their distance, so the \
-                                  axial springs are fixed there; fixed at the ends, they would also resist bending. Members must be extensible, because a V \
-                                  carries a force like a truss, by axial forces.";
+                                  axial springs join these points; axial springs between the ends would also resist bending. Members must be extensible, \
+                                  because a V carries a force like a truss, by axial forces.";
 
 /// Sentence on the lattice's difference from beams, and on sensing on the lattice compared with the uniform finger.
 pub fn verdict(lattice: &LatticeStudy) -> Option<String> {
@@ -23,8 +23,8 @@ pub fn verdict(lattice: &LatticeStudy) -> Option<String> {
     let force_n = finest.forces_n.last()?;
     let [worst, difference] = [largest(finest), lattice.sensing.difference.largest].map(percent_two_digits);
     Some(format!(
-        "A lattice of rigid bodies and springs of the same EA and EI bends as the beams do within {worst} of the largest displacement up to {force_n} N; \
-         least squares errs on the lattice as on the uniform finger, within {difference} of the force."
+        "A lattice of rigid bodies and springs with the same EA and EI agrees with the beams within {worst} of the largest displacement up to {force_n} N. \
+         Least-squares forces on the lattice and on the uniform finger agree within {difference} of the force."
     ))
 }
 
@@ -47,12 +47,12 @@ fn agreement(rows: &[FinenessRow]) -> Option<String> {
     let [low, high] = Span::of(orders)?.ends();
     let [from, to] = [coarsest, finest].map(|row| percent_two_digits(largest(row)));
     let converges = match low >= COARSENESS_ORDER {
-        true => "at least with their square, as expected of a discretisation error.",
+        true => "at least with the square, as expected of a discretisation error.",
         false => "more slowly than a discretisation error alone would fall: something else remains.",
     };
     Some(format!(
-        "From {coarse} to {fine} segments per plate member the difference from beams falls from {from} to {to}: on the whole with the power {low:.1} to \
-         {high:.1} of their length, {converges}"
+        "From {coarse} to {fine} segments per plate member the difference from beams falls from {from} to {to}: with the power {low:.1} to {high:.1} of \
+         the segment length, {converges}"
     ))
 }
 
@@ -71,8 +71,8 @@ fn sensing(lattice: &LatticeStudy) -> String {
     let agrees = if sensing.checks().iter().all(Check::passes) { "agrees" } else { "DOES NOT AGREE" };
     let (cells, nonlinear) = (sensing.difference.cells, percent_two_digits(sensing.nonlinear_error()));
     format!(
-        "Sensing {agrees} over {cells} forces of the maps. The nonlinear estimator, whose model is the uniform finger, senses the lattice within \
-         {nonlinear}: the errors of least squares are those of linear theory."
+        "Sensing on the lattice {agrees} with the uniform finger over {cells} forces of the maps. The nonlinear estimator, whose model is the uniform \
+         finger, senses the lattice within {nonlinear}, so the errors of least squares come from linear theory."
     )
 }
 

@@ -23,9 +23,9 @@ pub(super) fn overview(study: &Study) -> String {
     };
     let exported = study.map_by(TruthId::Mujoco, EstimatorId::LeastSquares, study.noise_mm > 0.0);
     let of_paper = match exported {
-        None => "Softer ends, lattice, MuJoCo and networks exist for the paper's finger alone.".to_owned(),
+        None => "Softer ends, lattice, MuJoCo and networks exist only for the paper's finger.".to_owned(),
         Some(map) => format!(
-            "Networks are evaluated at contact nodes along the normal. MuJoCo's shapes were exported at the nodes, under {} N.",
+            "Networks are evaluated for forces along the normal at contact nodes, MuJoCo's shapes for forces of {} N at the nodes.",
             list(&map.request.forces_n, " and ")
         ),
     };
@@ -50,8 +50,8 @@ pub(super) fn kind_of_error(map: &AccuracyMap) -> String {
     match failed {
         0 => format!("No force at any cell errs by more than {trusted}."),
         _ => format!(
-            "{failed} of {cells} forces err by more than {trusted}. In {biased} of them the bias, which a better camera does not reduce, exceeds the spread \
-             by noise."
+            "{failed} of {cells} forces err by more than {trusted}. For {biased} of the {failed} the bias, which a better camera does not reduce, \
+             exceeds the spread due to noise."
         ),
     }
 }
@@ -67,7 +67,7 @@ fn unknown_direction(study: &Study) -> Option<String> {
     Some(format!(
         "If the direction is unknown too, the bound of the force is {loss:.1} times as large in the median. The markers determine one component of the force \
          {condition:.0} times better than the other. At {force_n} N the direction's bound is at most {LARGEST_ANGLE_SIGMA_DEG} deg in {share} of the cells; \
-         beyond it an answer is refused."
+         above this limit an answer is refused."
     ))
 }
 
@@ -87,8 +87,8 @@ fn carried(study: &Study) -> Option<String> {
     let pressing = over(|cell| cell.error_per_deg, &is_pressing)?;
     let tangential = over(|cell| cell.error_per_deg, &|cell| cell.angle_deg.abs() >= TANGENTIAL_DEG)?;
     Some(format!(
-        "A contact position that is 1 mm wrong changes the force by {base} near the base, {middle} in the middle and {tip} near the tip. A direction that is \
-         1 deg wrong changes it by {pressing} near the normal, and by {tangential} at {TANGENTIAL_DEG} deg or more from it. These are medians, to first \
-         order; those for positions include forces within {PRESSING_DEG} deg of the normal."
+        "A contact position that is 1 mm wrong changes the force by {base} near the base, {middle} in the middle and {tip} near the tip. A direction \
+         that is 1 deg wrong changes the force by {pressing} near the normal, and by {tangential} at {TANGENTIAL_DEG} deg or more from the normal. \
+         These are medians, to first order; the medians for positions include only forces within {PRESSING_DEG} deg of the normal."
     ))
 }

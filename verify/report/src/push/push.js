@@ -69,7 +69,7 @@ const finray = (() => {
 
   const CLASSES = [[0.02, '#1f8a57'], [0.05, '#6cbf8b'], [0.1, '#c4e6ca'], [0.25, '#f2b134'], [Infinity, '#b0352b']];
 
-  /** Colour of an error, as in the maps of the report; without an error that of the page. */
+  /** Colour of an error, as in the maps of the report; without an error, the page's colour of rules. */
   const colourOf = (error) => (error === null ? 'var(--rule)' : CLASSES.find(([limit]) => error <= limit)[1]);
 
   /** The front plate at rest, coloured by the map for the nearest direction: one line for each cell. */
@@ -83,7 +83,7 @@ const finray = (() => {
     });
   }
 
-  /** What the report's map says of a contact: words and whether its cell is trusted. */
+  /** Verdict of the report's map on a contact: words, and whether the cell of the contact is trusted. */
   function cellOf(map, s_mm, angle_deg) {
     if (!map) return ['No map for these choices.', null];
     const place = nearest(map.s_mm, s_mm), direction = nearest(map.angle_deg, angle_deg);
@@ -114,7 +114,7 @@ const finray = (() => {
     };
   }
 
-  /** Shows a finger that the program has taken. `before` is the state of the finger that was shown until now. Returns the state. */
+  /** Shows a finger that the program has accepted. `before` is the state of the finger that was shown until now. Returns the state. */
   function start(root, data, ask, drawing, before = {}) {
     const decimals = Math.max(0, 2 - Math.floor(Math.log10(data.most_n)));
     const newton = (x) => (x === null ? 'infinite' : `${x.toFixed(decimals)}${NBSP}N`);

@@ -70,7 +70,7 @@ pub(super) fn blocks(modules: &ModuleStudy) -> Result<Vec<Block>, FigureError> {
 fn about(noise_mm: f64) -> String {
     format!(
         "The same tests on a simulated closing gripper: the motor moves the finger's base by eqs (6) to (9), and the rods at the nodes press on fixed \
-         frictionless sensors in one plane, to which the plate is first inclined by 12 degrees. Forces are sensed along the sensors' axis (by the network along \
+         frictionless sensors in one plane, initially inclined to the plate by 12 degrees. Forces are sensed along the sensors' axis (by the network along \
          the undeformed normal), with {noise_mm} mm noise; errors are averaged over 0.3 to 3 N. The linkage's lengths are assumed. Both fingers bend equally."
     )
 }

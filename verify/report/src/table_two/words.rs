@@ -33,8 +33,8 @@ pub(super) fn ours(two: &TableTwo, noise_mm: f64) -> Option<String> {
     let (refused, cases) = (nonlinear.refused, nonlinear.refused + nonlinear.answered);
     let [near, far, sum, nonlinear] = [near.force, far.force, near.sum?.max(far.sum?), nonlinear.force].map(percent);
     Some(format!(
-        "Least squares on the uniform finger errs by {near} for each of two neighbours, by {far} for each of two nodes apart and by {sum} in a sum (means over pairs); \
-         the nonlinear estimator by {nonlinear} for neighbours ({refused} of {cases} cases refused)."
+        "Least squares on the uniform finger errs by {near} for each of two neighbours, by {far} for each of two nodes apart, and by up to {sum} for \
+         a sum (means over pairs). The nonlinear estimator errs by {nonlinear} for neighbours ({refused} of {cases} cases refused)."
     ))
 }
 
@@ -47,9 +47,9 @@ pub(super) fn linearisation(two: &TableTwo, noise_mm: f64) -> Option<String> {
         (two.condition_range(neighbours)?, two.condition_range(apart)?);
     (alone < MINOR * near).then(|| {
         format!(
-            "Noise is the smaller part: on the linear finger neighbours err by {}. The rest is the error of linearisation, amplified by up to the condition \
-             number of the contacts ({near_least:.1} to {near_most:.1}; apart {far_least:.1} to {far_most:.1}), because forces at neighbours bend the finger \
-             almost equally.",
+            "Noise is the smaller part: on the linear finger the forces at neighbours err by {}. The rest is the error of linearisation, amplified by \
+             up to the condition number of the contacts ({near_least:.1} to {near_most:.1}; nodes apart: {far_least:.1} to {far_most:.1}), because \
+             forces at neighbours bend the finger almost equally.",
             percent(alone)
         )
     })
@@ -62,7 +62,7 @@ pub fn papers(records: &[RecipeRow], noise_mm: f64) -> Option<String> {
     let figures = || found.iter().flat_map(|(_, figures)| figures);
     let met = |(recipe, all): &(&str, Vec<Figure>)| {
         let hit = all.iter().filter(|figure| figure.reproduced()).count();
-        format!("{hit} of {} figures scaled by the {}", all.len(), scaling(recipe))
+        format!("{hit} of {} figures with displacements scaled by the {}", all.len(), scaling(recipe))
     };
     let met = list(found.iter().map(met), ", ");
     let reproduces = if figures().all(Figure::reproduced) { "reproduces" } else { "does not reproduce" };

@@ -11,20 +11,21 @@ use finray_studies::experiments::twin::study::{LOADED, TwinStudy};
 const FITS: f64 = 1.0;
 
 /// Text on the paper's conjecture that motivates the fit, and on the limits of the fit.
-pub(super) const ABOUT: &str = "The paper infers from its errors that the modulus \"at the tip and base should be lower\". Here zones of both plates are \
-                                softened by assumption; that soft ends cause such errors is no finding. The table does not show which plate or ribs are soft, \
-                                and no other cause was fitted. Nodes 18 to 22 have no published signs, so zero is fitted. Weights are assumed along the normal.";
+pub(super) const ABOUT: &str = "The paper infers from its errors that the modulus \"at the tip and base should be lower\". Here zones of both plates \
+                                are softened by assumption, so soft ends as cause are no finding. The table does not show which plate or ribs are \
+                                soft, and no other cause was fitted. The errors at nodes 18 to 22 have no published signs, so zero is fitted. Weights \
+                                are assumed along the normal.";
 
 /// Sentence on the errors of the fitted finger, its number of parameters, and its moduli compared with the material's; `None` without a fit.
 pub(super) fn verdict(study: &TwinStudy) -> Option<String> {
     let large = study.after.rows.iter().filter(|row| row.paper_mean_error > TRUSTED_ERROR).map(|row| {
         let [error, paper] = [row.mean_error, row.paper_mean_error].map(percent);
-        format!("{error} at {} (paper {paper})", row.node)
+        format!("{error} at node {} (paper {paper})", row.node)
     });
     let (large, freedom) = (list(large, ", "), freedom_in_words(&study.fits)?);
     let moduli = moduli_in_words(&moduli_mpa(&study.finger));
     Some(format!(
-        "A fit, not a finding: in simulation the finger with softer ends errs as in Table I, {large}. {freedom} {moduli} Material, hysteresis and other \
+        "A fit, not a finding: in simulation the finger with softer ends errs as in Table I: {large}. {freedom} {moduli} Material, hysteresis and other \
          unpublished properties are not modelled."
     ))
 }
@@ -39,7 +40,7 @@ pub fn freedom_in_words(fits: &[TwinFit]) -> Option<String> {
     let compared = match tried {
         0 => "other sets of zones were not fitted this time.".to_owned(),
         _ => format!(
-            "of {tried} other sets of zones {fit} fit as well as the accuracy of Table I allows, {better} better than this one."
+            "of {tried} other sets of zones, {fit} fit within the accuracy of Table I, and {better} fit better than this set."
         ),
     };
     Some(format!("{parameters} parameters are fitted to six means and the calibrated modulus; {compared}"))

@@ -9,10 +9,10 @@ fn findings_are_made_from_the_numbers() {
     study.sensing.difference.largest = 1e-5;
     let said = findings(&study).join("\n");
     for words in [
-        "From 2 to 4 segments per plate member the difference from beams falls from 0.16 % to 0.010 %: on the whole with the power \
-         3.0 to 4.0 of their length, at least with their square",
+        "From 2 to 4 segments per plate member the difference from beams falls from 0.16 % to 0.010 %: with the power 3.0 to 4.0 of \
+         the segment length, at least with the square",
         "by 10 % at 1 N and by 50 % at 5 N",
-        "Sensing agrees over 1 forces of the maps",
+        "Sensing on the lattice agrees with the uniform finger over 1 forces of the maps",
         "senses the lattice within 0.040 %",
     ] {
         assert!(said.contains(words), "{words} is not in {said}");
@@ -27,5 +27,5 @@ fn findings_are_made_from_the_numbers() {
     study.rows[1].errors = vec![4e-4, 1e-4];
     study.sensing.difference.largest = 0.1;
     let said = findings(&study).join("\n");
-    assert!(said.contains("something else remains") && said.contains("Sensing DOES NOT AGREE"), "{said}");
+    assert!(said.contains("something else remains") && said.contains("lattice DOES NOT AGREE"), "{said}");
 }

@@ -25,7 +25,7 @@ fn fit_of(set: ZoneSet, misfit: f64) -> TwinFit {
 fn the_twin_is_one_of_several_fits() {
     let words = freedom(&[fit_of(TWIN, 0.5), fit_of(OTHERS[0], 0.4), fit_of(OTHERS[1], 0.9), fit_of(OTHERS[2], 3.0)]);
     assert!(words.starts_with("4 parameters are fitted"), "{words}");
-    assert!(words.contains("of 3 other sets of zones 2 fit as well") && words.contains("1 better"), "{words}");
+    assert!(words.contains("of 3 other sets of zones, 2 fit within") && words.contains("1 fit better"), "{words}");
     assert!(freedom(&[fit_of(TWIN, 0.3)]).contains("not fitted this time"));
 }
 

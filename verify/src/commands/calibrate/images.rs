@@ -68,7 +68,7 @@ fn parse(text: &str, scene: &Scene) -> Result<RigQuestion, Failure> {
         match named {
             Named::Friction { builds_up } => {
                 if fit.friction.is_some() {
-                    return Err(bad("expected one of friction and friction-build-up, found two".to_owned()));
+                    return Err(bad("expected one of friction and friction-build-up, found both".to_owned()));
                 }
                 let between_objects = prior_sd.unwrap_or_default();
                 fit.friction = Some(FrictionQuestion { builds_up: *builds_up, between_objects });
@@ -165,7 +165,8 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<String, F
     notes::print(&found);
     if measured == 0 && arguments.calibrated.is_some() {
         print_message(
-            "warning: no force was measured: forces sensed with this calibration share a large error; one measured force (--forces) removes most of it",
+            "warning: no force was measured: forces sensed with this calibration share a large error; one measured force (--forces) removes most of \
+             this error",
         );
     }
     for outlier in &estimate.outliers {
@@ -173,7 +174,7 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<String, F
     }
     if compliance.is_some_and(|compliance| compliance.sigma_deg_per_n.is_infinite()) {
         print_message(format_args!(
-            "note: base_deg_per_n: two images do not determine its standard deviation, so `finray sense` uses it as exact"
+            "note: two images do not determine the standard deviation of base_deg_per_n, so `finray sense` treats base_deg_per_n as exact"
         ));
     }
     let mut files: Vec<(PathBuf, String)> = Vec::new();

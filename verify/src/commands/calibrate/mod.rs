@@ -43,7 +43,7 @@ pub struct Arguments {
     /// Parameters to estimate, see NAMES below; for instance modulus,ribs=0.2
     #[arg(long, help_heading = "From images", value_name = "NAMES", requires = "located")]
     fit: Option<String>,
-    /// Forces measured in some images (CSV: image,fx_n,fy_n, optional object)
+    /// Forces measured in some images (CSV: image,fx_n,fy_n and optionally object)
     #[arg(long, help_heading = "From images", value_name = "FILE", requires = "located")]
     forces: Option<PathBuf>,
     /// Write the calibrated scene (TOML) to FILE
@@ -52,13 +52,13 @@ pub struct Arguments {
     /// Write the results of each image (CSV) to FILE
     #[arg(long, help_heading = "From images", value_name = "FILE", requires = "located")]
     images: Option<PathBuf>,
-    /// Also estimate modulus factors of the scene's zones: of all, or of GROUPS (1+2,3: zones 1 and 2 share a factor)
+    /// Also estimate modulus factors of the scene's zones: one per zone, or one per group (1+2,3: zones 1 and 2 share a factor)
     #[arg(long, help_heading = "From weights", value_name = "GROUPS", num_args = 0..=1, require_equals = true, default_missing_value = EACH)]
     zones: Option<String>,
     /// Kinematics of the finger
     #[arg(long, help_heading = "From weights", value_parser = kinematics(["linear", "corotational"]), requires = "measurements", default_value = "corotational")]
     kinematics: Kinematics,
-    /// Standard deviation of the noise in one coordinate, mm [default: the scene's, or from the residual]
+    /// Standard deviation of the noise in one coordinate, mm [default: the scene's, else estimated from the residual]
     #[arg(long, help_heading = "From weights", value_name = "S", requires = "measurements", value_parser = not_negative)]
     noise_mm: Option<f64>,
     /// Write the correlations of the results (CSV) to FILE
@@ -118,8 +118,8 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
             closer.filter(|other| other.residual_rms_mm < estimate.residual_rms_mm && estimate.differs_from(other))
         {
             print_message(format_args!(
-                "warning: the co-rotational finger is closer to the measured nodes ({:.3} mm rms, the linear one {:.3} mm) and has other factors: \
-                 displacements are too large for --kinematics linear",
+                "warning: the co-rotational finger is closer to the measured nodes ({:.3} mm rms) than the linear finger ({:.3} mm rms) and has \
+                 other factors: displacements are too large for --kinematics linear",
                 closer.residual_rms_mm, estimate.residual_rms_mm
             ));
         }

@@ -38,16 +38,16 @@ pub fn run(
         match arguments.kinematics {
             Kinematics::Linear if distances_mm[1] < distances_mm[0] && difference > sigma => {
                 print_message(format_args!(
-                    "warning: the co-rotational finger is closer to the measured nodes ({:.3} mm in the mean, the linear one {:.3} mm) and has \
-                     modulus_factor {:.4}: displacements are too large for --kinematics linear; sigma includes the difference",
+                    "warning: the co-rotational finger is closer to the measured nodes (mean distance {:.3} mm) than the linear finger ({:.3} mm) \
+                     and has modulus_factor {:.4}: displacements are too large for --kinematics linear; sigma includes the difference",
                     distances_mm[1], distances_mm[0], corotational.factor
                 ));
                 sigma = sigma.hypot(difference);
             }
             Kinematics::Corotational if distances_mm[0] < distances_mm[1] && difference > sigma => {
                 print_message(format_args!(
-                    "warning: the linear finger is closer to the measured nodes ({:.3} mm in the mean, the co-rotational one {:.3} mm) and has \
-                     modulus_factor {:.4}: use --kinematics linear if the shapes were computed so",
+                    "warning: the linear finger is closer to the measured nodes (mean distance {:.3} mm) than the co-rotational finger ({:.3} mm) \
+                     and has modulus_factor {:.4}: use --kinematics linear if the shapes were computed with linear kinematics",
                     distances_mm[0], distances_mm[1], linear.factor
                 ));
             }
@@ -64,7 +64,7 @@ fn warn_of_contradictions(found: &ModulusEstimate) {
     outliers.sort_by(|a, b| b.distance_mm.total_cmp(&a.distance_mm));
     for outlier in outliers.iter().take(MOST_NAMED) {
         print_message(format_args!(
-            "warning: case {} in the order of the file: node {} is {:.2} mm from its position on the finger and gets little weight: check its node \
+            "warning: case {} in the order of the file: node {} is {:.2} mm from its computed position, so it gets little weight: check its node \
              number and the load",
             outlier.case + 1,
             outlier.node,
@@ -72,7 +72,7 @@ fn warn_of_contradictions(found: &ModulusEstimate) {
         ));
     }
     if let Some(more) = outliers.len().checked_sub(MOST_NAMED).filter(|more| *more > 0) {
-        print_message(format_args!("warning: {more} further nodes are far from their positions on the finger"));
+        print_message(format_args!("warning: {more} further nodes are far from their computed positions"));
     }
     if let Some(test) = found.contradiction {
         print_message(format_args!("warning: {}; sigma follows from the residual", Warning::Residual(test)));

@@ -39,7 +39,7 @@ fn print_base(found: &RigEstimate) {
     let (least, most) = (turns().fold(f64::INFINITY, f64::min), turns().fold(f64::NEG_INFINITY, f64::max));
     print_message(format_args!(
         "note: base.sigma_mm, base.sigma_deg are not in the scene: the base may differ from its references by {} mm and {} degree (standard \
-         deviations); in the images it is turned by {least:.2} to {most:.2} degrees from them",
+         deviations); in the images the base is turned by {least:.2} to {most:.2} degrees relative to its references",
         calibration::UNSTATED_BASE.sd_mm,
         calibration::UNSTATED_BASE.sd_rad.to_degrees()
     ));
@@ -50,20 +50,20 @@ fn print_friction(FrictionEstimate { lean, between_objects, left_out }: &Frictio
     let [coefficient, _] = lean.coefficient();
     if coefficient < 0.0 {
         print_message(format_args!(
-            "warning: friction is {coefficient:.2}: measured forces lean from the normal towards the base, as if the object slid that way; check the \
-             sign of fy_n, and the frame of the forces"
+            "warning: friction is {coefficient:.2}: measured forces lean from the normal towards the base, as if the object slid towards the base; \
+             check the sign of fy_n, and the frame of the forces"
         ));
     }
     if let Some(between_objects) = between_objects {
         print_message(format_args!(
-            "note: friction differs by {between_objects:.3} (standard deviation) from object to object; friction_sigma includes this, and its \
-             uncertainty from few objects"
+            "note: friction differs from object to object by {between_objects:.3} (standard deviation); friction_sigma includes this scatter, and \
+             its uncertainty due to the few objects"
         ));
     }
     for LeftOutObject { object, predicted_deg, sigma_deg, measured_deg } in left_out {
         print_message(format_args!(
-            "note: object {object}, left out: predicted mean lean {predicted_deg:.1} degrees (standard deviation of one force {sigma_deg:.1}), \
-             measured {measured_deg:.1}"
+            "note: object {object}, left out: predicted mean lean {predicted_deg:.1} degrees (standard deviation of one force: {sigma_deg:.1} \
+             degrees), measured {measured_deg:.1} degrees"
         ));
     }
 }

@@ -35,7 +35,7 @@ pub(crate) fn run(context: &Context) -> Result<Option<AccuracyMap>, TruthError> 
 }
 
 /// An estimator that receives wrong contacts: their position is off by [`POSITION_OFF_MM`] and their direction by [`DIRECTION_OFF_DEG`], to each side in
-/// turn. Positions off the plate are left out.
+/// turn. Positions off the plate are omitted.
 pub struct AssumedContact<'e> {
     /// The estimator that gets the wrong contacts.
     pub informed: &'e dyn Estimator,
@@ -71,7 +71,7 @@ impl Estimator for AssumedContact<'_> {
             }
         }
         match beyond.filter(|_| sides.is_empty()) {
-            // On such a short plate every wrong position is off the finger; the estimator reports the error of that contact.
+            // If the plate is so short that every wrong position is off the plate, the estimator reports the error of such a contact.
             Some(off) => self.informed.prepare(&off, markers),
             None => Ok(Box::new(InTurn { sides, next: 0 })),
         }

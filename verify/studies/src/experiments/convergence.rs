@@ -36,7 +36,7 @@ pub struct MeshSize {
 /// Errors of the solutions under one load on all meshes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refinement {
-    /// Largest difference of a key node's displacement from the converged one, relative to the largest displacement, by mesh.
+    /// Largest difference of a key node's displacement from the converged displacement, relative to the largest displacement, by mesh.
     pub errors: Vec<f64>,
     /// Observed order of convergence in the element length, dimensionless; `None` if the differences do not shrink.
     pub order: Option<f64>,

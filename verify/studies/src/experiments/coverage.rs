@@ -18,11 +18,13 @@ const NOMINAL: f64 = 0.95;
 const TOLERANCE: f64 = 0.02;
 /// Allowance for chance beside the tolerance, in standard deviations of a share.
 const CHANCE: f64 = 3.0;
-/// On the paper's finger, at most this share of the samples plus one sample may be refused. About one in 10 000 is refused next to a limit load.
+/// On the paper's finger, at most this share of the samples plus one sample may be refused. Next to a limit load, about one sample in 10 000 is
+/// refused.
 const REFUSED: f64 = 0.001;
-/// At most this share of samples may be refused on another finger, whose forces may be too small to sense. With more, coverage would remain untested.
+/// At most this share of samples may be refused on another finger, whose forces may be too small to sense. If more samples were refused, coverage
+/// would remain untested.
 const REFUSED_OF_ANOTHER: f64 = 0.5;
-/// For answers with a warning, rms sigma may be at most this multiple of the rms error. A larger sigma would cover the error but carry no
+/// For answers with a warning, rms sigma may be at most this multiple of the rms error. A larger sigma would cover the error but provide no
 /// information.
 const LARGEST_SIGMA: f64 = 3.0;
 /// True finger on which stated intervals must contain the true force. On a finger with softer ends the estimators' model is wrong, and the estimators

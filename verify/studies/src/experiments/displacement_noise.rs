@@ -2,7 +2,7 @@
 //!
 //! The report's other studies draw an independent error for each displacement coordinate, as if the undeformed positions were exact. Here the same
 //! camera measures the undeformed positions too, or they follow from the motor angle ([`DisplacementNoise`]). A generalised least-squares estimator
-//! knows the covariance; an ordinary one assumes independent errors.
+//! uses the covariance; an ordinary estimator assumes independent errors.
 
 use super::{Context, Evidence};
 use crate::experiments::table_two::contact_sets;
@@ -177,9 +177,9 @@ pub(crate) fn run(context: &Context) -> Result<Option<DisplacementNoiseStudy>, L
 }
 
 impl DisplacementNoiseStudy {
-    /// Study of single contact nodes (at most 12, without the tip) and of those pairs of Table II that the finger has. Each contact node carries
+    /// Study of single contact nodes (at most 12, without the tip), and of the pairs of Table II that exist on the finger. Each contact node carries
     /// `force_n` (N) along the normal, both nodes of a pair at once. Each node or pair is sensed for `cases` noise samples of standard deviation
-    /// `image_sd_mm` (mm). Contacts without equilibrium are left out.
+    /// `image_sd_mm` (mm). Contacts without equilibrium are omitted.
     ///
     /// # Errors
     /// [`LoadError`] if a node is not on the finger.

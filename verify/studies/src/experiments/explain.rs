@@ -1,8 +1,8 @@
 //! Explanation of an accuracy map: noise floors of forces, and errors caused by wrong directions and positions.
 //!
-//! To first order, everything follows from three motions of the markers of the loaded finger. A small additional force along the load gives j. A
-//! small force across the load gives c, and a shift of the load along the plate gives m. They are columns of the co-rotational finger's tangent
-//! compliance in its loaded shape, because the deformed finger has another stiffness than the finger at rest.
+//! To first order, everything follows from three motions of the markers of the loaded finger. A small additional force along the load causes the
+//! motion j. A small force across the load causes c, and a shift of the load along the plate causes m. They are columns of the co-rotational finger's
+//! tangent compliance in its loaded shape, because the deformed finger has another stiffness than the finger at rest.
 
 use super::{Context, Evidence};
 use crate::prelude::*;
@@ -25,12 +25,13 @@ pub struct Explanation {
     pub bound_unknown_direction: Option<f64>,
     /// Cramer-Rao bound of the direction, degrees; `None` if the two components are not identifiable.
     pub direction_sigma_deg: Option<f64>,
-    /// Condition number, dimensionless: the markers' motion by the best observed force component, divided by that by the worst observed one.
+    /// Condition number, dimensionless: the markers' motion under the best observed force component, divided by their motion under the worst observed
+    /// component.
     pub condition: Option<f64>,
     /// Size of the relative force error per degree of error in the assumed direction: |d (sensed / true) / d angle|, 1/degree.
     pub error_per_deg: Option<f64>,
-    /// Size of the relative force error per mm of error in the assumed position: |d (sensed / true) / d position|, 1/mm. At a rib the plate's strain
-    /// jumps, so the value is one-sided.
+    /// Size of the relative force error per mm of error in the assumed position: |d (sensed / true) / d position|, 1/mm. At a rib, the plate's strain
+    /// has a step, so the value is one-sided.
     pub error_per_mm: Option<f64>,
 }
 
@@ -160,8 +161,9 @@ fn apart(vector: &DVector<f64>, other: &DVector<f64>) -> f64 {
 
 impl Explanation {
     /// Formulas, with noise s and force F: the bound is s / (F |j|). With unknown direction the bound is s / (F |j - c c+ j|), and the bound of the direction
-    /// is s / (F |c - j j+ c|). An error of one degree in the direction changes the markers' displacements by F (pi / 180) c, which least squares takes for a
-    /// force F (pi / 180) j+ c. An error of one mm in the position changes the displacements by m, taken for a force j+ m.
+    /// is s / (F |c - j j+ c|). An error of one degree in the direction changes the markers' displacements by F (pi / 180) c, which least squares
+    /// attributes to a force F (pi / 180) j+ c. An error of one mm in the position changes the displacements by m, which least squares attributes to
+    /// a force j+ m.
     fn of(s_mm: f64, angle_deg: f64, force_n: f64, noise_mm: f64, sensitivity: Option<&Sensitivity>) -> Explanation {
         let condition = sensitivity.map(Sensitivity::condition);
         let told_apart = sensitivity.filter(|_| condition.is_some_and(|condition| condition <= LARGEST_SPAN));

@@ -48,7 +48,7 @@ fn plan(context: &Context, truth: &dyn Truth, estimator: EstimatorId) -> Result<
         return Ok(None);
     }
     let effort = context.effort;
-    // The shapes of these fingers differ strongly from those of the scene's co-rotational beams.
+    // The shapes of these fingers differ strongly from the shapes of the scene's co-rotational beams.
     let unexplained = estimator.searches() && matches!(truth.id(), TruthId::Linear | TruthId::Twin);
     let (positions, step_deg, noise_samples) = match estimator {
         EstimatorId::LeastSquares if truth.id().kinematics().is_some() => effort.resolution(),

@@ -72,7 +72,7 @@ fn shapes_of(context: &Context, truth: &dyn Truth) -> Vec<TouchedFinger> {
     contacts.par_iter().filter_map(shape).collect()
 }
 
-/// The finger under the force at which maps are drawn, at up to three nodes, linear and co-rotational. Shapes without equilibrium are left out.
+/// The finger under the force at which maps are drawn, at up to three nodes, linear and co-rotational. Shapes without equilibrium are omitted.
 pub(crate) fn run(context: &Context) -> Result<Vec<BentFinger>, Infallible> {
     let (finger, mesh, force_n) = (context.finger, context.fine, context.forces.drawn_n());
     let nodes: Vec<_> = finger.contact_nodes().collect();

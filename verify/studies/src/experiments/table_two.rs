@@ -178,7 +178,7 @@ pub(crate) fn run(context: &Context) -> Result<Option<TableTwo>, EstimatorError>
 }
 
 /// Runs the protocol on the linear finger and on `fine`, the mesh of the co-rotational finger, at the given noise levels (mm). Estimators are least
-/// squares, ridge, `further` ones and the nonlinear one. `progress` is called after each set of contacts, [`STEPS`] times in all.
+/// squares, ridge, the `further` estimators and the nonlinear estimator. `progress` is called after each set of contacts, [`STEPS`] times in all.
 ///
 /// # Errors
 /// [`EstimatorError`] for a finger without these nodes, or an estimator that does not support one of the sets.

@@ -26,7 +26,7 @@ impl LoadGrid {
         }
     }
 
-    /// A few loads for slow computations, in other directions than those of the full grid.
+    /// A few loads for slow computations, in directions that the full grid does not contain.
     pub fn few(finger: &Finger) -> LoadGrid {
         let nodes: Vec<NodeId> = finger.contact_nodes().skip(1).collect();
         let every = nodes.len().div_ceil(3).max(1);
@@ -134,7 +134,7 @@ pub enum AccuracyError {
 
 /// Computes error and time by fineness: Newton's method solves `grid`, and settling uses the loads that `settled` returns for a fineness.
 ///
-/// Times hold for one core: the timed computations run in sequence on one thread.
+/// Times refer to one core: the timed computations run in sequence on one thread.
 ///
 /// # Errors
 /// [`AccuracyError`] if a load has no equilibrium or a lattice does not settle.

@@ -11,7 +11,7 @@ const DIFFERENCE_STEP: f64 = 1e-5;
 /// The search has converged if the correction, relative to the scale of each unknown, is below this value. Second differences allow no smaller
 /// value. To first order, an error of the position on the equilibrium path does not change the limit load.
 const CORRECTION_TOLERANCE: f64 = 1e-7;
-/// Largest number of corrections. A search that needs more started too far from the limit load.
+/// Largest number of corrections. A search that needs more corrections started too far from the limit load.
 const MAX_CORRECTIONS: usize = 40;
 
 /// Rigidities of a beam, in the consistent units of its problem.
@@ -30,9 +30,9 @@ pub struct Section {
     pub at: [f64; 2],
     /// Direction of the axis, rad, from x towards y.
     pub direction: f64,
-    /// Force (x, y) that the part of the beam beyond this section exerts on it, in units of force.
+    /// Force (x, y) that the part of the beam beyond this section exerts on the section, in units of force.
     pub force: [f64; 2],
-    /// Moment that the part of the beam beyond this section exerts on it, in units of force times length.
+    /// Moment that the part of the beam beyond this section exerts on the section, in units of force times length.
     pub moment: f64,
 }
 
@@ -64,8 +64,8 @@ impl Section {
     }
 }
 
-/// The limit load nearest to `start`. The vector holds the unknowns and, last, the load. At the limit load the N residuals `miss` are zero and their
-/// derivative with respect to the unknowns is singular. `scale` holds the magnitude of each entry. Fails if the search does not converge.
+/// The limit load nearest to `start`. The vector contains the unknowns and, last, the load. At the limit load the N residuals `miss` are zero and
+/// their derivative with respect to the unknowns is singular. `scale` contains the magnitude of each entry. Fails if the search does not converge.
 pub(crate) fn limit_load<const N: usize, const M: usize>(
     miss: impl Fn(&[f64; M]) -> [f64; N],
     start: [f64; M],
@@ -89,7 +89,7 @@ pub(crate) fn limit_load<const N: usize, const M: usize>(
     for _ in 0..MAX_CORRECTIONS {
         let (missed, by) = (miss(&at), derivative(&at));
         let value = DVector::from_fn(M, |i, _| if i < N { missed[i] } else { singular(&at) });
-        // The determinant already holds differences, so differences of the determinant need longer steps.
+        // The determinant already consists of differences, so differences of the determinant need longer steps.
         let step = 100.0 * DIFFERENCE_STEP;
         let by_singular: [f64; M] =
             std::array::from_fn(|i| (singular(&moved(&at, i, step)) - singular(&moved(&at, i, -step))) / (2.0 * step));

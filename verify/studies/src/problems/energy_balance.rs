@@ -13,7 +13,8 @@ const NODES: [usize; 3] = [14, 19, 24];
 /// Number of intervals of the quadrature.
 const STEPS: usize = 64;
 /// Tolerance of energy against work, relative to the work. Simpson's rule alone has an error of at most 4e-10 here: its change from half as many
-/// intervals, divided by 15. Boole's rule, its extrapolation, is much more accurate. The rest of the tolerance is for the convergence error of Newton's method.
+/// intervals, divided by 15. Boole's rule, which extrapolates Simpson's rule, is much more accurate. The rest of the tolerance covers the convergence
+/// error of Newton's method.
 pub const TOLERANCE: f64 = 1e-10;
 
 /// Elastic energy and work of the load, N mm.

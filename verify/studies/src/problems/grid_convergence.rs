@@ -27,7 +27,7 @@ const FORCE_N: f64 = 3.0;
 const NODES: [usize; 3] = [14, 19, 24];
 /// Elements per member of the three meshes whose index is checked.
 const ELEMENTS: [usize; 3] = [4, 8, 16];
-/// Numbers of nodes: the paper's two meshes, and a finer one as reference for the index.
+/// Numbers of nodes: the paper's two meshes, and a finer mesh as reference for the index.
 const NODE_COUNTS: [usize; 3] = [25, 684, 5000];
 /// Tolerance of the displacement on 684 nodes, relative to the displacement.
 pub const FINE_MESH_TOLERANCE: f64 = 1e-4;

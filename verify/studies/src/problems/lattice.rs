@@ -16,14 +16,14 @@ const QUANTITY: &str = "largest displacement difference / largest displacement";
 pub const FINENESS: usize = 2;
 /// Discretisation error of the lattice against beams, relative. The lattice's segments bend only at their middles. For small rotations they deflect
 /// like beams, so the error vanishes with the load. The relative difference is odd in the rotations, so it grows as a F + b F^3. Two segments per
-/// plate member have a = 2.5e-4 / N and b = 2.4e-5 / N^3 from 0.1 to 5 N, within 5 %. Both fall with the third to fourth power of the segments'
-/// length. The constants allow 25 % more.
+/// plate member have a = 2.5e-4 / N and b = 2.4e-5 / N^3 from 0.1 to 5 N, within 5 %. Both coefficients fall with the third to fourth power of the
+/// segments' length. The constants allow 25 % more.
 const COARSENESS_PER_N: f64 = 3.1e-4;
 const COARSENESS_PER_N3: f64 = 3e-5;
 /// Error of settling, relative to the largest displacement: 6e-5 from 32 solver sweeps per time step (measured by varying their number), and 2e-5
 /// from the criterion by which the bodies count as at rest.
 const SETTLING_TOLERANCE: f64 = 1e-4;
-/// A tiny force, N. Co-rotational terms change displacements by a relative amount of at most 0.12 per newton (MuJoCo gives the same at 0.01 N).
+/// A tiny force, N. Co-rotational terms change displacements by a relative amount of at most 0.12 per newton (MuJoCo shows the same at 0.01 N).
 const TINY_FORCE_N: f64 = 1e-4;
 const TINY_FORCE_TOLERANCE: f64 = 0.13 * TINY_FORCE_N;
 

@@ -13,8 +13,8 @@ const ANGLES: usize = 200;
 const END: f64 = 0.01;
 /// Tolerance of lengths, relative to the sum of both links: rounding error.
 pub const TOLERANCE: f64 = 1e-12;
-/// Tolerance of the opening at the motor angle that the inverse gives, relative to the sum of both links. At the ends of the reach the inverse loses
-/// half of its digits, because of its cosine.
+/// Tolerance of the opening at the motor angle that the inverse returns, relative to the sum of both links. At the ends of the reach the inverse
+/// loses half of its digits, because of its cosine.
 pub const INVERSE_TOLERANCE: f64 = 1e-9;
 /// Step of the finite differences, degrees of the motor angle.
 const STEP_DEG: f64 = 0.1;

@@ -1,7 +1,7 @@
 //! Fingers solved by MuJoCo 4.0.0 (discrete elastic rods between rigid rods), and a cylinder pushed into the paper's finger.
 //!
-//! MuJoCo shares neither discretisation (its rods bend only at vertices) nor code with the beams. MuJoCo's rods get the same EA and EI, so both
-//! converge to the same limit. The comparison verifies solver and kinematics, not the beam theory behind EA and EI.
+//! MuJoCo shares neither discretisation (its rods bend only at vertices) nor code with the beams. MuJoCo's rods have the same EA and EI as the beams,
+//! so both models converge to the same limit. The comparison verifies solver and kinematics, not the beam theory behind EA and EI.
 
 use super::{ProblemError, ProblemResults};
 use crate::lattice::accuracy::difference;
@@ -18,10 +18,11 @@ const ROTATION: &str = "largest rotation difference (rad)";
 /// Tolerance of displacements under single forces, relative to the case's largest displacement. The case nearest to a limit load (tip, 5 N at -60
 /// deg) differs by 1.6e-4; the export states an uncertainty of 2e-3 for this case.
 pub const STATIC_TOLERANCE: f64 = 2e-4;
-/// Tolerance of displacements in cases for which the export states an uncertainty up to `CERTAIN`. MuJoCo's extrapolated shapes and the beams' differ
-/// by 1e-5 on a uniform finger. They differ by 3.1e-5 if a zone ends inside elements, because such elements have an average stiffness.
+/// Tolerance of displacements in cases for which the export states an uncertainty up to `CERTAIN`. MuJoCo's extrapolated shapes and the shapes of the
+/// beams differ by 1e-5 on a uniform finger. They differ by 3.1e-5 if a zone ends inside elements, because such elements have an average stiffness.
 pub const CERTAIN_TOLERANCE: f64 = 4e-5;
-/// A case counts as certain up to this stated uncertainty, relative to the largest displacement. Above it the export used a finer mesh.
+/// A case counts as certain up to this stated uncertainty, relative to the largest displacement. For a larger uncertainty, the export used a finer
+/// mesh.
 const CERTAIN: f64 = 2e-4;
 /// Tolerance of rotations, rad: [`CERTAIN_TOLERANCE`] times displacements of about 20 mm, divided by 12 mm between two ribs.
 pub const ROTATION_TOLERANCE_RAD: f64 = CERTAIN_TOLERANCE * 20.0 / 12.0;
@@ -31,8 +32,8 @@ pub const UNCERTAINTIES: f64 = 2.0;
 const LINEAR_FORCE_N: f64 = 0.01;
 /// Tolerance of linear theory at 0.01 N, relative. Its error is 1.22e-3 against co-rotational beams and MuJoCo, and above 1e-3 for 7 of 60 loads.
 pub const LINEAR_TOLERANCE: f64 = 1.3e-3;
-/// Tolerance of displacements under the exported contact forces, relative to the step's largest displacement. MuJoCo's shapes (extrapolated from 16 and
-/// 32 segments) and the beams' (32 elements per member) differ by 5e-6; the tolerance is twice this value.
+/// Tolerance of displacements under the exported contact forces, relative to the step's largest displacement. MuJoCo's shapes (extrapolated from 16
+/// and 32 segments) and the shapes of the beams (32 elements per member) differ by 5e-6; the tolerance is twice this value.
 pub const CONTACT_TOLERANCE: f64 = 1e-5;
 /// Elements per member of the two meshes of beams from which shapes are extrapolated. The error falls with the square of the element length.
 const ELEMENTS: [usize; 2] = [16, 32];

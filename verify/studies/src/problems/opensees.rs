@@ -1,7 +1,7 @@
 //! Fingers solved by OpenSees 3.7.1 (elasticBeamColumn; Linear and Corotational transformations).
 //!
-//! OpenSees shares the theory with the model (Euler-Bernoulli beams of the same EA and EI, co-rotation, strain of the chord), but no code. Both
-//! must agree to the printed digits. The comparison verifies the solver, not the theory.
+//! OpenSees shares the theory with the model (Euler-Bernoulli beams of the same EA and EI, co-rotation, strain of the chord), but no code. OpenSees
+//! and the model must agree to the printed digits. The comparison verifies the solver, not the theory.
 
 use super::ProblemError;
 use crate::prelude::*;

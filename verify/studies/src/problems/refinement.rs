@@ -9,9 +9,9 @@ use crate::sampling::scatter::sampled_nodes;
 use crate::truths::fine_mesh;
 
 /// Tolerance between the meshes, relative to the largest displacement: the rounding error of a double-precision solution on 684 nodes. This error
-/// grows about as the fourth power of the number of nodes.
+/// grows with about the fourth power of the number of nodes.
 pub const ROUNDING_TOLERANCE: f64 = 1e-8;
-/// Force on the linear finger, N. The finger's shapes are proportional to the force, so any value serves.
+/// Force on the linear finger, N. The finger's shapes are proportional to the force, so any value is suitable.
 const ANY_FORCE_N: f64 = ReportForces::PAPER.drawn_n();
 /// Directions, degrees from the inward normal.
 const ANGLES_DEG: [f64; 3] = [-45.0, 0.0, 45.0];

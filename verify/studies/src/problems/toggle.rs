@@ -38,8 +38,8 @@ fn frame() -> (PlaneFrame, [NodeIndex; 2]) {
     (frame, [nodes[0], nodes[ELEMENTS]])
 }
 
-/// Residuals of the elastic line at the apex, integrated from the clamp with an assumed horizontal force and moment there. They are the direction of
-/// the axis, which symmetry keeps constant, and the horizontal position relative to half the span.
+/// Residuals of the elastic line at the apex, integrated from the clamp with an assumed horizontal force and moment there. The residuals are the
+/// direction of the axis, which symmetry keeps constant, and the horizontal position relative to half the span.
 fn miss(&[pull, moment, load]: &[f64; 3]) -> [f64; 2] {
     let direction = HEIGHT.atan2(HALF_SPAN);
     let clamp = elastic_line::Section { at: [0.0; 2], direction, force: [pull, -0.5 * load], moment };

@@ -1,7 +1,7 @@
 //! The accuracy map: error of a single sensed force by position on the front plate and direction.
 //!
-//! The estimator is given position and direction, and estimates only the magnitude. The error is |sensed / true - 1|, averaged over the forces and
-//! noise samples of a cell.
+//! The estimator knows position and direction, and estimates only the magnitude. The error is |sensed / true - 1|, averaged over the forces and noise
+//! samples of a cell.
 
 use crate::prelude::*;
 use crate::sampling::sweep::{self, CellState, Grid, MapCell, Sweep};
@@ -100,8 +100,8 @@ impl AccuracyMap {
         self.cells.chunks(self.request.forces_n.len().max(1)).map(move |group| group.iter().filter(wanted))
     }
 
-    /// Summary for one force (N), or for the mean over all forces. A cell with several forces counts with its worst outcome: a force without equilibrium,
-    /// else a refused force.
+    /// Summary for one force (N), or for the mean over all forces. A cell with several forces counts with its worst outcome: a force without
+    /// equilibrium, otherwise a refused force.
     pub fn summary(&self, force_n: Option<f64>) -> MapSummary {
         let errors = self.errors(force_n);
         let known: Vec<f64> = errors.iter().flatten().flatten().copied().collect();

@@ -8,7 +8,7 @@ use rand_distr::{Distribution, StandardNormal};
 /// Number of 32-bit words of the random stream reserved for each sample, more than any sample needs.
 const WORDS: u128 = 1 << 24;
 
-/// `exact` plus noise: `noise_mm` (standard deviation, mm) times `sample`, which holds two standard normal numbers for each marker. Missing
+/// `exact` plus noise: `noise_mm` (standard deviation, mm) times `sample`, which contains two standard normal numbers for each marker. Missing
 /// numbers count as zero.
 pub fn with_sample(exact: &Measurement, sample: &[f64], noise_mm: f64) -> Measurement {
     let (mut noisy, mut coordinates) = (exact.clone(), sample.iter());

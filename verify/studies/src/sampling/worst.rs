@@ -11,7 +11,7 @@ pub struct WorstCell {
     pub s_mm: f64,
     /// Direction, degrees from the inward normal, positive towards the tip.
     pub angle_deg: f64,
-    /// Outcome: without equilibrium if one force has none, else refused if one force is refused.
+    /// Outcome: without equilibrium if one force has no equilibrium; otherwise refused if one force is refused.
     pub state: CellState,
     /// Largest mean relative error among the forces; `None` unless all are answered.
     pub worst_error: Option<f64>,

@@ -7,8 +7,8 @@ use crate::experiments::speed_error::{self, Asked, SpeedErrorPoint, Task};
 use std::path::Path;
 
 impl Study {
-    /// Replaces the report's times by those of the benchmark library criterion, for all points that criterion has measured. Criterion's times hold for
-    /// the paper's finger only.
+    /// Replaces the report's times by the times of the benchmark library criterion, for all points that criterion has measured. Criterion's times
+    /// hold for the paper's finger only.
     pub fn take_criterion(&mut self, folder: &Path, times: &CriterionTimes) {
         let folder = folder.display();
         if !self.is_paper {
@@ -31,7 +31,7 @@ impl Study {
         }
     }
 
-    /// Adds points (time and error) of other programs. Their times hold for the paper's finger only.
+    /// Adds points (time and error) of other programs. Their times apply only to the paper's finger.
     pub fn take_peers(&mut self, peers: Peers) {
         if !self.is_paper {
             self.timing_notes

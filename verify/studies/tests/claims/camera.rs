@@ -48,7 +48,7 @@ fn a_marker_that_is_lost_or_far_off_betters_nothing() {
     assert_eq!(verdict(None), ClaimVerdict::NotTested);
 }
 
-/// A rate without vision is never better than one with it.
+/// A frame rate that excludes vision never counts as better than a rate that includes vision.
 #[test]
 fn a_rate_without_vision_is_not_better() {
     let words = Words::shipped().expect("words of the claims");

@@ -12,7 +12,7 @@ fn with_mean(figure: &Figure, mean: f64) -> Figure {
     Figure { recorded: OverSeeds { errors, ..figure.recorded }, ..figure.clone() }
 }
 
-/// Recorded 7 to 11 % where the paper has 29.8 % is a miss; 29 % would be none.
+/// Recorded errors of 7 to 11 % do not reproduce the paper's 29.8 %; an error of 29 % would.
 #[test]
 fn what_the_network_misses_is_not_reproduced() {
     let words = &Words::shipped().expect("words of the claims");
@@ -25,7 +25,7 @@ fn what_the_network_misses_is_not_reproduced() {
     assert_eq!(verdict(apart), ClaimVerdict::NotReproduced);
     let near = with_mean(apart, 0.29);
     assert_eq!(verdict(&near), ClaimVerdict::Reproduced);
-    // Of the two scalings that the paper may have taken, one gives its figure and the other does not.
+    // The paper may have used one of two scalings. Here, one scaling reproduces its figure and the other does not.
     let of_both = |ours: &Figure, other: &Figure| {
         of_the_papers_network(ours, Some(other), &[&[18, 20]], CAMERA_NOISE_MM, words).expect("all numbers").verdict
     };

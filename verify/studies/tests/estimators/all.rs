@@ -7,10 +7,10 @@ use finray_model::sensing::Pad;
 use finray_studies::truths::TruthId;
 use finray_tests::{CAMERA_NOISE_MM, at_node, paper};
 
-/// Linear estimators err by 1 % for a small force in the middle, networks by less.
+/// Tolerance of the relative error. For a small force in the middle, linear estimators have an error of 1 %, and networks a smaller one.
 const TOLERANCE: f64 = 0.02;
 
-/// Every estimator finds 0.5 N in the middle of the co-rotational finger, prepared for many answers or asked once.
+/// Every estimator senses 0.5 N in the middle of the co-rotational finger, both prepared and asked once.
 #[test]
 fn every_estimator_finds_a_small_force() {
     let finger = paper();
@@ -42,7 +42,7 @@ fn every_estimator_finds_a_small_force() {
         for force_n in [sensed.forces_n[0], estimate.forces_n[0]] {
             assert!((force_n / 0.5 - 1.0).abs() < TOLERANCE, "{id}: {force_n} N");
         }
-        // Only the search knows pads; the others say so, before they answer something else.
+        // Only the nonlinear estimator supports pads; the other estimators return an error.
         let padded = id.answer(&finger, &Question { pad: Pad { length_mm: 4.0, thickness_mm: 1.0 }, ..question });
         assert_eq!(padded == Err(EstimatorError::NoPad), id != EstimatorId::Nonlinear, "{id}: {padded:?}");
     }

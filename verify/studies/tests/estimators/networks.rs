@@ -14,9 +14,9 @@ use finray_tests::{
     CAMERA_NOISE_MM, STANDARD_ERRORS, at_node, at_nodes, case_count, paper, paper_scene_with, share_error,
 };
 
-/// A mean of relative errors of forces from 0.3 to 3 N scatters by 1.4 of itself from case to case.
+/// Standard deviation of the relative errors of forces from 0.3 to 3 N, divided by their mean.
 const SPREAD: f64 = 1.4;
-/// What a network adds to the root-mean-square error of the Cramer-Rao bound: up to a tenth for neighbours, most at small
+/// Limit of the excess of a network's root mean square error over the Cramer-Rao bound. Measured: up to a tenth for neighbours, mostly at small
 /// forces.
 const OVER_BOUND: f64 = 0.15;
 
@@ -42,8 +42,8 @@ fn errors(
     scatter(&request, estimators, sets, TWO_FORCES_N, &|| {}).expect("contact nodes")
 }
 
-/// Every node and every pair that a network ships for: mean errors within tolerance, none of them much above the bound, none
-/// refused, and stated deviations that cover the truth as often as they claim.
+/// For every node and pair with a shipped network, mean errors are within the tolerance and close to the bound. No case is refused, and the stated
+/// standard deviations have their nominal coverage.
 #[test]
 fn errors_are_near_the_bound() {
     let finger = paper();
@@ -82,7 +82,8 @@ fn errors_are_near_the_bound() {
     }
 }
 
-/// Sets that have no network of their own go to the one for any of the nodes: better than linear ridge, which it starts from.
+/// For sets without a specific network, the network for any subset of the nodes is used. It is better than linear ridge regression, from which its
+/// training starts.
 #[test]
 fn the_network_for_any_nodes_beats_ridge() {
     let finger = paper();
@@ -102,7 +103,7 @@ fn the_network_for_any_nodes_beats_ridge() {
     }
 }
 
-/// The embedded networks are those that the example `shipped_networks` makes.
+/// The cards of the embedded networks agree with the recipes of the example `shipped_networks`.
 #[test]
 fn what_ships_was_trained_as_its_card_says() {
     let finger = paper();
@@ -121,7 +122,7 @@ fn what_ships_was_trained_as_its_card_says() {
     }
 }
 
-/// Contacts in any order; hidden markers; nothing for others.
+/// Networks are found for contacts in any order and for hidden markers, but not for other contacts.
 #[test]
 fn networks_are_found_by_their_contacts() {
     let finger = paper();

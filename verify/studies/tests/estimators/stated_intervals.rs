@@ -10,8 +10,8 @@ use finray_tests::{CAMERA_NOISE_MM, at_node, at_position, case_count, noisy, pap
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-/// Without a stated noise nothing can be tested, and the deviation rests on the residual alone: it must cover the truth all the same. Once a
-/// linear finger was taken for the true one as soon as it fitted better by any chance, and 7 of 73 answers at node 19 held the truth.
+/// Without stated noise, the residual cannot be tested, and the standard deviation follows from the residual alone. It must still have its nominal
+/// coverage. Once, the linear finger was used whenever it happened to fit better, and only 7 of 73 intervals at node 19 contained the true force.
 #[test]
 fn intervals_cover_the_truth_where_no_noise_is_stated() {
     let samples = case_count(60, 300);
@@ -25,7 +25,7 @@ fn intervals_cover_the_truth_where_no_noise_is_stated() {
     ];
     let mut rng = ChaCha8Rng::seed_from_u64(12);
     let all: Vec<NodeId> = finger.free_nodes().collect();
-    // The cases by node, direction and force; the last two see two markers and one: 3 degrees of freedom, and 1.
+    // Cases: node, direction, force, number of markers. The last two cases have two markers and one marker, and thus 3 degrees of freedom and 1.
     let cases = [
         (19, -60.0, 0.5, 23),
         (24, -20.0, 1.0, 23),
@@ -50,12 +50,12 @@ fn intervals_cover_the_truth_where_no_noise_is_stated() {
             for _ in 0..samples {
                 let noisy = noisy(&clean, CAMERA_NOISE_MM, &mut rng);
                 let mut prepared = estimator.prepare(&[contact], &noisy).expect("well-posed");
-                // A refusal claims nothing.
+                // A refusal states no interval, so it counts as covered.
                 covered += usize::from(prepared.estimate(&noisy, None).map_or(true, |sensed| {
                     (sensed.forces_n[0] - force_n).abs() <= TWO_SIDED_95 * sensed.sigmas_n.expect("stated")[0]
                 }));
             }
-            // 93 % less three binomial standard deviations.
+            // 93 %, minus three binomial standard deviations.
             let least = 0.93 - 3.0 * (0.95 * 0.05 / samples as f64).sqrt();
             assert!(
                 covered as f64 / samples as f64 > least,
@@ -65,8 +65,8 @@ fn intervals_cover_the_truth_where_no_noise_is_stated() {
     }
 }
 
-/// Over positions, directions and forces of the 684-node finger, every estimator of the beam model: of the answers without
-/// warning 95 % lie within 1.96 sigma, of those with one at least as many.
+/// Tests every estimator of the beam model over positions, directions and forces of the 684-node finger. Of the answers without a warning, 95 % lie
+/// within 1.96 standard deviations; of the answers with a warning, at least 95 %.
 #[test]
 fn stated_intervals_cover_the_truth_over_the_map() {
     let finger = paper();
@@ -80,7 +80,7 @@ fn stated_intervals_cover_the_truth_over_the_map() {
         ("nonlinear", BeamEstimator::nonlinear(&four)),
     ];
     let mut rng = ChaCha8Rng::seed_from_u64(11);
-    // By estimator, without and with a warning: answers, and those that cover.
+    // For each estimator, without and with a warning: numbers of answers and of covering intervals.
     let mut counts = [[[0_usize; 2]; 2]; 4];
     let (mut drawn, mut refused) = (0, [0; 4]);
     for position in 0..12 {
@@ -113,7 +113,7 @@ fn stated_intervals_cover_the_truth_over_the_map() {
         let [plain, warned] = counts[k];
         assert_eq!(plain[0] + warned[0] + refused[k], drawn);
         assert!(50 * refused[k] <= drawn, "{name}: {} of {drawn} refused", refused[k]);
-        // Three binomial standard deviations about 95 %, beside the 2 % that are demanded either way.
+        // The tolerance about 95 % is 2 % plus three binomial standard deviations.
         let tolerance = |answers: usize| 0.02 + 3.0 * (0.95 * 0.05 / answers.max(1) as f64).sqrt();
         let share = |[answers, covers]: [usize; 2]| covers as f64 / answers.max(1) as f64;
         assert!(plain[0] > 100, "{name}: {plain:?}");

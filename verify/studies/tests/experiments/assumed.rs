@@ -8,7 +8,7 @@ use finray_model::{Kinematics, Mesh, Scene, statics};
 use finray_studies::experiments::assumed::AssumedContact;
 use finray_studies::experiments::causes::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
 
-/// Each side in turn, as far as the plate reaches, is what least squares gives for that contact.
+/// The assumed contact deviates to each side in turn, unless it leaves the plate. The force equals least squares for this contact.
 #[test]
 fn an_assumed_contact_is_off_to_each_side_in_turn() {
     let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("the paper's scene").finger;
@@ -35,7 +35,7 @@ fn an_assumed_contact_is_off_to_each_side_in_turn() {
     }
 }
 
-/// A plate so short that no side is on it is refused, not divided by nothing.
+/// A plate so short that every assumed position lies off the plate is refused; there is no division by zero.
 #[test]
 fn a_plate_shorter_than_the_assumption_is_refused() {
     let small = finray_fixtures::PAPER_SCENE

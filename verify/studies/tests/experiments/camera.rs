@@ -12,7 +12,7 @@ impl Progress for Unwatched {
     fn step(&self) {}
 }
 
-/// What cannot be seen is a row that is refused; the others stand.
+/// A condition under which the markers cannot be located gives a refused row; the other rows are unaffected.
 #[test]
 fn markers_that_are_too_small_for_a_condition_are_refused() {
     let scene = finray_fixtures::CAMERA_SCENE.replace("radius_mm = 1.5", "radius_mm = 0.7");

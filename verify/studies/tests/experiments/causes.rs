@@ -20,9 +20,9 @@ use finray_studies::truths::{MeshTruth, Truth, fine_mesh};
 use finray_tests::{at_position, finger_of, paper};
 use std::sync::LazyLock;
 
-/// Forces this small leave the finger linear: geometric nonlinearity changes shapes of 0.02 mm by a thousandth.
+/// A force under which the finger is nearly linear, N: geometric nonlinearity changes displacements of 0.02 mm by a thousandth.
 const SMALL_FORCE_N: f64 = 2e-3;
-/// What they do to errors, relative.
+/// Relative effect of the geometric nonlinearity on errors under this force.
 const NEARLY_LINEAR: f64 = 5e-3;
 
 fn one_map(
@@ -52,7 +52,7 @@ fn share(map: &CauseMap, cause: Cause) -> f64 {
     only(map).shares[position.unwrap_or_else(|| panic!("{cause:?} is no cause of {:?}", map.causes))].unwrap()
 }
 
-/// Displacements of the free key nodes for 1 N.
+/// Displacements of the free key nodes under 1 N, mm.
 fn column(finger: &Finger, s_mm: f64, angle_deg: f64) -> Vec<f64> {
     let contact = at_position(s_mm, angle_deg);
     let compliance = Compliance::new(finger, &[contact.unit_load(finger)]).unwrap();
@@ -65,7 +65,8 @@ fn column(finger: &Finger, s_mm: f64, angle_deg: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Modulus over the true one, of the paper's finger, that linear shapes explain best, from the paper's weights on the paper's nodes (sec. V-A).
+/// Calibrated modulus divided by the true modulus, if the linear finger is fitted to shapes of the paper's co-rotational finger. The weights and
+/// nodes are the paper's (sec. V-A).
 static LINEAR_MODULUS_FACTOR: LazyLock<f64> = LazyLock::new(|| {
     let finger = paper();
     let mesh = fine_mesh(&finger).unwrap();
@@ -133,7 +134,7 @@ fn what_is_left_when_all_is_known_is_noise_at_its_bound() {
     assert!(share(&known, Cause::Noise) > 0.99);
 }
 
-/// Once the share of noise rested on the residual, 3.4 % where noise does 0.1 %: the linear finger is contradicted by the shape at 3 N.
+/// The share of noise once followed from the residual, and was 3.4 % instead of 0.1 %, because the shape at 3 N contradicts the linear finger.
 #[test]
 fn noise_does_what_the_inverse_says_also_where_the_model_is_contradicted() {
     let finger = paper();
@@ -150,7 +151,7 @@ fn noise_does_what_the_inverse_says_also_where_the_model_is_contradicted() {
 #[test]
 fn soft_zones_are_the_cause_where_they_are() {
     let twin = finger_of(finray_fixtures::TWIN_SCENE);
-    // Nodes 14 and 24 of the paper's Table I.
+    // Positions of nodes 14 and 24, as in the paper's Table I.
     for (s_mm, cause, other) in
         [(140.25, Cause::TipCompliance, Cause::BaseCompliance), (12.75, Cause::BaseCompliance, Cause::TipCompliance)]
     {
@@ -169,7 +170,7 @@ fn linearisation_is_the_cause_where_all_else_is_known() {
     let linear = one_map(&finger, (LeastSquares, Known), [63.75, -40.0, 3.0, 0.0]);
     let nonlinear = one_map(&finger, (Nonlinear, Known), [63.75, -40.0, 3.0, 0.0]);
     assert!(share(&linear, Cause::Linearisation) > 0.9);
-    // Without noise only the modulus remains, which the estimator calibrates on a coarser mesh than that of the truth.
+    // Without noise, the only cause is the modulus, because the estimator calibrates it on a coarser mesh than the true finger's.
     assert_eq!(nonlinear.causes, [Cause::Modulus]);
     assert!(only(&nonlinear).rms_error.unwrap() < 0.01 * only(&linear).rms_error.unwrap());
 }
@@ -185,18 +186,18 @@ fn errors_of_a_network_and_of_its_model_are_separate() {
         let position = map.causes.iter().position(|cause| *cause == Cause::NetworkFit).unwrap();
         map.cells.iter().map(|cell| (cell.shares[position].unwrap(), cell.rms_error.unwrap())).collect::<Vec<_>>()
     };
-    // The model itself in the network's stead: nothing goes away.
+    // The model itself replaces the network, so no error disappears.
     for (share, _) in fit(&model) {
         assert!(share.abs() < 1e-6, "{share}");
     }
-    // Forces that are all too small by the same share; positions and directions that are off take the rest.
+    // All forces are too small by the same factor; wrong positions and directions cause the rest of the error.
     let short = Worse { estimator: model, sees: Measurement::clone, force_factor: 0.5 };
     for (share, rms) in fit(&short) {
         assert!(rms > 0.4 && share > 0.7, "{rms} {share}");
     }
 }
 
-/// Weights that a finger carries, but not its coarsest mesh, ended the report.
+/// Weights that a finger carries, but its coarsest mesh does not carry, once ended the report.
 #[test]
 fn weights_that_a_coarse_model_does_not_carry_do_not_calibrate_it() {
     let snapping = finger_of(

@@ -10,9 +10,10 @@ use finray_studies::truths::TruthId;
 use finray_tests::{CAMERA_NOISE_MM, STANDARD_ERRORS, paper};
 use std::sync::LazyLock;
 
-/// Noise samples a cell.
+/// Number of noise samples per cell.
 const SAMPLES: usize = 24;
-/// What a direction's curve may add to an error that the bound, which is linear, does not have: where the bound is small.
+/// Allowance for the nonlinearity of a direction's effect, which the linear bound neglects, as a share of the bound. It applies if the bound is
+/// small.
 const CURVED: f64 = 0.1;
 
 static STUDY: LazyLock<DirectionStudy> = LazyLock::new(|| {
@@ -30,7 +31,7 @@ static STUDY: LazyLock<DirectionStudy> = LazyLock::new(|| {
     DirectionStudy::run(&truth, &request, &|| {}).expect("contacts on the finger")
 });
 
-/// Where the bound is low every sample is answered, and the errors are the bound's.
+/// If the bound is low, every sample is answered, and the errors equal the bound.
 #[test]
 fn what_is_identifiable_is_sensed_to_the_bound() {
     let allowed = CURVED + STANDARD_ERRORS / (2.0 * SAMPLES as f64).sqrt();
@@ -50,8 +51,8 @@ fn what_is_identifiable_is_sensed_to_the_bound() {
     assert!(sure >= 12, "{sure} cells say little");
 }
 
-/// Where the bound of a direction is above 60 degrees, much is refused, nothing counts as identified, and what is answered,
-/// as noise made a force look larger than it is, states how far it may be off.
+/// If the bound of the direction is above 60 degrees, many samples are refused, and no cell counts as identified. Noise makes the answered forces
+/// look too large, and the stated standard deviations cover these errors.
 #[test]
 fn what_is_not_identifiable_is_refused_or_open() {
     let open = STUDY.cells.iter().filter(|cell| cell.angle_bound_deg.is_some_and(|bound| bound > 60.0));
@@ -75,7 +76,7 @@ fn what_is_not_identifiable_is_refused_or_open() {
     );
 }
 
-/// The larger the force the better its direction is identified.
+/// The direction of a larger force is identified better.
 #[test]
 fn larger_forces_are_identifiable_in_more_directions() {
     let shares = FORCES_N.map(|force_n| {
@@ -85,8 +86,8 @@ fn larger_forces_are_identifiable_in_more_directions() {
     assert!(shares[0] < shares[1] && shares[1] < shares[2], "{shares:?}");
 }
 
-/// A push along the deformed normal: the estimator that assumes it errs least, without bias; the undeformed normal is off by the
-/// plate's turn.
+/// For a push along the deformed normal, the estimator that assumes this direction has the smallest error and no bias. The undeformed normal has an
+/// error equal to the rotation of the plate.
 #[test]
 fn the_deformed_normal_is_worth_assuming() {
     let mean = |assumed: Assumption| {
@@ -100,7 +101,7 @@ fn the_deformed_normal_is_worth_assuming() {
     for push in STUDY.without_friction.iter().filter(|push| push.assumed == Assumption::Normal) {
         let turned = push.angle_deg.expect("it is carried");
         assert_eq!(push.answers.answered, SAMPLES, "{push:?}");
-        // The estimate's own normal is the true one.
+        // The deformed normal of the estimated shape agrees with the true normal.
         assert!(push.answers.angle_error_deg.expect("answers") < 1.0 + 0.1 * turned.abs(), "{push:?}");
         let over = push.answers.force_error.expect("answers") / push.answers.force_sigma.expect("answers");
         assert!((over - 1.0).abs() <= CURVED + STANDARD_ERRORS / (2.0 * SAMPLES as f64).sqrt(), "{over} {push:?}");

@@ -7,7 +7,7 @@ use finray_studies::experiments::displacement_noise::{DisplacementNoiseStudy, bo
 use finray_tests::{CAMERA_NOISE_MM, paper};
 use nalgebra::DMatrix;
 
-/// Where the undeformed positions come from: bounds by two ways each, and an estimator that knows the covariance at the bound.
+/// For each origin of the undeformed positions, both methods give the same bound, and an estimator that knows the covariance reaches it.
 #[test]
 fn floors_follow_from_where_undeformed_positions_come_from() {
     let study = DisplacementNoiseStudy::run(&paper(), CAMERA_NOISE_MM, 60, 1.5).expect("contact nodes");
@@ -24,11 +24,11 @@ fn floors_follow_from_where_undeformed_positions_come_from() {
         let [images, motor] = ["two images", "motor angle"].map(|noise| of(&row.nodes, noise));
         assert!((images.bound_n / row.bound_n - 2.0_f64.sqrt()).abs() < 1e-12, "{images:?}");
         assert!(motor.bound_n > row.bound_n && motor.ordinary_rms_n > row.ordinary_rms_n, "{motor:?}");
-        // Averaging takes a frame's own error away and leaves the reference's.
+        // Averaging removes the errors of the frames, but not the error of the reference image.
         assert!((row.bound_of_25_frames_n / row.bound_n - 0.2).abs() < 1e-12);
         assert!((images.bound_of_25_frames_n / row.bound_n - 1.04_f64.sqrt()).abs() < 1e-12);
     }
-    // Translations and rotations that nothing is known of are projected out; known ones leave one image's error.
+    // Unknown translations and rotations are projected out; with known ones, only the error of one image remains.
     let finger = paper();
     let positions: Vec<Vector> = finger.free_nodes().map(|node| finger.position(node)).collect();
     let derivatives = DMatrix::from_fn(2 * positions.len(), 1, |row, _| {

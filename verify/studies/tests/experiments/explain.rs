@@ -16,21 +16,22 @@ use rand_chacha::ChaCha8Rng;
 use std::sync::LazyLock;
 
 const FORCE_N: f64 = 3.0;
-/// Between the ribs, which stand every 12.75 mm: at them a plate stretches by another rate on either side.
+/// Positions between the ribs, which are 12.75 mm apart. At a rib, the strain of the plate differs between both sides.
 const POSITIONS_MM: [f64; 4] = [17.0, 49.0, 83.0, 147.0];
 const ANGLES_DEG: [f64; 3] = [-50.0, 0.0, 40.0];
-/// So little that sensing is linear in the noise.
+/// Noise, mm, that is so small that its effect on the sensed force is linear.
 const NOISE_MM: f64 = 0.002;
-/// A standard deviation over n samples scatters by 1 / sqrt(2 n) of itself; the worst of a dozen by three times that, or by
-/// four once in a thousand runs.
+/// Number of samples, and tolerance of a standard deviation. Its relative standard error is 1 / sqrt(2 n) for n samples. The worst of a dozen
+/// deviates by three standard errors, and by four once in a thousand runs.
 const SAMPLES: usize = 1000;
 const SCATTER: f64 = 4.0 / 44.7;
-/// Central differences over the steps below: what they leave out is of third order.
+/// Steps of the central differences, and their tolerance. Their error is of third order.
 const FORCE_STEP_N: f64 = 0.01;
 const ANGLE_STEP_DEG: f64 = 0.5;
 const POSITION_STEP_MM: f64 = 0.1;
 const DIFFERENCES: f64 = 5e-3;
-/// Of an error per degree or mm that is nearly nothing, in units of 1: where its sign changes, the third order is all.
+/// Absolute tolerance of an error per degree or mm, dimensionless. If the error is nearly zero, because it changes its sign, the third order
+/// dominates.
 const NOTHING: f64 = 2e-5;
 
 static MESH: LazyLock<Mesh> = LazyLock::new(|| Mesh::with_elements_per_member(&paper(), ELEMENTS));
@@ -77,7 +78,7 @@ fn the_bound_is_how_the_nonlinear_estimator_scatters() {
     }
 }
 
-/// Force and direction are both sought.
+/// Both force and direction are unknown.
 #[test]
 fn the_bounds_of_an_unknown_direction_are_how_force_and_direction_scatter() {
     let mut rng = ChaCha8Rng::seed_from_u64(6);
@@ -102,7 +103,7 @@ fn deviation(values: &[f64]) -> f64 {
     (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (values.len() - 1) as f64).sqrt()
 }
 
-/// Normal and tangential force are changed a little, and the equilibria beside each other compared.
+/// Bounds and condition number agree with finite differences of equilibria under slightly changed normal and tangential forces.
 #[test]
 fn bounds_and_condition_follow_from_differences_of_equilibria() {
     let finger = paper();
@@ -123,7 +124,7 @@ fn bounds_and_condition_follow_from_differences_of_equilibria() {
         let rates = DMatrix::from_vec(columns.len() / 2, 2, columns);
         let values = rates.clone().singular_values();
         assert_near(cell.condition.unwrap(), values.max() / values.min(), DIFFERENCES, 0.0, cell);
-        // From normal and tangential to along the force and across it.
+        // Converts normal and tangential components to components along and across the force.
         let (sine, cosine) = cell.angle_deg.to_radians().sin_cos();
         let turned = rates * DMatrix::from_column_slice(2, 2, &[cosine, sine, -sine, cosine]);
         let covariance = (turned.transpose() * &turned).try_inverse().unwrap() * (NOISE_MM / FORCE_N).powi(2);
@@ -133,15 +134,15 @@ fn bounds_and_condition_follow_from_differences_of_equilibria() {
     }
 }
 
-/// Sensed over true force in the shape of a cell, with position and direction assumed.
+/// Ratio of sensed to true force for the shape of a cell, with an assumed position and direction.
 fn sensed(mesh: &Mesh, cell: &Explanation, s_mm: f64, angle_deg: f64) -> f64 {
     let contact = at_position(s_mm, angle_deg);
     let mut estimator = NonlinearEstimator::new(mesh, &[contact.into()]).expect("a contact");
-    // As noisy as a wrong assumption makes it: no marker is to count for an outlier.
+    // The stated noise covers the misfit of the wrong assumption, so that no marker counts as an outlier.
     estimator.estimate(&measured(mesh, cell), Some(0.5)).expect("an answer").forces.forces_n[0] / FORCE_N
 }
 
-/// Sensed with a direction that is half a degree wrong, either way.
+/// Senses with directions that are wrong by half a degree to each side.
 #[test]
 fn wrong_directions_carry_as_far_as_said() {
     for cell in EXPLAINED.iter() {
@@ -151,7 +152,7 @@ fn wrong_directions_carry_as_far_as_said() {
     }
 }
 
-/// Sensed at a position that is a tenth of a millimetre wrong, either way.
+/// Senses at positions that are wrong by a tenth of a millimetre to each side.
 #[test]
 fn wrong_positions_carry_as_far_as_said() {
     for cell in EXPLAINED.iter() {

@@ -1,4 +1,4 @@
-//! Hard cases: one fails by a failed check, an unexpected error, laws without a case, or its time.
+//! A hard case fails if a check fails, an unexpected error occurs, a law has no equilibrium to test, or the time limit is exceeded.
 
 use finray_model::Finger;
 use finray_studies::check::{Check, Kind};

@@ -12,14 +12,15 @@ use finray_studies::settings::ENOUGH_CASES;
 use finray_tests::{CAMERA_NOISE_MM, paper};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Checks are for the camera's noise alone, and can fail.
+/// Checks exist only for the camera's noise, and can fail.
 #[test]
 fn networks_are_held_to_their_tolerances() {
     let finger = paper();
     let mesh = Mesh::with_elements_per_member(&finger, 4);
     let networks = Networks::read(&finray_fixtures::NETWORKS).expect("networks that ship");
     let sensing = NetworkSensing { networks: &networks, finger: &finger, refuses: true };
-    // The networks learned the fine finger: on 25 nodes the mesh's error alone is twice the noise's in a sum of neighbours.
+    // The networks were trained on the fine finger. On a mesh of 25 nodes, the mesh error in a sum of neighbouring forces is twice the error from
+    // noise.
     let sensed = rows_on(&mesh, &[&sensing], Kinematics::Corotational, &[CAMERA_NOISE_MM], &[19, 20]);
     let steps = AtomicUsize::new(0);
     let count = || {
@@ -39,7 +40,8 @@ fn networks_are_held_to_their_tolerances() {
 
     let other_noise = NetworkStudy { noise_mm: 0.1, ..study.clone() };
     assert!(other_noise.checks().is_empty());
-    // Many cases are held to the tolerance alone, few to what chance adds to it; where noise alone allows less, to that.
+    // With many cases, the tolerance has no allowance for chance; with few cases, it has one. If the bound allows a smaller error, the bound sets the
+    // tolerance.
     let single = |cases: usize, mean_error: f64, bound: Option<f64>| {
         let bound = bound.map(|bound| AgainstBound { mean_error_bound: bound, ..AgainstBound::default() });
         let forces = vec![Scatter { mean_error, bound, ..Scatter::default() }];

@@ -29,7 +29,7 @@ pub fn point(task: Task, nodes: usize, seconds: f64, error: f64, bias_sigmas: f6
     }
 }
 
-/// The fastest setting is 3 standard deviations off, as 25 nodes are; the one with half a standard deviation is too; refusals count.
+/// The recommendation excludes settings whose model error is too large compared with the stated standard deviation, and settings with refusals.
 #[test]
 fn a_setting_outside_its_stated_deviation_is_never_recommended() {
     let mut points = vec![
@@ -44,7 +44,7 @@ fn a_setting_outside_its_stated_deviation_is_never_recommended() {
     assert_eq!(nodes(&points).as_deref(), Some("277 nodes"), "neighbours count");
     points[3].failed = 1;
     assert_eq!(nodes(&points), None);
-    // A network takes no contact but its own, however fast it is.
+    // A network is never recommended, because it supports only the contacts of its training.
     let network =
         SpeedErrorPoint { estimator: Some(EstimatorId::Network), ..point(Task::SenseOne, 1, 1e-6, 0.009, 0.1) };
     assert_eq!(nodes(&[network]), None);
@@ -57,9 +57,9 @@ fn the_front_is_what_nothing_beats() {
         ..solved_point("", String::new(), vec![seconds], error, 1)
     };
     let mut points = [of(1.0, 1.0), of(2.0, 0.5), of(3.0, 0.6), of(1.0, 2.0), of(f64::NAN, 0.1)];
-    // Faster than all, for another task.
+    // The point is faster than all others, but has another task.
     points[3].task = Task::SenseOne;
-    // Without any times of criterion, only the fronts change.
+    // Without times of criterion, only the fronts change.
     take_times(&mut points, &CriterionTimes::default());
     assert_eq!(points.map(|point| point.on_front), [true, true, false, true, false]);
 }
@@ -70,7 +70,7 @@ fn what_fails_is_counted_and_has_no_error() {
     assert!(failed.error.is_nan() && failed.seconds.is_nan() && failed.failed == 3);
 }
 
-/// Other programs are asked for the same: `bench/peers` writes these words.
+/// Other programs solve the same tasks: `bench/peers` writes the same descriptions.
 #[test]
 fn what_is_asked_is_said() {
     let said = Task::ALL

@@ -10,9 +10,9 @@ use finray_studies::truths::fine_mesh;
 use finray_tests::{CAMERA_NOISE_MM, paper};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Linear sensing of the linear finger without noise: what rounding leaves, times the condition number of neighbours.
+/// Tolerance for linear sensing of the linear finger without noise: rounding errors times the condition number of neighbours.
 const ROUNDING: f64 = 1e-8;
-/// Nonlinear sensing without noise on four elements a member: 0.04 % in the shape.
+/// Tolerance for nonlinear sensing without noise on four elements per member, whose shapes have an error of 0.04 %.
 const MESH_ERROR: f64 = 0.002;
 
 fn errors(table: &TableTwo, truth: TruthId, noise_mm: f64, estimator: EstimatorId) -> Vec<[f64; 2]> {
@@ -21,7 +21,7 @@ fn errors(table: &TableTwo, truth: TruthId, noise_mm: f64, estimator: EstimatorI
     rows.iter().map(|row| [row.mean_error().expect("sensed"), row.sum.expect("sensed").mean_error]).collect()
 }
 
-/// The paper names its contact nodes (sec. V-C) and lists the mean over the tests of each kind.
+/// The paper states its contact nodes (sec. V-C), and lists the mean over the tests of each kind.
 #[test]
 fn table_two_is_of_the_papers_nodes() {
     let sets: Vec<&[usize]> = vec![&[21], &[19], &[17], &[19, 20], &[16, 17], &[18, 20], &[16, 20]];
@@ -43,12 +43,12 @@ fn table_two_is_of_the_papers_nodes() {
     assert!((found.force - 0.3).abs() < 1e-12 && (found.sum.expect("two forces") - 0.15).abs() < 1e-12, "{found:?}");
     assert!((found.force_n - 0.6).abs() < 1e-12, "{found:?}");
     assert_eq!((found.answered, found.refused), (16, 4));
-    // A set less is no mean of the paper's.
+    // If a set is missing, the mean is not comparable with the paper's.
     assert_eq!(GroupErrors::of(&one, &rows), None);
 }
 
-/// Linearisation ruins linear sensing of neighbours and leaves their sum; noise alone does not; the nonlinear estimator
-/// reaches the bound. Figures are those of an independent study of this protocol, within chance.
+/// Linearisation, unlike noise, causes large errors in linear sensing of neighbours, but not of their sum. The nonlinear estimator reaches the bound.
+/// The figures agree with an independent study of this protocol, within chance.
 #[test]
 fn table_two_blames_linearisation() {
     let finger = paper();
@@ -65,7 +65,7 @@ fn table_two_blames_linearisation() {
         assert!(force < ROUNDING && sum < ROUNDING, "{force}, {sum}");
     }
     let within = |found: f64, study: f64| assert!((found / study - 1.0).abs() < CHANCE, "{found}, study {study}");
-    // The independent study has one set of each kind: 19; 19 and 20; 18 and 20.
+    // The independent study has one set of each kind: node 19, nodes 19 and 20, nodes 18 and 20.
     let studied = |all: Vec<[f64; 2]>| [all[1], all[3], all[5]];
     let alone = studied(errors(&table, TruthId::Linear, CAMERA_NOISE_MM, EstimatorId::LeastSquares));
     for ([force, _], study) in alone.into_iter().zip([0.003, 0.025, 0.012]) {
@@ -82,7 +82,7 @@ fn table_two_blames_linearisation() {
     for [force, _] in errors(&table, TruthId::Corotational, CAMERA_NOISE_MM, EstimatorId::Nonlinear) {
         assert!(force < 0.03, "{force}");
     }
-    // Of further estimators the table has rows as well.
+    // The table also has rows for other estimators.
     errors(&table, TruthId::Corotational, CAMERA_NOISE_MM, EstimatorId::Network);
     let [alone, near, far] = CONTACT_GROUPS.map(|group| table.condition_range(&group).expect("its sets"));
     assert!(alone == [1.0; 2] && near[0] > far[1], "{alone:?} {near:?} {far:?}");

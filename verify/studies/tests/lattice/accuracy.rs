@@ -5,7 +5,7 @@ use finray_studies::lattice::accuracy::{LoadGrid, study};
 use finray_studies::lattice::causes;
 use finray_tests::paper;
 
-/// The error falls with the fourth power of the segments' length: by more than ten when they are halved.
+/// The error decreases with the fourth power of the segment length: halved segments reduce it by a factor of more than ten.
 #[test]
 fn finer_lattices_are_nearer_to_beams() {
     let finger = paper();
@@ -15,7 +15,8 @@ fn finer_lattices_are_nearer_to_beams() {
     assert!(rows[1].errors[0] * 10.0 < rows[0].errors[0], "{rows:?}");
 }
 
-/// What the lattice rests on is what a segment of beam asks for: other axial springs are farther off, and none hold nothing.
+/// The axial springs of a beam segment give the smallest error. Other axial springs give larger errors, and without axial springs there is no
+/// equilibrium.
 #[test]
 fn axial_springs_must_be_those_of_a_beam() {
     let finger = paper();
@@ -25,7 +26,7 @@ fn axial_springs_must_be_those_of_a_beam() {
     let [beams, at_ends, rigid, none] = &rows[..] else { panic!("{rows:?}") };
     let error = |row: &causes::AxialRow| row.errors.as_ref().expect("an equilibrium")[1];
     assert!(error(beams) * 3.0 < error(at_ends), "{rows:?}");
-    // Axial stretching matters at small rotations too: without it even the smallest displacement is far off.
+    // Axial strain matters also for small rotations: without axial strain, even the smallest displacement has a large error.
     assert!(error(rigid) > 0.2 && rigid.errors.as_ref().expect("an equilibrium")[0] > 0.2, "{rows:?}");
     assert_eq!(none.errors, None);
 }

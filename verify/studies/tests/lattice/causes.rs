@@ -7,10 +7,11 @@ use finray_studies::lattice::accuracy::LoadGrid;
 use finray_studies::lattice::causes;
 use finray_tests::paper;
 
-/// Settling against the lattice's own equilibrium, as a share of the largest displacement.
+/// Tolerance between the settled lattice and its equilibrium, as a share of the largest displacement.
 const SETTLING_TOLERANCE: f64 = 5e-4;
 
-/// More sweeps rest nearer to the equilibrium, until only the end of the settling is left; single precision is farther off.
+/// With more sweeps, the lattice rests nearer to the equilibrium, until only the error of the criterion of rest remains. In single precision, the
+/// error is larger.
 #[test]
 fn few_sweeps_and_single_precision_rest_elsewhere() {
     let finger = paper();

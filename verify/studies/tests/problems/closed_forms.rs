@@ -8,7 +8,7 @@ use finray_studies::problems::{self, elastica, gripper_camera, lee_frame, linkag
 use finray_studies::settings::ReportForces;
 use finray_tests::{finger_of, paper};
 
-/// Every problem that applies to the paper's finger answers, and its checks pass.
+/// Every problem that applies to the paper's finger can be solved, and its checks pass.
 #[test]
 fn every_problem_passes_its_checks() {
     let finger = paper();
@@ -27,7 +27,7 @@ fn every_problem_passes_its_checks() {
 #[test]
 fn elastica_rows() {
     let checks = elastica::checks().expect("every load has an equilibrium");
-    // Eleven loads, three quantities each.
+    // Eleven loads with three quantities each.
     assert_eq!(checks.len(), 33);
     assert_all_pass(&checks);
 }
@@ -35,7 +35,7 @@ fn elastica_rows() {
 #[test]
 fn lee_frame_limit_loads() {
     let checks = lee_frame::checks().expect("the path is followed");
-    // Limits in number, the first by the literature, both by shooting; stability.
+    // The number of limit loads, the first against literature, both against shooting, and stability.
     assert_eq!(checks.len(), 5);
     assert_all_pass(&checks);
 }
@@ -47,7 +47,7 @@ fn toggle_limit_loads() {
     assert_all_pass(&checks);
 }
 
-/// Of another linkage than the one of the report's rows: that of the wedge, whose fixed joint is farther from the screw's axis.
+/// Uses another linkage than the report: the linkage of the wedge scene, whose fixed joint is farther from the screw's axis.
 #[test]
 fn gripper_rows() {
     let wedge = include_str!("../../../../fixtures/scenes/grasp/wedge.toml");
@@ -55,7 +55,8 @@ fn gripper_rows() {
     let gripper = gripper.expect("it has a gripper");
     let (of_linkage, of_camera) = (linkage::checks(&finger, &gripper), gripper_camera::checks(&finger, &gripper));
     let of_camera = of_camera.expect("the lens is one");
-    // The loop, both frames, the opening's derivative and inverse; both frames in the camera's, and nodes in its images.
+    // Linkage: closed loop, both frames, and derivative and inverse of the opening. Camera: both frames in the camera's frame, and nodes in its
+    // images.
     assert_eq!([of_linkage.len(), of_camera.len()], [4, 2]);
     assert_all_pass(&of_linkage);
     assert_all_pass(&of_camera);
@@ -74,8 +75,8 @@ fn rigid_rotation_leaves_no_forces() {
     }
 }
 
-/// The first example of the procedure's authors (Celik et al. 2008, table 1), printed to two to four digits, and a made-up
-/// solution 1 + h^3 on meshes of unequal ratio.
+/// Two cases: the first example of the procedure's authors (Celik et al. 2008, table 1), printed with two to four digits, and the invented solution
+/// `1 + h^3` on meshes with unequal ratios.
 #[test]
 fn grid_convergence_index_of_known_cases() {
     let cells = [4500, 8000, 18000];
@@ -88,7 +89,7 @@ fn grid_convergence_index_of_known_cases() {
     assert!((made_up.order - 3.0).abs() < 1e-9 && (made_up.extrapolated - 1.0).abs() < 1e-12, "{made_up:?}");
 }
 
-/// A check whose figure is not a number fails; one outside its tolerance fails.
+/// A check fails if its figure is outside the tolerance or not a number.
 #[test]
 fn checks_can_fail() {
     assert!(Check::new(Kind::Internal, "", "", "", 1.0, 1.1, 0.1 + 1e-12).passes());

@@ -4,16 +4,16 @@ use crate::check::assert_all_pass;
 use finray_studies::problems::lattice;
 use finray_tests::paper;
 
-/// Beams, linear theory, settling and repetition, as in the report.
+/// The checks of the report: against beams, linear theory and settling, and of repeatability.
 #[test]
 fn paper_finger_is_that_of_beams() {
     let checks = lattice::checks(&paper()).expect("every load has an equilibrium");
-    // Six forces, linear theory, settling, two forces settled, bits.
+    // Six forces, linear theory, settling, two settled forces, and identical bits.
     assert_eq!(checks.len(), 11);
     assert_all_pass(&checks);
 }
 
-/// Beyond small forces linear theory must part from the lattice: by more than a tenth at 5 N.
+/// For large forces, linear theory must differ from the lattice: by more than a tenth at 5 N.
 #[test]
 fn linear_beams_part_from_the_lattice() {
     let comparisons = lattice::comparisons(&paper()).expect("every load has an equilibrium");

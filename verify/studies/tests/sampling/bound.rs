@@ -14,7 +14,7 @@ use finray_tests::{CAMERA_NOISE_MM, STANDARD_ERRORS, case_count, finger_of, is_f
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-/// Tolerance: root-mean-square error within this share of the Cramer-Rao bound.
+/// Relative tolerance of the root mean square error against the Cramer-Rao bound.
 const TOLERANCE: f64 = 0.10;
 
 fn assert_efficient(what: &str, scatter: &Scatter, cases: usize, tolerance: f64) {
@@ -27,8 +27,8 @@ fn assert_efficient(what: &str, scatter: &Scatter, cases: usize, tolerance: f64)
     }
 }
 
-/// Every contact node alone and all 66 pairs: the error scatters as the Cramer-Rao bound has it, forces and sums, and the
-/// stated sigma covers as often as it claims.
+/// For every contact node and all 66 pairs, the scatter of forces and sums equals the Cramer-Rao bound, and the stated standard deviations have their
+/// nominal coverage.
 #[test]
 fn every_node_and_pair_reaches_the_bound() {
     let finger = paper();
@@ -42,7 +42,7 @@ fn every_node_and_pair_reaches_the_bound() {
         cases,
         seed: 1,
     };
-    // The true finger is this very mesh, which so has no error.
+    // The true finger has the same mesh as the estimator, so there is no mesh error.
     let nonlinear = BeamEstimator::nonlinear(&mesh).of_noise_alone();
     let nodes = sampled_nodes(&finger);
     let single = scatter(&request, &[&nonlinear], &singles(&nodes), ONE_FORCE_N, &|| {}).expect("contact nodes");
@@ -54,7 +54,7 @@ fn every_node_and_pair_reaches_the_bound() {
             assert_efficient(&format!("{:?}", row.nodes), scatter, cases, TOLERANCE);
         }
     }
-    // All first forces together leave little room for chance.
+    // For the first forces of all rows together, chance is small.
     let mean = |quantity: fn(&Scatter) -> Option<f64>| {
         let first: Option<Vec<f64>> = single.iter().chain(&pairs).map(|row| quantity(&row.forces[0])).collect();
         let first = first.expect("there is noise");
@@ -75,14 +75,14 @@ fn every_node_and_pair_reaches_the_bound() {
     assert_targets(&single, &pairs, cases);
 }
 
-/// Cases of each set of contacts on the fine truth: with the chance of the noise taken out, a root mean square is known from them to 2 % for
-/// neighbours and better for all others.
+/// Number of cases of each set of contacts on the fine finger. With control variates for the noise, a root mean square is then known to 2 % for
+/// neighbours, and more accurately for all other sets.
 const FINE_CASES: usize = 200;
-/// Cases of the few sets that chance leaves open.
+/// Number of cases for the few sets that are too close to the tolerance to decide.
 const MORE_CASES: usize = 2000;
 
-/// The same at 10 % sharp, on the 684-node truth, sensed by the model of the report: nothing is added for chance, which must be small. Every sixth pair,
-/// or all in the full study, as in the report.
+/// The same for the 684-node finger, sensed by the model of the report. The tolerance is exactly 10 % without an allowance for chance, which must be
+/// small. Every sixth pair is tested; the full study tests all pairs, as in the report.
 #[test]
 fn every_node_and_pair_reaches_the_bound_on_the_fine_truth() {
     let finger = paper();
@@ -102,7 +102,7 @@ fn every_node_and_pair_reaches_the_bound_on_the_fine_truth() {
         let request = ScatterRequest { cases, ..request };
         scatter_controlled(&request, &[&nonlinear], sets, range_n, &|| {}).expect("contact nodes")
     };
-    // Sets that are too near to the tolerance to decide are drawn again in more cases, as the report does.
+    // Sets that are too close to the tolerance to decide are drawn again with more cases, as in the report.
     let of_sets = |sets: &[Vec<NodeId>], range_n| {
         let rows = drawn(FINE_CASES, sets, range_n).into_iter().zip(sets);
         let settled = |(row, set): (ScatterRow, &Vec<NodeId>)| match row.is_near_tolerance(TOLERANCE) {
@@ -127,10 +127,10 @@ fn every_node_and_pair_reaches_the_bound_on_the_fine_truth() {
     assert_eq!(figures, 12 * 2 + pairs.len() * 3);
 }
 
-/// An estimator that wastes a fifth is found out: its errors are those of the nonlinear one times 1.2.
+/// The test detects an estimator whose errors are 1.2 times as large as the errors of the nonlinear estimator.
 #[test]
 fn a_fifth_above_the_bound_is_found_out() {
-    // Noise of its own, sqrt(1.2^2 - 1) times the camera's, from what was seen: the same for the same measurement.
+    // Adds noise of sqrt(1.2^2 - 1) times the camera's noise. Its seed follows from the measurement, so equal measurements get equal noise.
     let noisier = |seen: &Measurement| {
         let bits = seen.markers().iter().fold(0, |bits, marker| bits ^ marker.displacement.y.to_bits());
         noisy(seen, CAMERA_NOISE_MM * 0.44_f64.sqrt(), &mut ChaCha8Rng::seed_from_u64(bits))
@@ -151,9 +151,9 @@ fn a_fifth_above_the_bound_is_found_out() {
     assert!(found.over_bound_controlled - 1.0 > TOLERANCE, "{found:?}");
 }
 
-/// Mean relative errors that were asked for.
+/// Checks the required mean relative errors.
 fn assert_targets(single: &[ScatterRow], pairs: &[ScatterRow], cases: usize) {
-    // Relative errors of evenly drawn forces scatter by 1.1 of their mean.
+    // The relative errors of uniformly drawn forces have a standard deviation of 1.1 times their mean.
     let allowance = 1.0 + STANDARD_ERRORS * 1.1 / (cases as f64).sqrt();
     for row in single.iter().filter(|row| (14..=22).contains(&row.nodes[0]) || row.nodes[0] == 24) {
         assert!(row.forces[0].mean_error <= 0.013 * allowance, "{row:?}");
@@ -165,8 +165,8 @@ fn assert_targets(single: &[ScatterRow], pairs: &[ScatterRow], cases: usize) {
     }
 }
 
-/// A finger that is hardly moved by what pushes its tip along the front plate's normal: the noise leaves the force open, and
-/// where it looks like the onset of buckling, a claimed force would be ten times the true one.
+/// A force at this finger's tip along the front plate's normal hardly displaces the finger, so the force is not identifiable. If the noise looks like
+/// the onset of buckling, a stated force would be ten times the true force.
 #[test]
 fn a_force_that_moves_nothing_is_refused() {
     let finger = finger_of(finray_fixtures::SPRING_STEEL_SCENE);

@@ -5,7 +5,7 @@ use finray_studies::sampling::map::{AccuracyMap, MapRequest};
 use finray_studies::sampling::sweep::MapCell;
 use finray_studies::truths::TruthId;
 
-/// A map of one force, a direction a cell: (error, samples, answered).
+/// A map with one force, and one direction per cell. Each cell is given by error, number of samples and number of answers.
 fn map(cells: &[(Option<f64>, usize, usize)]) -> AccuracyMap {
     let cell = |(n, &(mean_error, samples, answered)): (usize, &(Option<f64>, usize, usize))| MapCell {
         s_mm: 10.0,

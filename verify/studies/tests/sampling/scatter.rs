@@ -7,20 +7,20 @@ use finray_studies::sampling::scatter::{Counts, Scatter, ScatterRequest, Scatter
 use finray_studies::settings::TWO_FORCES_N;
 use finray_tests::{CAMERA_NOISE_MM, paper};
 
-/// Cases for each set of contacts.
+/// Number of cases for each set of contacts.
 pub const CASES: usize = 100;
-/// Chance moves the mean of this many relative errors, which scatter by 1.1 of it, by a tenth; three times that is met once in
-/// four hundred figures.
+/// Relative allowance for chance in a mean error: three standard errors, which one of four hundred figures exceeds. The relative errors have a
+/// standard deviation of 1.1 times their mean, so the standard error of [`CASES`] is about a tenth.
 pub const CHANCE: f64 = 0.33;
-/// Nonlinear sensing without noise on the mesh of the true finger, whose iteration stops at some millionths.
+/// Tolerance for nonlinear sensing without noise on the mesh of the true finger. The iteration stops at some millionths.
 const SAME_FINGER: f64 = 1e-5;
 
-/// Rows for one set of nodes of the finger on 25 nodes.
+/// Rows for one set of contact nodes of the finger with 25 mesh nodes.
 fn rows(estimators: &[&dyn Estimator], kinematics: Kinematics, levels: &[f64], nodes: &[usize]) -> Vec<ScatterRow> {
     rows_on(&Mesh::key_nodes(&paper()), estimators, kinematics, levels, nodes)
 }
 
-/// Rows for one set of nodes.
+/// Rows for one set of contact nodes.
 pub fn rows_on(
     truth: &Mesh,
     estimators: &[&dyn Estimator],
@@ -34,7 +34,7 @@ pub fn rows_on(
     scatter(&request, estimators, &[set], TWO_FORCES_N, &|| {}).expect("contact nodes")
 }
 
-/// Other estimators and noise levels in the same run change nothing.
+/// The results of an estimator do not depend on other estimators and noise levels in the same run.
 #[test]
 fn estimators_see_the_same_cases() {
     let finger = paper();
@@ -48,10 +48,10 @@ fn estimators_see_the_same_cases() {
         let alone = rows(&[&least_squares], kinematics, &[CAMERA_NOISE_MM], &nodes);
         assert_eq!(together.len(), 4);
         assert_eq!(together[3], alone[0]);
-        // The finger, not the estimator, decides what is carried.
+        // The number of forces without equilibrium depends on the finger, and not on the estimator.
         assert_eq!(together[0].not_carried, together[3].not_carried);
     }
-    // On its own finger each reaches the bound, and the same bound stands beside all.
+    // The nonlinear estimator reaches the bound on the co-rotational finger, and the bound is the same for all estimators.
     let found = rows(&[&least_squares, &nonlinear], Kinematics::Corotational, &[CAMERA_NOISE_MM], &nodes);
     assert_eq!(found[0].mean_error_bound(), found[1].mean_error_bound());
     let reaches = |row: &ScatterRow| {
@@ -62,8 +62,7 @@ fn estimators_see_the_same_cases() {
     reaches(&rows(&[&least_squares], Kinematics::Linear, &[CAMERA_NOISE_MM], &nodes)[0]);
 }
 
-/// Without noise there is no bound to divide by; an estimator that states nothing is not said to cover anything; nothing
-/// becomes a number that JSON does not know.
+/// Without noise, there is no bound. An estimator without standard deviations has no coverage. Undefined figures are `None`, because JSON has no NaN.
 #[test]
 fn what_makes_no_sense_is_left_out() {
     let (constant, refusing) = (Constant { refuses: false }, Constant { refuses: true });
@@ -80,7 +79,8 @@ fn what_makes_no_sense_is_left_out() {
     assert!(refused.forces.is_empty() && refused.sum.is_none());
 }
 
-/// The sum's stated sigma covers it, although neighbours' forces err against each other; a strong prior makes it smaller.
+/// The stated standard deviation of a sum has its nominal coverage, although errors of neighbouring forces are anticorrelated. A strong prior makes
+/// the standard deviation smaller.
 #[test]
 fn the_sigma_of_a_sum_knows_of_the_correlation() {
     let finger = paper();
@@ -90,13 +90,13 @@ fn the_sigma_of_a_sum_knows_of_the_correlation() {
     let found = rows(&[&least_squares, &ridge], Kinematics::Linear, &[CAMERA_NOISE_MM], &[19, 20]);
     for row in &found {
         let covered = row.sum.and_then(|sum| sum.coverage).expect("stated");
-        // Four standard errors of a share among a hundred cases: 0.19 and 0.09.
+        // Tolerances: four standard errors of a share of a hundred cases are 0.19 and 0.09.
         assert!((covered.one_sigma - 0.683).abs() < 0.19 && (covered.two_sigma - 0.95).abs() < 0.09, "{row:?}");
     }
 }
 
-/// Every sample is that of its forces, however the truth was followed there: an estimator that knows the true finger errs by the
-/// rounding of two Newton iterations alone.
+/// Every sample belongs to its forces, whatever the path to its equilibrium. An estimator with the true finger therefore has only the error of two
+/// Newton iterations.
 #[test]
 fn samples_are_those_of_the_forces() {
     let finger = paper();

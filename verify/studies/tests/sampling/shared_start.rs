@@ -10,7 +10,8 @@ use finray_tests::{ELEMENTS, paper};
 
 const NOISE_MM: f64 = 0.067;
 const SAMPLES: usize = 4;
-/// A search ends where a step changes a force by less than 1e-7 of its scale; forces of ill-conditioned cells by a little more.
+/// Tolerance between two searches for the same answer. A search ends if a step changes a force by less than 1e-7 of its scale; in ill-conditioned
+/// cells, the difference is slightly larger.
 const SAME_ANSWER: f64 = 1e-5;
 
 #[test]

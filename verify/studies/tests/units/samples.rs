@@ -3,7 +3,7 @@
 use super::*;
 use finray_model::Scene;
 
-/// Samples that are kept, drawn on their own or with others before them are the same.
+/// A sample is the same whether it is drawn alone, after other samples, or kept from an earlier draw.
 #[test]
 fn a_sample_does_not_depend_on_what_is_kept() {
     let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("the paper's scene").finger;

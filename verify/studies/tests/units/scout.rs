@@ -1,10 +1,11 @@
-//! The scout, which predicts whether loads have an equilibrium: it refuses none that have one.
+//! Tests of the scout, which predicts whether loads have an equilibrium. It never refuses loads that have one.
 
 use super::*;
 use finray_model::Scene;
 
-/// Over a grid of pairs of forces on two nodes near the tip of a finger that carries only the smaller of them, the scout refuses none
-/// that the finger carries, none that it carries nearly, and takes none for carried that are not; nearly all of them without following them.
+/// A grid of force pairs acts on two nodes near the tip of a finger that carries only the smaller pairs. The scout refuses no pair that the finger
+/// carries or nearly carries, and accepts no pair that the finger does not carry. It decides nearly all pairs without computing their equilibrium
+/// paths.
 #[test]
 fn forces_that_are_carried_are_never_refused() -> Result<(), Box<dyn std::error::Error>> {
     let finger = Scene::from_toml(finray_fixtures::SOFT_SCENE)?.finger;
@@ -17,7 +18,7 @@ fn forces_that_are_carried_are_never_refused() -> Result<(), Box<dyn std::error:
     let (mut refused, mut carried) = (0, 0);
     for first in 1..=14 {
         for second in 1..=14 {
-            // In an order that has nothing to do with their size.
+            // The order of the forces is unrelated to their size.
             let forces_n = [first * 5 % 14, second * 3 % 14].map(|n| 0.1 + 0.2 * f64::from(n));
             let loads = loads(&mesh, &contacts, &forces_n).ok_or("the contacts are on the mesh")?;
             let share = match statics.equilibrium(&loads) {
@@ -34,7 +35,7 @@ fn forces_that_are_carried_are_never_refused() -> Result<(), Box<dyn std::error:
         }
     }
     assert!(carried > 10 && refused > 100, "{carried} carried, {refused} refused");
-    // Of hundreds of forces, few are followed beside those of the ratios.
+    // For hundreds of forces, the scout computes few equilibrium paths besides the paths for the force ratios.
     let followed = scout.limits.len() - ratio_limits.limits.get().ok_or("limits are there")?.len();
     assert!(followed < refused / 10, "{followed} forces followed for {refused} refusals");
     Ok(())

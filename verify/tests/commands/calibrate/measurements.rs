@@ -4,7 +4,8 @@ use super::{COLUMNS, calibrate, measured};
 use crate::kit::*;
 use std::fmt::Write;
 
-/// The linear finger bends more than the co-rotational one under the same weights, and takes the difference for stiffness.
+/// Under the same weights, the linear finger bends more than the co-rotational finger. A calibration of the linear finger attributes this difference
+/// to stiffness.
 #[test]
 fn weights_that_bend_far_lead_to_the_true_modulus() {
     let folder = Folder::new();
@@ -15,7 +16,7 @@ fn weights_that_bend_far_lead_to_the_true_modulus() {
         let load = format!("{load_node}:{fx},{fy}");
         let shape = Csv::of(&finray(&["solve", &truth, "--mesh-nodes", "130", "--load", &load]).computed());
         for (i, node) in shape.texts("node").into_iter().enumerate() {
-            // Noise of 0.05 mm, of either sign.
+            // Deterministic noise of +0.05 mm or -0.05 mm.
             let noise = |k: usize| 0.05 * (1.0 - 2.0 * ((7 * i + 3 * load_node + 5 * k) % 2) as f64);
             let [ux, uy] = ["ux_mm", "uy_mm"].map(|column| shape.numbers(column)[i]);
             let clamped = if matches!(node, "1" | "25") { 0.0 } else { 1.0 };
@@ -31,7 +32,7 @@ fn weights_that_bend_far_lead_to_the_true_modulus() {
     let (factor, sigma) =
         modulus(&finray_reading(text.as_bytes(), &["calibrate", PAPER, "--measurements", "-"]).done());
     assert!((factor - 0.9).abs() < 3.0 * sigma && sigma < 0.005, "{factor} +- {sigma}");
-    // Asked for, the linear finger answers with a warning, and its sigma holds what it gets wrong.
+    // With `--kinematics linear`, the command succeeds with a warning, and the standard deviation covers the model error.
     let (answer, warnings) = calibrate(PAPER, &text).warned();
     let (linear, wide) = modulus(&answer);
     assert!((linear - 0.9).abs() > 3.0 * sigma && (linear - 0.9).abs() < 3.0 * wide, "{linear} +- {wide}");
@@ -39,11 +40,11 @@ fn weights_that_bend_far_lead_to_the_true_modulus() {
         &warnings[0],
         &["the co-rotational finger is closer", "--kinematics linear", "sigma includes the difference"],
     );
-    // Shapes of a finger that bends linearly are said to be.
+    // For shapes of a linear finger, a warning states that the linear finger is closer.
     let (_, warnings) =
         finray_reading(measured(&truth).as_bytes(), &["calibrate", PAPER, "--measurements", "-"]).warned();
     assert_says(&warnings.concat(), &["the linear finger is closer", "modulus_factor 0.9000"]);
-    // One marker that was taken for another is named, and hardly counts.
+    // A wrongly assigned marker is named in a warning, and hardly changes the result.
     let row = text.lines().find(|row| row.starts_with("21,21,") && row.split(',').nth(4) == Some("5")).expect("node 5");
     let (answer, warnings) = finray_reading(
         text.replace(row, &format!("{},3.0,-25.0", row.rsplitn(3, ',').last().expect("cells"))).as_bytes(),
@@ -54,7 +55,7 @@ fn weights_that_bend_far_lead_to_the_true_modulus() {
     assert!(warnings.len() == 1 && warnings[0].contains("case 3 in the order of the file: node 5 is"), "{warnings:?}");
 }
 
-/// As in what `sense` reads.
+/// Empty cells have the same meaning as for `sense`.
 #[test]
 fn empty_cells_are_a_hidden_marker() {
     let exact = measured(PAPER);
@@ -69,7 +70,7 @@ fn empty_cells_are_a_hidden_marker() {
     assert_ne!(missing, exact);
     assert_eq!(calibrate(PAPER, &empty).done(), calibrate(PAPER, &missing).done());
     let half: String = exact.lines().map(|line| emptied(line, "1.0,")).collect();
-    assert_says(&calibrate(PAPER, &half).refused(), &["uy_mm: ", "a hidden marker leaves both empty"]);
+    assert_says(&calibrate(PAPER, &half).refused(), &["uy_mm: ", "for a hidden marker, leave both cells empty"]);
     let none = format!("{COLUMNS}a,19,0,-1,7,,\na,19,0,-1,8,,\n");
     assert_says(&calibrate(PAPER, &none).refused(), &["hidden"]);
 }

@@ -12,7 +12,7 @@ fn bad_images_are_refused_and_nothing_is_written() {
     let everything: Vec<String> = (1..=25).map(|node| node.to_string()).collect();
     let everything: Vec<&str> = everything.iter().map(String::as_str).collect();
     let (hidden, _) = image_of(&folder, "hidden.png", "80:2", &[&["--hide"], &everything[..]].concat());
-    // A header that promises 60 000 x 60 000 pixels.
+    // A header that states 60 000 x 60 000 pixels.
     let mut huge = good.clone();
     huge[16..24].copy_from_slice(&[0, 0, 0xea, 0x60, 0, 0, 0xea, 0x60]);
     for (name, bytes, expected) in [
@@ -44,7 +44,7 @@ fn bad_images_are_refused_and_nothing_is_written() {
     assert_says(&finray(&["render", CAMERA, "--hide", "26"]).refused(), &["--hide", "1 to 25"]);
 }
 
-/// Files in other formats of colour show the same finger.
+/// Image files with other colour formats give the same result.
 #[test]
 fn other_kinds_of_image_files_are_read() {
     let folder = Folder::new();
@@ -59,12 +59,12 @@ fn other_kinds_of_image_files_are_read() {
         assert_eq!(located.rows.len(), 25, "{name}");
         assert_located(&located, name, &shape);
     }
-    // Without colour the markers cannot be told from the rest.
+    // Without colour, the markers cannot be distinguished from the background.
     let grey = folder.put("grey.png", encoded(&DynamicImage::ImageLuma8(decoded.to_luma8()), ImageFormat::Png));
     assert_says(&finray(&["locate", CAMERA, "--image", &grey]).refused(), &["found 0 of 23 markers"]);
 }
 
-/// Damaged image files end with a message, whatever is in them.
+/// A damaged image file never causes a panic; the command ends with a message.
 #[test]
 fn damaged_images_do_no_harm() {
     use rand::{RngExt, SeedableRng};
@@ -76,7 +76,7 @@ fn damaged_images_do_no_harm() {
     for number in 0..40 {
         let mut bytes = files[number % 2].clone();
         for _ in 0..chance.random_range(1..20) {
-            // Half of the damage is in the header, where lengths and kinds stand.
+            // Half of the damage is in the header, which contains lengths and types.
             let end = if chance.random_bool(0.5) { 700 } else { bytes.len() };
             let at = chance.random_range(0..end.min(bytes.len()));
             bytes[at] = chance.random();
@@ -89,25 +89,25 @@ fn damaged_images_do_no_harm() {
     }
 }
 
-/// The bytes of an EXIF block that says no more than an orientation.
+/// The bytes of an EXIF block that contains only an orientation.
 fn exif(orientation: u8) -> Vec<u8> {
     [b"MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0".as_slice(), &[orientation, 0, 0, 0, 0, 0, 0]].concat()
 }
 
-/// A PNG file with an EXIF chunk before or behind the pixels.
+/// A PNG file with an EXIF chunk before or after the pixels.
 fn png_with_exif(png: &[u8], exif: &[u8], is_before: bool) -> Vec<u8> {
     let data = [b"eXIf", exif].concat();
-    // The check sum of the format: CRC-32.
+    // The checksum of the chunk: CRC-32.
     let sum = data.iter().fold(u32::MAX, |sum, byte| {
         (0..8).fold(sum ^ u32::from(*byte), |sum, _| (sum >> 1) ^ if sum & 1 == 1 { 0xedb8_8320 } else { 0 })
     });
     let chunk = [&(exif.len() as u32).to_be_bytes(), data.as_slice(), &(!sum).to_be_bytes()].concat();
-    // The first chunk ends after 33 bytes; the last one has 12.
+    // The first chunk ends after 33 bytes; the last chunk has 12 bytes.
     let at = if is_before { 33 } else { png.len() - 12 };
     [&png[..at], &chunk, &png[at..]].concat()
 }
 
-/// Viewers turn such an image, and so did not `locate`: nodes had other nodes' names.
+/// Viewers rotate an image according to its EXIF orientation. `locate` once ignored the orientation and assigned markers to wrong nodes.
 #[test]
 fn an_orientation_in_exif_is_not_heeded() {
     let folder = Folder::new();
@@ -135,7 +135,8 @@ fn an_orientation_in_exif_is_not_heeded() {
     assert_says(&finray(&["locate", CAMERA, "--image", &left]).refused(), &["1400 x 1600 px", "turned by 90 degrees"]);
 }
 
-/// A pose that is a little off displaces every node; what nothing held was stated as 0.002 mm.
+/// A slightly wrong pose displaces every node. `locate` once did not compare the clamped markers with their positions, and stated a standard
+/// deviation of 0.002 mm.
 #[test]
 fn clamped_markers_that_are_off_are_not_looked_at() {
     let folder = Folder::new();

@@ -1,14 +1,14 @@
-//! Coloured markers on the hinges of a finger with brackets; tip and clamped nodes have none.
+//! Coloured markers on the hinges of a finger with brackets; tip and clamped nodes have no markers.
 
 use crate::kit::*;
 use finray_fixtures::BRACKETED_SCENE;
 
-/// Place, mm, force, N, and angle, degrees, of the load.
+/// Position (mm), force (N) and angle (degrees) of the load.
 const LOAD: [f64; 3] = [80.0, 3.0, 10.0];
-/// Noise of two grey levels at 4 px a mm.
+/// Limit of the relative error of the force, for noise of two grey levels at 4 px/mm.
 const LARGEST_ERROR: f64 = 0.005;
 
-/// The bracketed finger with discs of two colours in place of bright rims, on a base that does not move.
+/// The scene of the bracketed finger, with coloured discs instead of bright rims and with a fixed base.
 fn scene(folder: &Folder) -> String {
     let (before, after) = BRACKETED_SCENE.split_once("[markers]").expect("markers");
     let camera = &after[after.find("[camera]").expect("a camera")..];

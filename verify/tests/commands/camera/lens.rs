@@ -3,7 +3,7 @@
 use super::*;
 use finray_fixtures::CAMERA_SCENE;
 
-/// An image of a grid of 10 mm before the camera of the scene, without its distortion, slanted by an angle (rad).
+/// Image of a grid with a pitch of 10 mm, slanted by `slant` (rad). The camera is the scene's camera without distortion.
 fn grid(folder: &Folder, name: &str, slant: f64) -> String {
     use finray_imaging::render::{Disturbances, GridPlate, render_grid};
     use finray_model::camera::{Camera, Pose};
@@ -15,7 +15,7 @@ fn grid(folder: &Folder, name: &str, slant: f64) -> String {
     folder.put(name, encoded(&DynamicImage::ImageRgb8(image), ImageFormat::Png))
 }
 
-/// What `lens` writes is a scene's camera table.
+/// The output of `lens` is a valid `[camera]` table of a scene.
 #[test]
 fn a_lens_from_grids_serves_a_scene() {
     let folder = Folder::new();
@@ -53,14 +53,15 @@ fn images_without_a_grid_give_no_lens() {
     for pitch in ["0", "-1", "nan", "ten"] {
         assert_says(&finray(&["lens", "--grid-mm", pitch, "--image", &good]).refused(), &["--grid-mm"]);
     }
-    // One image without slant does not show the focal length.
+    // One image without slant does not determine the focal length.
     let answer = finray(&["lens", "--grid-mm", "10", "--image", &grid(&folder, "flat.png", 0.0)]);
     assert!(answer.code == Some(0) && answer.err.starts_with("note: ") && answer.err.contains("fx"), "{}", answer.err);
     assert_says(&answer.err, &["warning: the focal length is uncertain by"]);
     assert!(answer.out.contains("# the focal length is uncertain by"));
 }
 
-/// `lens --plane` gives the pose of the grid's plane: origin in the middle of the image, z towards the camera. It takes images of one place alone.
+/// `lens --plane` computes the pose of the grid's plane: the origin is in the middle of the image, and z points to the camera. All images must show
+/// the grid in the same place.
 #[test]
 fn the_plane_of_a_grid_is_written() {
     use finray_model::camera::{Camera, Lens, Pose};
@@ -75,9 +76,10 @@ fn the_plane_of_a_grid_is_written() {
     let found = scene.camera.expect("a camera").pose.expect("a pose");
     let truth = Pose::new([std::f64::consts::PI, 0.0, 0.3], [5.0, -3.0, 200.0]);
     let [z, true_z] = [found, truth].map(|pose| pose.rotation * Vector3::z());
-    // Two images in one place leave the focal length at its usual value, and with it slant and distance.
+    // Two images of a grid in one place do not determine the focal length, which keeps its prior value. Slant and distance are therefore only
+    // approximate.
     assert!(z.dot(&true_z).abs() > 0.03_f64.cos() && z.z < 0.0, "{z} {true_z}");
-    // What pixels are apart in the plane holds all the same.
+    // Distances between positions in the plane are nevertheless correct.
     let apart = |lens: Lens, pose: Pose| {
         let [a, b] = [[300.0, 400.0], [1300.0, 1000.0]]
             .map(|pixel| Camera { lens, pose }.on_plane(&pixel.into(), 0.0).expect("the plane"));

@@ -22,7 +22,7 @@ fn an_image_leads_back_to_the_force() {
         let sensed = Csv::of(&finray(&arguments).computed());
         let (force, sigma) = (sensed.numbers("force_n")[0], sensed.numbers("sigma_n")[0]);
         assert!((force - 2.0).abs() < 4.0 * sigma, "{estimator}: {force} +- {sigma}");
-        // 0.067 mm would leave 1.2 % at the worst node; a camera leaves a tenth.
+        // Noise of 0.067 mm would cause an error of 1.2 % at the worst node; this camera causes a tenth of that error.
         assert!(estimator != "nonlinear" || (force - 2.0).abs() < 0.0024, "{force}");
     }
 }
@@ -49,7 +49,7 @@ fn a_stream_is_sensed_image_by_image() {
     assert!((sensed.numbers("force_n")[0] - 3.5).abs() < 0.01, "{sensed:?}");
 }
 
-/// The pose need not be in the scene where an image of the unloaded finger is at hand.
+/// With an image of the unloaded finger, the scene needs no camera pose.
 #[test]
 fn the_pose_may_come_from_an_image_at_rest() {
     let folder = Folder::new();
@@ -62,22 +62,25 @@ fn the_pose_may_come_from_an_image_at_rest() {
     assert_located(&located, "image.png", &shape);
     let message = finray(&["locate", &scene, "--image", &image]).refused();
     assert_says(&message, &["rotation_vector_rad", "[camera]"]);
-    // A bent finger is no finger at rest.
+    // A bent finger is rejected as a finger at rest.
     let message = finray(&["locate", &scene, "--image", &image, "--rest", &image]).refused();
     assert_says(&message, &["unloaded"]);
-    // A little of a load may be markers that are off their nodes.
+    // The effect of a small load may also be markers beside their nodes, so it causes only a warning.
     let (bent, _) = image_of(&folder, "bent.png", "80:0.05", &[]);
     let (_, warnings) = finray(&["locate", &scene, "--image", &image, "--rest", &bent]).warned();
-    assert_says(&warnings.join(" "), &["bent.png", "px (rms) away from those of the scene's unloaded finger"]);
+    assert_says(
+        &warnings.join(" "),
+        &["bent.png", "px (rms) away from their positions on the scene's unloaded finger"],
+    );
 }
 
-/// What is off by chance is so by at most this many standard errors.
+/// Tolerance of random deviations, in standard errors.
 const STANDARD_ERRORS: f64 = 3.0;
 
-/// A finger on brackets with grey markers.
+/// A finger with brackets and grey markers.
 const BRACKETED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/scenes/bracketed.toml");
 
-/// A finger with grey markers whose base is anywhere: from an image to displacements and the force.
+/// A finger with grey markers and an arbitrary pose of its base: displacements and force from an image.
 #[test]
 fn grey_markers_lead_back_to_the_force() {
     let folder = Folder::new();
@@ -106,8 +109,8 @@ fn grey_markers_lead_back_to_the_force() {
     let sensed = Csv::of(&finray(&sense).computed());
     let (force, sigma) = (sensed.numbers("force_n")[0], sensed.numbers("sigma_n")[0]);
     assert!((force - 3.0).abs() < 4.0 * sigma && sigma < 0.05, "{force} +- {sigma}");
-    // Without references the base is only about where the ribs have it, as a warning says: it is sought with the force. The force leans from the
-    // undeformed normal by the arctangent of 10 degrees, wherever that normal points.
+    // Without references, the ribs give only an approximate pose of the base, as a warning states. The pose is then estimated together with the
+    // force. The force deviates from the undeformed normal by 10 degrees, whatever the pose of the base is.
     let (scene, _) = finray_fixtures::BRACKETED_SCENE.split_once("[[base.reference]]").expect("references");
     let (_, camera) = finray_fixtures::BRACKETED_SCENE.split_once("[camera]").expect("a camera");
     let contact = "[contact]\nfriction = 0.17633\nnormal = \"undeformed\"\n";
@@ -116,7 +119,7 @@ fn grey_markers_lead_back_to_the_force() {
     let (_, warnings) = finray(&["locate", &without, "--image", &image, "--out", &found]).warned();
     assert_says(
         &warnings.join("\\n"),
-        &["image.png: two references on the base were not found", "where the base is estimated with the forces"],
+        &["image.png: no two references on the base were found", "with an estimate of the base"],
     );
     let located = Csv::of(&folder.read("found.csv"));
     assert_eq!((located.numbers("base_sigma_mm")[0] > 5.0, located.numbers("marker_sigma_mm")[0] < 0.1), (true, true));
@@ -126,8 +129,8 @@ fn grey_markers_lead_back_to_the_force() {
     assert!((force - 3.0).abs() < 4.0 * sigma && sigma < 0.06, "{force} +- {sigma}");
 }
 
-/// Images of a finger that is its scene exactly, wherever its base: as many 95 % intervals hold the force, and the base's pose, as chance allows, and
-/// forces are not off to one side.
+/// The finger in the images equals its scene; only its base has different poses. The coverage of the 95 % intervals of force and base is 95 % within
+/// chance, and the errors of the forces have zero mean.
 #[test]
 fn intervals_of_forces_and_bases_hold_on_images_of_an_exact_finger() {
     const BASES: [&str; 3] = ["40,-70,95", "60,-75,90", "0,-60,80"];
@@ -161,23 +164,23 @@ fn intervals_of_forces_and_bases_hold_on_images_of_an_exact_finger() {
     let mean = off.iter().sum::<f64>() / count as f64;
     println!("{share} within, {mean} standard deviations off in the mean");
     assert!((share - 0.95).abs() <= STANDARD_ERRORS * share_error(0.95, count), "{share} {off:?}");
-    // Seeds of a base and a load share what the model of an edge leaves out, so that their mean counts for one.
+    // Images with the same base and load share the errors that the edge model neglects, so all seeds together count as one.
     let independent = (BASES.len() * LOADS.len()) as f64;
     assert!(mean.abs() <= STANDARD_ERRORS / independent.sqrt(), "{mean} {off:?}");
     let within = of_base.iter().flatten().filter(|off| off.abs() <= TWO_SIDED_95).count() as f64;
     let share = within / (3 * count) as f64;
     let square = of_base.iter().flatten().map(|off| off * off).sum::<f64>() / (3 * count) as f64;
     println!("{share} of the base's coordinates within, mean square {square}");
-    // The coordinates of one base are correlated: it counts as one.
+    // The coordinates of one base are correlated, so each base counts once.
     assert!((square - 1.0).abs() <= STANDARD_ERRORS * (2.0 / count as f64).sqrt(), "{square} {of_base:?}");
     assert!((share - 0.95).abs() <= STANDARD_ERRORS * share_error(0.95, 3 * count), "{share} {of_base:?}");
 }
 
-/// A bracket and a rib that meet at the rim of a ring once pulled its centre by 0.057 mm at a stated 0.012 mm: the background between them was seen beyond
-/// their blur. The inner edge of the ring is free of them.
+/// A bracket and a rib that meet at the rim of a ring once shifted the measured centre by 0.057 mm; the stated standard deviation was 0.012 mm. The
+/// background was sampled beyond the blur of bracket and rib. They do not touch the inner edge of the ring.
 #[test]
 fn strips_that_meet_at_a_ring_do_not_pull_its_centre() {
-    // 0.008 mm; 0.023 mm if contradicting edges keep their weights, 0.060 mm by the outer edge alone.
+    // Measured: 0.008 mm. The error is 0.023 mm if contradictory edges keep their weights, and 0.060 mm with the outer edge alone.
     const LARGEST_MM: f64 = 0.015;
     let folder = Folder::new();
     let scene = BRACKETED_SCENE

@@ -12,15 +12,15 @@ use crate::kit::*;
 use image::{DynamicImage, ImageFormat, RgbImage};
 use std::io::Cursor;
 
-/// The paper's finger, its markers and the camera that sees them.
+/// Scene of the paper's finger with markers and a camera.
 const CAMERA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/scenes/camera.toml");
-/// Largest error of a coordinate, mm, as asked of rendered images with grey noise 2 and a blur of 0.8 px.
+/// Limit of the error of a coordinate, mm, in rendered images with a noise of two grey levels and a blur of 0.8 px.
 const LARGEST_MM: f64 = 0.015;
 
-/// Nodes with which `solve` gives the shape that `render` draws.
+/// Option with which `solve` computes the shape that `render` draws.
 const FINE: [&str; 2] = ["--mesh-nodes", "1000"];
 
-/// An image of the paper's finger under a force, with the shape that `solve` gives it.
+/// Renders an image of the paper's finger under a force. Also returns the shape that `solve` computes for this force.
 fn image_of(folder: &Folder, name: &str, load_at: &str, options: &[&str]) -> (String, Csv) {
     let shape = Csv::of(&finray(&["solve", CAMERA, "--load-at", load_at, FINE[0], FINE[1]]).done());
     let path = folder.path(name);
@@ -29,7 +29,7 @@ fn image_of(folder: &Folder, name: &str, load_at: &str, options: &[&str]) -> (St
     (path, shape)
 }
 
-/// Checks every located node of an image against the shape.
+/// Compares every located node of an image with the shape.
 fn assert_located(located: &Csv, image: &str, shape: &Csv) {
     let (nodes, all) = (located.texts("node"), shape.texts("node"));
     for (i, node) in nodes.iter().enumerate().filter(|(i, _)| located.texts("image")[*i] == image) {
@@ -41,7 +41,7 @@ fn assert_located(located: &Csv, image: &str, shape: &Csv) {
     }
 }
 
-/// The bytes of an image's file.
+/// The bytes of an image file.
 fn encoded(image: &DynamicImage, format: ImageFormat) -> Vec<u8> {
     let mut bytes = Vec::new();
     image.write_to(&mut Cursor::new(&mut bytes), format).expect("an image in memory");

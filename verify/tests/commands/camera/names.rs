@@ -6,7 +6,7 @@ use super::*;
 const FORCES_N: [f64; 3] = [2.0, 0.5, 1.0];
 const FORCE_OF: [&str; 3] = ["80:2,-20", "80:0.5,-20", "80:1,-20"];
 
-/// As cameras number their folders: two images of one name, and one of another.
+/// Images in numbered folders, as cameras create them: two images have the same file name, and one has another name.
 fn images(folder: &Folder) -> [String; 3] {
     ["100", "101"].iter().for_each(|name| std::fs::create_dir(folder.path(name)).expect("a folder"));
     let names = ["100/1.png", "101/1.png", "101/2.png"];
@@ -34,7 +34,7 @@ fn images_of_one_name_are_distinguished_by_their_folders() {
     for (force_n, truth_n) in all.numbers("force_n").iter().zip(FORCES_N) {
         assert!((force_n - truth_n).abs() < 0.01, "{force_n}, true {truth_n}");
     }
-    // By what the table has, or by the image's path; less than distinguishes it is refused.
+    // An image is found by its name in the table or by its path. An ambiguous name is refused.
     let named = |name: &str| finray(&[&sense[..], &["--image-name", name]].concat());
     for (i, name) in
         [(0, "100/1.png"), (0, &images[0]), (1, "./101/1.png"), (2, "2.png"), (2, "101/2.png"), (2, &images[2])]
@@ -47,7 +47,7 @@ fn images_of_one_name_are_distinguished_by_their_folders() {
         &named("102/1.png").refused(),
         &["\"102/1.png\" is not among the located images", "100/1.png, 101/1.png, 2.png"],
     );
-    // As seen from one of the folders.
+    // The same command in one of the folders.
     let inside =
         command(&["locate", CAMERA, "--image", "1.png", "../101/1.png"]).current_dir(folder.path("100")).output();
     let inside = Csv::of(&String::from_utf8(inside.expect("finray runs").stdout).expect("text"));
@@ -56,7 +56,7 @@ fn images_of_one_name_are_distinguished_by_their_folders() {
     assert_says(&twice, &["100/1.png: the image is given twice"]);
 }
 
-/// Measured forces name images as the table of `locate` does, or by more of their path.
+/// Tables of measured forces name images as in the table of `locate`, or with more of the path.
 #[test]
 fn forces_find_images_of_one_name_by_their_folders() {
     let folder = Folder::new();
@@ -85,7 +85,8 @@ fn forces_find_images_of_one_name_by_their_folders() {
     assert_says(&calibrated(["100/1.png", &images[0], "2.png"]).refused(), &["line 3: ", "is listed twice"]);
 }
 
-/// An image that is cut off is one row of the table, and one of the forces; the others are located and sensed as without it.
+/// A truncated image has one refused row among the located images and one among the forces. The other images are located and sensed as without the
+/// truncated image.
 #[test]
 fn a_bad_image_is_one_refused_row() {
     let folder = Folder::new();
@@ -103,6 +104,6 @@ fn a_bad_image_is_one_refused_row() {
     assert!(sensed.texts("refused")[1].contains("cut.png"), "{:?}", sensed.texts("refused"));
     let one = ["sense", CAMERA, "--displacements", &nodes, "--contact-at", "80@-20", "--image-name"];
     assert_says(&finray(&[&one[..], &["cut.png"]].concat()).refused(), &["cut.png was refused when it was located"]);
-    // Alone it is an error.
+    // The truncated image alone is an error.
     assert_says(&finray(&["locate", CAMERA, "--image", &cut]).refused(), &["cut.png"]);
 }

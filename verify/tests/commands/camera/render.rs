@@ -16,8 +16,8 @@ fn the_same_seed_gives_the_same_image() {
     assert_eq!(&first[..8], b"\x89PNG\r\n\x1a\n");
 }
 
-/// Without --mesh-nodes the converged finger is drawn: its image is that of a much finer mesh, but for single pixels in which the share of a plate,
-/// of few steps, tips over; that of the key nodes alone is another one.
+/// Without --mesh-nodes, `render` draws the converged finger. The image equals the image of a much finer mesh, except for single pixels in which the
+/// rounded coverage differs. The image of a mesh of key nodes differs.
 #[test]
 fn the_converged_finger_is_drawn() {
     let folder = Folder::new();
@@ -32,7 +32,7 @@ fn the_converged_finger_is_drawn() {
     assert!(fine <= 30 && coarse > 10_000, "{fine} {coarse}");
 }
 
-/// A shape from a file is the shape of the same load.
+/// The image of a shape from a file equals the image of the same load.
 #[test]
 fn shapes_are_rendered_from_files() {
     let folder = Folder::new();

@@ -36,7 +36,7 @@ fn cameras_and_markers_of_a_scene_are_checked() {
     ] {
         assert_says(&refused(from, to), &[expected, "line "]);
     }
-    // What can be written but not seen.
+    // Scenes that are valid but describe cameras that do not see the finger.
     let folder = Folder::new();
     let (image, _) = image_of(&folder, "image.png", "80:2", &[]);
     for (from, to, expected) in [

@@ -1,11 +1,11 @@
-//! Headless Chromium, to view a page as readers do.
+//! Runs headless Chromium, to view pages as readers do.
 //!
-//! The executable is the path in `CHROME`, or else `chromium`, `chromium-browser` or `google-chrome`.
+//! The executable is the path in the environment variable `CHROME`, otherwise `chromium`, `chromium-browser` or `google-chrome`.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// Ends the copy of the page: measures the page and each drawing, and tells the frame that it stands in.
+/// Script at the end of the page's copy: measures the page and each drawing, and sends the results to the enclosing frame.
 const MEASURE: &str = r#"<script>
 addEventListener("load", () => {
   const drawings = [...document.querySelectorAll("figure svg")].map(svg => svg.getBoundingClientRect());
@@ -17,12 +17,12 @@ addEventListener("load", () => {
   parent.postMessage("MEASURED|" + told, "*");
 });
 </script></body>"#;
-/// A frame as wide as asked for, which a window of the browser may not be.
+/// A page with a frame of the requested width. The browser's window may have another width.
 const FRAME: &str = r#"<!DOCTYPE html><body><iframe src="measured.html" style="width:WIDTHpx;height:900px;border:0"></iframe><script>
 addEventListener("message", told => { document.body.innerText = told.data; });
 </script></body>"#;
 
-/// The browser, where there is one; where there is none it is said, for a browser is no part of what the project needs.
+/// Path of the browser. If no browser is installed, prints a message and returns `None`, because the project does not require a browser.
 pub fn browser() -> Option<PathBuf> {
     let names = ["chromium", "chromium-browser", "google-chrome"].map(PathBuf::from);
     let candidates = std::env::var_os("CHROME").map(PathBuf::from).into_iter().chain(names);
@@ -34,7 +34,7 @@ pub fn browser() -> Option<PathBuf> {
     found
 }
 
-/// Runs the browser on a page, with a profile of its own.
+/// Runs the browser on a page, with a separate profile.
 pub fn run(browser: &Path, page: &Path, arguments: &[&str]) -> Output {
     let profile = tempfile::tempdir().expect("a folder");
     Command::new(browser)
@@ -46,7 +46,7 @@ pub fn run(browser: &Path, page: &Path, arguments: &[&str]) -> Output {
         .expect("the browser starts")
 }
 
-/// Nothing written to the browser's console.
+/// Checks that the page wrote nothing to the browser's console.
 #[track_caller]
 pub fn assert_silent(output: &Output) {
     let said = String::from_utf8_lossy(&output.stderr);
@@ -54,7 +54,7 @@ pub fn assert_silent(output: &Output) {
     assert!(console.is_empty(), "{console:?}");
 }
 
-/// What the browser measures of a page: the window's width, the page's, drawings, drawings without size, and what is too wide.
+/// Measurements of a page: widths of window and page, numbers of drawings and of drawings without size, and elements that are too wide.
 pub struct Measured {
     pub window: f64,
     pub page: f64,
@@ -63,9 +63,9 @@ pub struct Measured {
     pub wide: String,
 }
 
-/// Opens a copy of a page, with its details opened, in a window of a width.
+/// Measures a copy of a page, with all details opened, in a window of the given width.
 pub fn measure(browser: &Path, folder: &Path, html: &str, width: u32, dark: bool) -> Measured {
-    // Details are opened, so that what they hold is measured as well.
+    // Details are opened, so that their content is measured as well.
     let page = folder.join("measured.html");
     let mut copy = html.replace("<details>", "<details open>").replace("</body>", MEASURE);
     if dark {

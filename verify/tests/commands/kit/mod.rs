@@ -9,24 +9,24 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use tempfile::TempDir;
 
-/// The paper's finger.
+/// Scene of the paper's finger.
 pub const PAPER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/scenes/paper.toml");
-/// The spring-steel finger.
+/// Scene of the spring-steel finger.
 pub const SPRING_STEEL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/scenes/spring-steel.toml");
-/// Two ways to the same linear result differ by rounding, which grows with the finger's 1e4 of condition.
+/// Tolerance between two computations of the same linear result. The condition number of the finger, 1e4, amplifies rounding errors.
 pub const LINEAR_ROUNDING: f64 = 1e-9;
 
-/// How a run ended.
+/// Result of a run.
 #[derive(Debug, Clone)]
 pub struct Answer {
     pub code: Option<i32>,
     pub out: String,
     pub err: String,
-    /// The last line of standard error, if it says what was done; `err` is without it.
+    /// The last line of standard error, if it summarises the run; `err` excludes this line.
     pub summary: Option<String>,
 }
 
-/// The command with its arguments.
+/// The `finray` command with its arguments.
 pub fn command(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_finray"));
     command.args(arguments);
@@ -43,7 +43,7 @@ pub fn started(input: &[u8], arguments: &[&str], stdout: Stdio) -> Child {
     let mut command = command(arguments);
     command.stdin(Stdio::piped()).stdout(stdout).stderr(Stdio::piped());
     let mut child = command.spawn().expect("finray starts");
-    // A run that refuses its arguments closes its input unread.
+    // A run that refuses its arguments closes its input without reading it, so the write may fail.
     let _ = child.stdin.take().expect("standard input").write_all(input);
     child
 }
@@ -61,20 +61,20 @@ pub fn finray_reading(input: &[u8], arguments: &[&str]) -> Answer {
 }
 
 impl Answer {
-    /// Standard output of a run that did what it was asked without a word on standard error.
+    /// Standard output of a successful run; checks that standard error is empty.
     #[track_caller]
     pub fn done(self) -> String {
         assert_eq!((self.code, self.err.as_str()), (Some(0), ""));
         self.out
     }
 
-    /// Standard output of a run that did what it was asked, whatever it warned of.
+    /// Standard output of a successful run, with or without warnings.
     #[track_caller]
     pub fn computed(self) -> String {
         if self.err.is_empty() { self.done() } else { self.warned().0 }
     }
 
-    /// Standard output of a run that did what it was asked, and its warnings, with nothing else on standard error.
+    /// Standard output and warnings of a successful run; checks that standard error contains nothing else.
     #[track_caller]
     pub fn warned(self) -> (String, Vec<String>) {
         assert_eq!(self.code, Some(0), "{}", self.err);
@@ -83,20 +83,20 @@ impl Answer {
         (self.out, warnings)
     }
 
-    /// The message of a run that refused its input.
+    /// The error message of a run that refused its input.
     #[track_caller]
     pub fn refused(self) -> String {
         self.message(2)
     }
 
-    /// The message of a run that could not compute or write.
+    /// The error message of a run that could not compute or write its result.
     #[track_caller]
     pub fn failed(self) -> String {
         self.message(1)
     }
 
-    /// Nothing but one message on standard error, and the exit code. What is wrong in the arguments comes with clap's
-    /// hint to `--help`, anything else on one line.
+    /// Checks the exit code, and that standard error contains only one message. An error in the arguments has clap's hint to `--help`; any other
+    /// message has one line.
     #[track_caller]
     fn message(self, code: i32) -> String {
         assert_eq!((self.code, self.out.as_str()), (Some(code), ""), "{}", self.err);
@@ -110,7 +110,7 @@ impl Answer {
     }
 }
 
-/// Checks that a message holds all parts.
+/// Checks that a message contains all parts.
 #[track_caller]
 pub fn assert_says(message: &str, parts: &[&str]) {
     for part in parts {
@@ -118,7 +118,7 @@ pub fn assert_says(message: &str, parts: &[&str]) {
     }
 }
 
-/// A folder that is gone after the test.
+/// A folder that is removed after the test.
 pub struct Folder(TempDir);
 
 impl Folder {
@@ -131,7 +131,7 @@ impl Folder {
         self.0.path().join(name).to_str().expect("a UTF-8 path").to_owned()
     }
 
-    /// Writes a file and gives its path.
+    /// Writes a file and returns its path.
     pub fn put(&self, name: &str, content: impl AsRef<[u8]>) -> String {
         let path = self.path(name);
         std::fs::write(&path, content).expect("a file");
@@ -142,13 +142,13 @@ impl Folder {
         std::fs::read_to_string(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
     }
 
-    /// Names of all files in the folder, hidden ones too, sorted.
+    /// Sorted names of all files in the folder, including hidden files.
     pub fn names(&self) -> Vec<String> {
         names_in(self.0.path())
     }
 }
 
-/// Names of all files in a folder, hidden ones too, sorted.
+/// Sorted names of all files in a folder, including hidden files.
 pub fn names_in(folder: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(folder).expect("the folder");
     let mut names: Vec<_> =
@@ -157,7 +157,7 @@ pub fn names_in(folder: &Path) -> Vec<String> {
     names
 }
 
-/// The paper's scene with texts replaced, everywhere they stand.
+/// The paper's scene with all occurrences of some texts replaced.
 #[track_caller]
 pub fn paper_with(changes: &[(&str, &str)]) -> String {
     changes.iter().fold(PAPER_SCENE.to_owned(), |scene, (from, to)| {
@@ -198,7 +198,7 @@ impl Csv {
     }
 }
 
-/// Checks that two lists of numbers agree, to a share of the largest of them.
+/// Checks that two lists of numbers agree within a tolerance, relative to the largest number.
 #[track_caller]
 pub fn assert_close(ours: &[f64], reference: &[f64], tolerance: f64) {
     assert_eq!(ours.len(), reference.len());
@@ -209,15 +209,15 @@ pub fn assert_close(ours: &[f64], reference: &[f64], tolerance: f64) {
     }
 }
 
-/// Displacements of a shape that `solve` wrote: ux and uy, a pair a row.
+/// Displacements of a shape that `solve` wrote: ux and uy of each row.
 pub fn displacements(csv: &Csv) -> Vec<f64> {
     let (ux, uy) = (csv.numbers("ux_mm"), csv.numbers("uy_mm"));
     ux.into_iter().zip(uy).flat_map(|(x, y)| [x, y]).collect()
 }
 
-/// Force in the finger frame of the paper's finger, from its size and its angle from the inward normal.
+/// Components of a force in the frame of the paper's finger. The force is given by magnitude (N) and angle from the inward normal (degrees).
 pub fn paper_force(force_n: f64, angle_deg: f64) -> [f64; 2] {
-    // The front plate leans towards the axis by asin(29 / 153).
+    // The front plate is inclined to the x axis by asin(29 / 153).
     let (lean, angle) = ((29.0_f64 / 153.0).asin(), angle_deg.to_radians());
     let (tangent, inward) = ([lean.cos(), -lean.sin()], [-lean.sin(), -lean.cos()]);
     [0, 1].map(|i| force_n * (inward[i] * angle.cos() + tangent[i] * angle.sin()))
@@ -229,7 +229,7 @@ pub fn paper_load(node: usize, force_n: f64, angle_deg: f64) -> String {
     format!("{node}:{fx},{fy}")
 }
 
-/// What `solve` writes for forces on the paper's finger: node, size in N and angle in degrees of each.
+/// Runs `solve` for forces on the paper's finger, each given by node, magnitude (N) and angle (degrees).
 pub fn paper_shape(forces: &[(usize, f64, f64)], options: &[&str]) -> Answer {
     let loads: Vec<_> = forces.iter().map(|&(node, force_n, angle_deg)| paper_load(node, force_n, angle_deg)).collect();
     let loads: Vec<_> = loads.iter().flat_map(|load| ["--load", load.as_str()]).collect();

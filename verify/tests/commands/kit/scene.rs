@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Runs `solve` on a scene text and gives the message.
+/// Runs `solve` on the text of a scene, and returns the error message.
 #[track_caller]
 pub fn refused(scene: &str) -> String {
     let folder = Folder::new();
@@ -11,7 +11,7 @@ pub fn refused(scene: &str) -> String {
     message.strip_prefix(&format!("{path}: ")).unwrap_or_else(|| panic!("no file in: {message}")).to_owned()
 }
 
-/// Checks that the paper's scene with one text changed is refused on the line of `at`, and why.
+/// Checks that the paper's scene with one changed text is refused. The message must name the line of `at` and the reason.
 #[track_caller]
 pub fn assert_refused(from: &str, to: &str, at: &str, expected: &[&str]) {
     let scene = paper_with(&[(from, to)]);

@@ -6,10 +6,10 @@ use finray_figures::{Film, Frame, Series, Shot};
 use finray_report::page::{self, Block, Figure, Page, Section};
 use std::path::Path;
 
-/// A window that nobody sees is drawn once: frames are taken from the clock.
+/// A headless window is drawn only once, so a timer triggers the frames.
 const FRAMES: &str = "window.requestAnimationFrame = (draw) => setTimeout(draw, 16);";
 
-/// Results of a script that drives a page, written into it: lines that begin with PASS, FAIL or DONE.
+/// Results of a script that operates a page and writes its results into the page: lines that begin with PASS, FAIL or DONE.
 pub fn driven(browser: &Path, html: &str, script: &str, width: u32) -> Vec<String> {
     let before = include_str!("explore/before.js");
     let folder = tempfile::tempdir().expect("a folder");
@@ -31,11 +31,11 @@ pub fn assert_passes(found: &[String], least: usize) {
     assert!(!found.iter().any(|line| line.starts_with("FAIL")), "{found:#?}");
 }
 
-/// Widths of a desk's and of a phone's window, px.
+/// Window widths of a desktop computer and of a phone, px.
 const WIDTHS: [u32; 2] = [1280, 390];
 
-/// In headless Chromium, light and dark, at the width of a desk and of a phone, and in print. Where there is no Chromium nothing is
-/// looked at: the test says so and passes, for a browser is no part of what the project needs.
+/// Checks the pages in headless Chromium: in light and dark mode, in both window widths, and in print. Without Chromium, the test prints a message
+/// and passes, because the project does not require a browser.
 #[test]
 fn the_page_fits_its_window_and_prints() {
     let Some(browser) = browser::browser() else { return };
@@ -44,7 +44,7 @@ fn the_page_fits_its_window_and_prints() {
     for (nth, name) in PAPERS.page_names().iter().enumerate() {
         let html = PAPERS.read(name);
         for (width, dark) in WIDTHS.into_iter().flat_map(|width| [(width, false), (width, true)]) {
-            // Colours are those of the first page.
+            // All pages have the colours of the first page, so dark mode is tested only there.
             if dark && nth > 0 {
                 continue;
             }
@@ -59,20 +59,21 @@ fn the_page_fits_its_window_and_prints() {
         browser::assert_silent(&browser::run(&browser, &page, &[&print, "--no-pdf-header-footer"]));
         assert!(std::fs::read(&pdf).expect("a PDF").starts_with(b"%PDF"), "{name}");
     }
-    // What is too wide is seen.
+    // The test detects an element that is too wide.
     let html = PAPERS.read("camera.html");
     let broken = measure(&html.replace("</main>", "<div style=\"width:2000px\">wide</div></main>"), WIDTHS[1], false);
     assert!(broken.page >= 2000.0 && broken.wide.contains("DIV"), "{} px, {}", broken.page, broken.wide);
 }
 
-/// The script answers the reader's choices from the numbers in the files, by keyboard too, on a phone too, and shows nothing where it has none.
+/// The script answers the reader's choices with the numbers in the files, also by keyboard and on a phone. For choices without numbers, it shows
+/// nothing.
 #[test]
 fn choices_change_what_the_page_shows() {
     let Some(browser) = browser::browser() else { return };
     let html = PAPERS.read("maps.html");
     let results = |html: &str| driven(&browser, html, include_str!("explore/after.js"), 1100);
     assert_passes(&results(&html), 20);
-    // Another limit than the page's own is seen.
+    // The test detects a wrong limit.
     let broken = html.replacen("const TRUSTED = 0.1;", "const TRUSTED = 0.2;", 1);
     assert!(results(&broken).iter().any(|line| line.starts_with("FAIL")), "a wrong limit is not seen");
 }
@@ -104,14 +105,14 @@ fn page_with_film() -> String {
     page::render(&page).expect("a page")
 }
 
-/// An animated drawing runs, can be stopped, and its steps can be chosen; one shot is shown at a time.
+/// An animated drawing runs and can be stopped. Its steps can be chosen, and one shot is shown at a time.
 #[test]
 fn a_grasp_can_be_stopped_and_stepped() {
     let Some(browser) = browser::browser() else { return };
     let html = page_with_film();
     let results = |html: &str| driven(&browser, html, include_str!("film.js"), 1100);
     assert_passes(&results(&html), 6);
-    // A slider that shows another step is seen.
+    // The test detects a slider that shows a wrong step.
     let broken = html.replacen("i === step", "i === (step + 1) % 3", 1);
     assert!(results(&broken).iter().any(|line| line.starts_with("FAIL")), "a wrong step is not seen");
 }

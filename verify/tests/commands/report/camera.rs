@@ -1,4 +1,4 @@
-//! The report's section from camera to force.
+//! The report's section on the way from camera to force.
 
 use super::shared::*;
 use crate::kit::*;
@@ -10,19 +10,19 @@ fn what_a_camera_costs_is_in_the_report() {
     assert_keys(rows, &["item", "setting"], &["force_rms_error", "force_largest_error"]);
     let number = |row: &serde_json::Value, key: &str| row[key].as_f64().expect("a number");
     for row in rows {
-        // The mesh alone errs without a camera.
+        // The error of the mesh does not depend on a camera, so its row has no displacements.
         let is_mesh = row["item"] == "mesh";
         for key in ["displacement_rms_mm", "displacement_largest_mm", "first_order_rms_error"] {
             assert_eq!(row[key].is_null(), is_mesh, "{key} of {row}");
         }
         assert_eq!((number(row, "found"), number(row, "refused")), (number(row, "markers"), 0.0), "{row}");
-        // Displacements that are all counted alike err little: the force follows them to first order. It is computed once from the response
-        // and once by sensing.
+        // Errors of equally weighted displacements are small, so the force depends on them to first order. The error of the force is computed from
+        // the response and by sensing.
         if row["in_images"] == true || row["is_rest_seen"] == true {
             let [sensed, first] = ["force_rms_error", "first_order_rms_error"].map(|key| number(row, key));
             assert!((sensed / first - 1.0).abs() < 0.02, "{row}");
         }
-        // Points without an image are read without noise.
+        // Rows without an image have no noise.
         assert_eq!(row["stated_mm"].is_null(), row["in_images"] == false, "{row}");
     }
     assert!(rows[0]["item"] == "as it is" && number(&rows[0], "displacement_rms_mm") < 0.004);
@@ -30,12 +30,12 @@ fn what_a_camera_costs_is_in_the_report() {
     let section =
         page[page.find("id=\"camera\"").expect("the section")..].split("</section>").next().unwrap_or_default();
     assert_eq!(section.matches("<svg").count(), 3);
-    for said in ["the paper's camera", "In simulation", "where the whole image is searched"] {
+    for said in ["the paper's camera", "In simulation", "if the whole image is searched"] {
         assert!(section.contains(said), "{said}");
     }
 }
 
-/// The noise that a force can bear is what `sense` says of it.
+/// With the noise that the report allows for an error, `sense` states this error.
 #[test]
 fn the_noise_that_is_needed_gives_the_error_that_is_asked() {
     let folder = Folder::new();
@@ -62,7 +62,7 @@ fn the_noise_that_is_needed_gives_the_error_that_is_asked() {
         ];
         let sensed = Csv::of(&finray(&[&arguments[..], &["--mesh-nodes", "25"]].concat()).computed());
         let (force_n, sigma_n) = (sensed.numbers("force_n")[0], sensed.numbers("sigma_n")[0]);
-        // The stated one holds the mesh's own error too, which grows to a quarter of a percent at the base.
+        // The stated standard deviation includes the error of the mesh, which grows to a quarter of a percent at the base.
         let ratio = sigma_n / force_n / 0.01;
         assert!((0.999..1.05).contains(&ratio), "node {node}: {sigma_n} of {force_n} N");
     }

@@ -23,8 +23,8 @@ fn comparisons_have_no_tolerance() {
     assert!(comparisons.iter().all(|entry| entry.get("verdict").is_none() && entry.get("tolerance").is_none()));
 }
 
-/// External, analytical and internal checks are counted apart, and of the external ones those of our own lattice, in the file, at the page's head
-/// and in what the command says; of what there is none, nothing is said.
+/// External, analytical and internal checks are counted separately, and so are the external checks against our own lattice. The counts agree in the
+/// file, at the head of the page and in the command's output. A kind without checks is not mentioned.
 #[test]
 fn checks_are_counted_by_whose_figures_they_are_against() {
     for report in [&*PAPERS, &*SPRING_STEELS] {
@@ -68,10 +68,10 @@ fn checks_are_counted_by_whose_figures_they_are_against() {
         let other_program = ["OpenSees", "MuJoCo", "rapier2d lattice"].contains(&source);
         assert!(check["kind"] != "external" || other_program, "{check}");
         assert!(source != "rapier2d lattice" || check["kind"] == "external", "{check}");
-        // The lattice's own equilibrium is no figure of rapier's.
+        // The equilibrium check of the lattice must not count as a check against rapier.
         let problem = check["problem"].as_str().expect("words");
         assert!(!problem.contains("in equilibrium") || source != "rapier2d lattice", "{check}");
-        // What was fitted is no check.
+        // A residual of the fit must not count as a check.
         assert!(source != "paper" && !problem.contains("residual"), "{check}");
     }
     let residuals = array(&summary, "comparisons").iter();
@@ -79,7 +79,7 @@ fn checks_are_counted_by_whose_figures_they_are_against() {
     assert_eq!(residuals.count(), 6);
 }
 
-/// Every external and analytical check is a sign in the drawing of disagreements, and so is every residual of the fit.
+/// Every external and analytical check, and every residual of the fit, has a symbol in the drawing of disagreements.
 #[test]
 fn every_independent_reference_is_drawn() {
     let page = PAPERS.pages();
@@ -89,12 +89,12 @@ fn every_independent_reference_is_drawn() {
     let known = array(&summary, "checks").iter().filter(|check| check["disagreement"].is_number()).collect::<Vec<_>>();
     let of_kind = |kind: &str| known.iter().filter(|check| check["kind"] == kind).count();
     assert_eq!(of_kind("external") + of_kind("analytical"), known.len());
-    // One in the legend each; squares and triangles are both polygons, and so is the plot's frame.
+    // The legend contains one symbol of each kind. Squares, triangles and the frame of the plot are polygons.
     assert_eq!(drawing.matches("<circle").count(), of_kind("external") + 1);
     assert_eq!(drawing.matches("<polygon").count(), of_kind("analytical") + 1 + 6 + 1);
 }
 
-/// The lattice's springs and MuJoCo's rods are given the beams' EA and EI: nobody claims another physics.
+/// The lattice's springs and MuJoCo's rods have the EA and EI of the beams, so no text may claim that they have independent physics.
 #[test]
 fn nothing_claims_more_independence_than_there_is() {
     let readme = Path::new(env!("CARGO_MANIFEST_DIR")).join("../README.md");
@@ -122,7 +122,7 @@ fn hard_cases_pass_their_checks() {
     for column in ["difficulty", "promise", "outcome"] {
         assert!(cases.texts(column).iter().all(|words| words.len() > 10), "{column}");
     }
-    // Each case is among the checks, and on the page.
+    // Each case occurs among the checks and on the page.
     let summary = PAPERS.summary();
     let page = PAPERS.pages();
     for name in &names {

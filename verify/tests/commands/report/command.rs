@@ -42,7 +42,7 @@ fn opened_by(report: &Report) -> PathBuf {
     report.folder.join("../../programs/opened")
 }
 
-/// The page goes to the opener, and nothing is waited for.
+/// The command passes the page to the opener and does not wait for the opener.
 #[cfg(target_os = "linux")]
 #[test]
 fn the_page_is_opened_and_left_to_its_opener() {
@@ -51,7 +51,7 @@ fn the_page_is_opened_and_left_to_its_opener() {
     assert_eq!(PAPERS.noted, "");
 }
 
-/// Where nothing can open a page, its path is said and the report is made all the same.
+/// If no program can open the page, the command prints the path of the page, and the report is still made.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_page_that_nothing_opens_is_still_a_report() {
@@ -71,13 +71,13 @@ fn a_report_that_cannot_be_made_leaves_nothing() {
     assert_says(&finray(&["report", &bad, "--quick", "--out", &out]).refused(), &["bad.toml: line 9"]);
     let missing = folder.path("missing.toml");
     assert_says(&finray(&["report", &missing, "--out", &out]).refused(), &["missing.toml: cannot be read"]);
-    // A finger so soft that its stiffness is nothing cannot be solved.
+    // A finger whose stiffness underflows cannot be solved.
     let soft = folder.put("soft.toml", paper_with(&[("47.976", "1e-307")]));
     finray(&["report", &soft, "--quick", "--out", &out]).failed();
     assert_eq!(folder.names(), ["bad.toml", "soft.toml"]);
 }
 
-/// A finger 50 times softer than the paper's was mapped under up to 3 N, which it does not carry.
+/// A finger 50 times softer than the paper's finger was once mapped for forces of up to 3 N, which it does not carry.
 #[test]
 fn a_soft_finger_is_reported_under_the_force_that_is_asked() {
     let folder = Folder::new();
@@ -94,7 +94,7 @@ fn a_soft_finger_is_reported_under_the_force_that_is_asked() {
     for key in ["explanations", "causes"] {
         assert!(array(&summary, key).iter().all(|entry| entry["force_n"] == 0.012), "{key}");
     }
-    // No figure is left at the force of the paper's finger.
+    // No figure uses the force of the paper's finger.
     let pages = names_in(Path::new(&out)).into_iter().filter(|name| name.ends_with(".html"));
     let pages: String = pages.map(|name| folder.read(&format!("report/{name}"))).collect();
     assert!(pages.contains("At rest and under 0.012 N") && !pages.contains(" 3 N"));

@@ -23,10 +23,10 @@ fn maps_come_with_their_figures_and_their_cells() {
             let forces: Vec<f64> =
                 map["forces_n"].as_array().expect("forces").iter().filter_map(Value::as_f64).collect();
             if let [force] = forces[..] {
-                // The figures of one force follow from the cells.
+                // The summary's figures for one force follow from the cells.
                 let samples = cells.numbers("samples").into_iter().zip(cells.texts("mean_error"));
                 let of_force = cells.numbers("force_n").into_iter().zip(samples).filter(|(f, _)| *f == force);
-                // Without samples there is no equilibrium; without error among samples, the cell is refused.
+                // A cell without samples has no equilibrium; a cell with samples but without an error is refused.
                 let bent: Vec<Option<f64>> =
                     of_force.clone().filter(|(_, (drawn, _))| *drawn > 0.0).map(|(_, (_, e))| e.parse().ok()).collect();
                 let errors: Vec<f64> = bent.iter().copied().flatten().collect();
@@ -44,7 +44,7 @@ fn maps_come_with_their_figures_and_their_cells() {
     }
 }
 
-/// A network that refuses most of a map is not published by the mean over the few cells that it answers.
+/// A network that refuses most cells of a map must not be judged by the mean over the few other cells.
 #[test]
 fn refused_cells_count_as_not_trusted() {
     let summary = PAPERS.summary();
@@ -78,8 +78,8 @@ fn linear_sensing_of_the_linear_finger_errs_by_noise_alone() {
     assert!(error("linear", true) > 1e-3 && error("corotational", false) > 1e-2);
 }
 
-/// Every truth by every estimator for the paper's finger, without and with noise; elsewhere what exists. What the nonlinear
-/// estimator cannot explain is sensed with noise alone.
+/// For the paper's finger, the report has maps of every truth with every estimator, with and without noise; for other fingers, of the combinations
+/// that exist. Truths that the nonlinear estimator cannot explain are mapped only with noise.
 #[test]
 fn every_truth_is_mapped_by_every_estimator() {
     let kinds = |report: &Report| {
@@ -104,7 +104,7 @@ fn every_truth_is_mapped_by_every_estimator() {
         }
     }
     assert_eq!(papers.len(), 5 * 4 * 2 - 2);
-    // Two truths, three estimators, two levels of noise.
+    // Two truths, three estimators and two noise levels, without one combination.
     assert_eq!(kinds(&SPRING_STEELS).len(), 2 * 3 * 2 - 1);
 }
 
@@ -113,7 +113,7 @@ fn the_overview_holds_the_cells_that_are_drawn() {
     let cells = Csv::of(&PAPERS.read("map_overview.csv"));
     let truths: std::collections::BTreeSet<_> = cells.texts("truth").into_iter().collect();
     assert_eq!(truths.len(), 5);
-    // The worst of the forces in the map's own file.
+    // The largest error over the forces in the file of the map.
     let kinds = cells.texts("truth").into_iter().zip(cells.texts("estimator")).zip(cells.texts("noise_mm"));
     let of_map = kinds.zip(cells.texts("worst_error")).filter(|(((truth, estimator), noise), _)| {
         (*truth, *estimator) == ("twin", "ridge") && noise.parse() == Ok(0.0)
@@ -144,7 +144,7 @@ fn maps_come_with_what_explains_them() {
     }
 }
 
-/// Neighbours and nodes apart: the file has what the checks say. All pairs and unknown directions take a full report.
+/// For pairs of neighbours and of separate nodes, the file agrees with the checks. Only a full report has all pairs and unknown directions.
 #[test]
 fn four_pairs_are_within_their_tolerances() {
     let summary = PAPERS.summary();
@@ -152,7 +152,7 @@ fn four_pairs_are_within_their_tolerances() {
         |check: &&Value| check["problem"].as_str().is_some_and(|text| text.starts_with("nonlinear sensing at nodes"));
     let checks: Vec<_> = array(&summary, "checks").iter().filter(of_pairs).collect();
     let rows = Csv::of(&PAPERS.read("noise.csv"));
-    // Of a sum over its bound, of a force as it is.
+    // The error of a sum is divided by its bound; the error of a force is used directly.
     let errors: Vec<(String, String, f64)> = rows
         .texts("nodes")
         .into_iter()
@@ -173,7 +173,7 @@ fn four_pairs_are_within_their_tolerances() {
         let said = checks.iter().filter(|check| check["problem"].as_str().is_some_and(|text| text.contains(&problem)));
         let said: Vec<f64> =
             said.flat_map(|check| [&check["ours"], &check["tolerance"]]).filter_map(Value::as_f64).collect();
-        // A quick report has a hundred cases: their chance may add 22 %.
+        // A quick report has a hundred cases, so chance may increase the error by 22 %.
         assert_close(&said, &[of(false), 1.22 * tolerance, of(true), 0.10 + 0.22], LINEAR_ROUNDING);
     }
     for key in ["pairs", "directions", "directions_without_friction"] {

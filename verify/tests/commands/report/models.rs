@@ -4,7 +4,7 @@ use super::shared::*;
 use crate::kit::*;
 use serde_json::Value;
 
-/// Errors of the table by mesh nodes, at one force: the worst over the loaded nodes.
+/// Largest error over the loaded nodes, for one number of mesh nodes and one force.
 fn worst_error(report: &Report, mesh_nodes: f64, force_n: f64) -> f64 {
     let rows = Csv::of(&report.read("convergence.csv"));
     let keys = rows.numbers("mesh_nodes").into_iter().zip(rows.numbers("force_n"));
@@ -25,7 +25,7 @@ fn meshes_of_the_papers_finger_are_within_their_tolerances() {
         assert_close(&[number("ours") / error, number("tolerance")], &[1.0, limit], LINEAR_ROUNDING);
         assert!(error > 0.0 && error <= limit, "{mesh_nodes} nodes: {error}");
     }
-    // Nodes 14 to 24 are loaded, and carry 3 N on every mesh.
+    // Nodes 14 to 24 are loaded, and the finger carries 3 N on every mesh.
     let mut nodes = Csv::of(&PAPERS.read("convergence.csv")).numbers("load_node");
     nodes.dedup();
     assert_eq!(nodes, (14..=24).map(f64::from).collect::<Vec<_>>());
@@ -39,13 +39,13 @@ fn finer_meshes_err_less() {
         meshes.sort_by(f64::total_cmp);
         meshes.dedup();
         let errors: Vec<f64> = meshes.iter().map(|nodes| worst_error(report, *nodes, 3.0)).collect();
-        // The paper's mesh lies between those that double their elements, and need not be in line with them.
+        // The paper's mesh is not part of the sequence of doubled meshes, so its error need not follow their trend.
         assert!(errors.len() >= 5 && errors[0] > 0.0, "{errors:?}");
         assert!(errors[errors.len() - 1] < 1e-2 * errors[0], "{errors:?}");
     }
 }
 
-/// Another discretisation: finer lattices are nearer to beams at every force, and what the page says of them is in its files.
+/// Finer lattices agree better with beams at every force, and the files contain the figures that the page states.
 #[test]
 fn the_lattice_comes_near_to_beams() {
     let rows = Csv::of(&PAPERS.read("lattice.csv"));
@@ -61,7 +61,7 @@ fn the_lattice_comes_near_to_beams() {
     assert_keys(entries, &[], &keys);
     let said: Vec<f64> = entries.iter().filter_map(|row| row["error"].as_f64()).collect();
     assert_close(&said, &errors, LINEAR_ROUNDING);
-    // Springs that do not stretch are no beam's; none at all hold nothing.
+    // Lattices with nearly inextensible springs do not agree with beams; lattices without axial springs have no equilibrium.
     let axial = Csv::of(&PAPERS.read("lattice_axial_springs.csv"));
     let of = |stiffness: f64| {
         let rows = axial.numbers("stiffness").into_iter().zip(axial.texts("error"));
@@ -69,12 +69,13 @@ fn the_lattice_comes_near_to_beams() {
     };
     assert!(of(1000.0).iter().all(|error| *error > Some(0.5)) && of(0.0).iter().all(Option::is_none));
     let page = PAPERS.pages();
-    assert!(page.contains("id=\"lattice\"") && page.contains("This quick report compares equilibria alone"));
+    assert!(page.contains("id=\"lattice\"") && page.contains("This quick report compares only equilibria"));
     assert!(!SPRING_STEELS.pages().contains("id=\"lattice\""));
     assert!(array(&SPRING_STEELS.summary(), "lattice").is_empty());
 }
 
-/// The third finger of the maps: least squares errs on it as on the co-rotational finger, and the nonlinear estimator hardly.
+/// The lattice is the third finger of the maps. On it, least squares has the same error as on the co-rotational finger, and the nonlinear estimator
+/// has hardly any error.
 #[test]
 fn the_lattice_is_sensed_as_the_corotational_finger_is() {
     let summary = PAPERS.summary();

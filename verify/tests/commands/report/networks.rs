@@ -3,7 +3,7 @@
 use super::shared::*;
 use crate::kit::*;
 
-/// Eleven single nodes and four pairs, each with its checks; the summary has what the file has.
+/// The file contains eleven single nodes and four pairs, each with its checks. The summary agrees with the file.
 #[test]
 fn networks_that_ship_are_within_their_tolerances() {
     let rows = Csv::of(&PAPERS.read("networks.csv"));
@@ -14,7 +14,7 @@ fn networks_that_ship_are_within_their_tolerances() {
     assert!(rows.numbers("drawn").iter().all(|cases| *cases >= 40.0) && rows.numbers("refused") == [0.0; 19]);
     assert_eq!(rows.numbers("drawn"), rows.numbers("answered"));
     for (error, bound) in rows.numbers("mean_error").into_iter().zip(rows.numbers("mean_error_bound")) {
-        // Forty cases scatter by a sixth; the sums of neighbours lose 1.6 to the bound.
+        // The error from forty cases scatters by a sixth. For sums of neighbours, the error is 1.6 times the bound.
         assert!(error > 0.5 * bound && error < 2.5 * bound, "{error}, bound {bound}");
     }
     let summary = PAPERS.summary();
@@ -40,7 +40,7 @@ fn table_two_has_the_network_on_both_fingers() {
     let networks: Vec<_> = keys.filter(|((_, estimator), _)| *estimator == "network").collect();
     for (truth, noise_mm) in [("linear", 0.0), ("linear", 0.067), ("corotational", 0.0), ("corotational", 0.067)] {
         let of_finger = networks.iter().filter(|((of, _), noise)| *of == truth && *noise == noise_mm);
-        // Three single nodes, four pairs with their sums, and the five means that the paper lists.
+        // Three single nodes, two rows for each of four pairs, and the five means that the paper lists.
         assert_eq!(of_finger.count(), 3 + 2 * 4 + 5, "{truth}, {noise_mm} mm");
     }
     let summary = PAPERS.summary();
@@ -50,7 +50,7 @@ fn table_two_has_the_network_on_both_fingers() {
         &["truth", "estimator", "group", "nodes", "quantity"],
         &["noise_mm", "drawn", "answered", "refused"],
     );
-    // The paper's own method stands beside them, as recorded, and the page says what it misses.
+    // The table also contains the recorded errors of the paper's method, and the page states that Table II is not reproduced.
     assert!(rows.texts("estimator").iter().any(|estimator| estimator.starts_with("network of the paper")));
     let page = PAPERS.pages();
     assert!(page.contains("does not reproduce Table II") && !page.contains("reproduces the paper"));

@@ -1,4 +1,4 @@
-//! The report's pages as files: what they name, their size, their drawings, and their verdict.
+//! The report's pages as files: their links, sizes, drawings and verdict.
 
 use super::shared::*;
 use crate::kit::*;
@@ -11,7 +11,7 @@ fn every_file_that_a_page_names_is_there() {
         let mut all = Vec::new();
         for page in &pages {
             let links = report.links(page);
-            // Every page leads to every other.
+            // Every page links to every other page.
             assert!(pages.iter().all(|other| links.contains(other)), "{page}: {links:?}");
             for link in links.into_iter().filter(|link| !link.starts_with("https://")) {
                 let (file, anchor) = link.split_once('#').unwrap_or((&link, ""));
@@ -24,11 +24,11 @@ fn every_file_that_a_page_names_is_there() {
                 all.push(file.to_owned());
             }
         }
-        // And no table lies there that no page names.
+        // Every table in the folder is named on a page.
         for name in names.iter().filter(|name| name.ends_with(".csv")) {
             assert!(all.contains(name), "{name} is named nowhere");
         }
-        // Results are ordinary files, whole, and nothing else.
+        // The folder contains no temporary files.
         assert!(names.iter().all(|name| !name.starts_with('.')), "{names:?}");
     }
 }
@@ -37,7 +37,7 @@ fn every_file_that_a_page_names_is_there() {
 fn a_page_needs_nothing_but_itself() {
     for report in [&*PAPERS, &*SPRING_STEELS] {
         for name in report.page_names() {
-            // The name of SVG's namespace is no address that anything is loaded from.
+            // The name of the SVG namespace is not an address from which the page loads data.
             let page = report
                 .read(&name)
                 .replace("http://www.w3.org/2000/svg", "")
@@ -46,7 +46,7 @@ fn a_page_needs_nothing_but_itself() {
                 assert!(!page.contains(outside), "{name}: {outside}");
             }
             assert!(page.starts_with("<!DOCTYPE html>") || page.starts_with("<!doctype html>"));
-            // A script stands only with what it takes: a program and its data, or numbers.
+            // A page contains a script only together with the script's data.
             let with_data = match name.as_str() {
                 "index.html" | "your-finger.html" => [1, 3],
                 "maps.html" => [1, 2],
@@ -60,18 +60,18 @@ fn a_page_needs_nothing_but_itself() {
     }
 }
 
-/// A page without the program of its finger, which is no text.
+/// A page without the embedded program of the finger.
 fn without_program(page: &str) -> String {
     let Some((before, rest)) = page.split_once("id=\"push-program\">") else { return page.to_owned() };
     format!("{before}{}", rest.split_once('<').expect("the end of the program").1)
 }
 
-/// Largest size of the first page without the program that it carries, bytes, and of its visible words.
+/// Limits for the first page: size without the embedded program, bytes, and number of visible words.
 const FIRST_PAGE: [usize; 2] = [1_000_000, 1800];
 /// Largest number of visible words of all pages.
 const WORDS: usize = 6000;
 
-/// Words that a reader sees before opening anything: without drawings, scripts and closed parts.
+/// Number of words that a reader sees before opening closed parts, without drawings and scripts.
 fn visible_words(page: &str) -> usize {
     let without = |text: &str, open: &str, close: &str| -> String {
         let mut parts = text.split(open);
@@ -94,22 +94,22 @@ fn pages_are_short_enough_to_be_read() {
     }
 }
 
-/// Drawings of a page: the figures that hold an `<svg>`.
+/// Drawings of a page: the figures that contain an `<svg>`.
 fn drawings(page: &str) -> Vec<&str> {
     let figures = page.split("<figure").skip(1).filter_map(|rest| rest.split("</figure>").next());
     figures.filter(|figure| figure.contains("<svg")).collect()
 }
 
-/// The words of a drawing, without those that are numbers.
+/// The texts of a drawing, without numbers.
 fn words(figure: &str) -> Vec<&str> {
     let texts = figure.split("<text").skip(1).filter_map(|rest| rest.split_once('>')?.1.split("</text>").next());
     texts.map(str::trim).filter(|text| !text.is_empty() && text.parse::<f64>().is_err()).collect()
 }
 
-/// Every drawing has a name, a caption and its numbers as a file; what has axes says what they are, and in which unit.
+/// Every drawing has a name, a caption and a file with its numbers. Every drawing with axes labels them with quantity and unit.
 #[test]
 fn every_drawing_says_what_it_shows() {
-    // Units, and what counts or compares: what has none of them is no axis.
+    // Units, and words for numbers or ratios. An axis label contains at least one of these texts.
     let units = [
         " mm",
         ", N",
@@ -143,11 +143,11 @@ fn every_drawing_says_what_it_shows() {
     }
 }
 
-/// Words that the first screen may have.
+/// Largest number of words on the first screen.
 const FIRST_SCREEN: usize = 120;
 
-/// A short verdict and what of it is real before everything else; then the finger in three situations, and the verdict in full; what sections say
-/// stands at their heads.
+/// The first page begins with a short verdict, which states that the results come from simulation only. The finger in three situations and the full
+/// verdict follow. Each section begins with its conclusion.
 #[test]
 fn the_first_page_begins_with_its_verdict() {
     let page = PAPERS.read("index.html");
@@ -182,7 +182,7 @@ fn the_first_page_begins_with_its_verdict() {
         let blocks = section.split("class=\"says\"").nth(1).and_then(|says| says.split("</div>").next());
         assert!(blocks.is_some_and(|says| says.matches("<p>").count() >= 1), "{id} says nothing");
     }
-    // Every sentence of the summary for machines is on one page, once.
+    // Every sentence of the machine-readable summary occurs exactly once, on one page.
     let page = as_read(&page);
     let summary = PAPERS.summary();
     for sentence in array(&summary, "verdict") {
@@ -191,7 +191,7 @@ fn the_first_page_begins_with_its_verdict() {
     }
 }
 
-/// The shares in the first answer are those of the cells in the maps' files, by the worst of four forces.
+/// The shares in the first answer follow from the cells in the files of the maps, by the largest error over four forces.
 #[test]
 fn the_first_answer_counts_the_cells_of_its_maps() {
     let summary = PAPERS.summary();
@@ -202,7 +202,7 @@ fn the_first_answer_counts_the_cells_of_its_maps() {
         ("contact assumed", "map_corotational_nonlinear_contact_assumed.csv", "Contact assumed"),
         ("softer ends", "map_twin_nonlinear_with_noise.csv", "Softer ends"),
     ];
-    // Shares are compared on the first page, so all are of the same cells.
+    // The first page compares shares, so all shares refer to the same cells.
     let trust = Csv::of(&PAPERS.read("trust.csv"));
     let of_case = |case: &str| -> Vec<[&str; 2]> {
         let cells = trust.texts("case").into_iter().zip(trust.texts("s_mm").into_iter().zip(trust.texts("angle_deg")));
@@ -231,7 +231,7 @@ fn the_first_answer_counts_the_cells_of_its_maps() {
     }
 }
 
-/// Cells without an equilibrium are no part of a share, and are counted beside it: a share of fewer cells must not read as one of all.
+/// Shares exclude cells without an equilibrium. The page states the number of these cells, so that a share does not seem to refer to all cells.
 #[test]
 fn cells_without_an_equilibrium_are_said() {
     for report in [&*PAPERS, &*SPRING_STEELS] {
@@ -242,13 +242,13 @@ fn cells_without_an_equilibrium_are_said() {
         let first = array(&summary, "verdict")[0].as_str().expect("words");
         let said = format!("in {trusted} of the {} positions and directions", cells - without);
         assert!(first.contains(&said), "{said}: {first}");
-        let others = format!("in {without} others it has no equilibrium");
+        let others = format!("in {without} others the finger has no equilibrium");
         assert_eq!(first.contains(&others), without > 0, "{others}: {first}");
         assert_eq!(first.contains("in which the finger carries these forces"), without > 0, "{first}");
     }
 }
 
-/// A page without sections is not written, and no other leads to it; the others have sections.
+/// A page without sections is not written, and no other page links to it.
 #[test]
 fn pages_without_a_study_are_not_there() {
     for (report, expected) in [(&*PAPERS, true), (&*SPRING_STEELS, false)] {
@@ -260,7 +260,7 @@ fn pages_without_a_study_are_not_there() {
     }
 }
 
-/// Where the beam model is beyond its limits at the drawn forces, the first screen says so, and nowhere else.
+/// The verdict states that the beam model is beyond its limits exactly if this is true for the drawn forces.
 #[test]
 fn limits_of_the_beam_model_are_said_first() {
     for report in [&*PAPERS, &*SPRING_STEELS] {
@@ -274,7 +274,7 @@ fn limits_of_the_beam_model_are_said_first() {
     }
 }
 
-/// What the other answers say is in the files: failures in the map, the share of least squares, coverage and refusals.
+/// The files contain the figures of the other answers: failures in the map, the share of least squares, coverage and refusals.
 #[test]
 fn the_other_answers_are_found_in_files() {
     let summary = PAPERS.summary();
@@ -291,7 +291,7 @@ fn the_other_answers_are_found_in_files() {
     assert!(2 * by_noise > failed.len());
     assert_says(
         answer("Why not elsewhere?"),
-        &[&format!("in {by_noise} of the {} sensed forces that fail ({small} of them at 0.5 N)", failed.len())],
+        &[&format!("in {by_noise} of the {0} sensed forces that fail ({small} of the {0} at 0.5 N)", failed.len())],
     );
 
     let estimators = Csv::of(&PAPERS.read("estimators.csv"));
@@ -299,7 +299,7 @@ fn the_other_answers_are_found_in_files() {
     let share = estimators.numbers("trusted")[row] / estimators.numbers("cells")[row];
     assert_says(
         answer("What should sense it?"),
-        &[&format!("Least squares: within 10 % in {:.0} % of the cells", 100.0 * share)],
+        &[&format!("Least squares: mean error within 10 % in {:.0} % of the cells", 100.0 * share)],
     );
 
     let coverage = Csv::of(&PAPERS.read("coverage.csv"));
@@ -313,10 +313,10 @@ fn the_other_answers_are_found_in_files() {
         format!("in {:.0} % of the answers without a warning", 100.0 * value("covered_without_warning", known)),
         format!("({} of {} samples refused)", value("refused", known), value("samples", known)),
         format!(
-            "without a warning ({:.0} % of {} samples) they hold in {:.0} %",
+            "in {:.0} % of the answers without a warning ({:.0} % of {} samples)",
+            100.0 * value("covered_without_warning", softer),
             100.0 * value("without_warning", softer) / value("samples", softer),
-            value("samples", softer),
-            100.0 * value("covered_without_warning", softer)
+            value("samples", softer)
         ),
     ];
     assert_says(answer("How sure is an answer?"), &said.each_ref().map(String::as_str));

@@ -1,4 +1,4 @@
-//! The finger that one can push on the first page: driven in a browser, and held against the commands.
+//! The finger that a reader can push on the first page: operated in a browser, and compared with the commands.
 
 use super::browsed::{assert_passes, driven};
 use super::shared::*;
@@ -9,7 +9,7 @@ use finray_push::{Knowledge, MESH_NODES, Push, Pushed, PushedFinger, Sensed};
 use finray_tests::{case_count, random_stream};
 use rand::RngExt;
 
-/// Pointer, keys and choices change what is shown; nothing goes wrong, and no force is shown where there is none.
+/// Pointer, keys and choices change the drawing without script errors. If there is no force, none is shown.
 #[test]
 fn the_finger_of_the_page_can_be_pushed() {
     let Some(browser) = browser::browser() else { return };
@@ -18,10 +18,10 @@ fn the_finger_of_the_page_can_be_pushed() {
     for width in [1400, 520] {
         assert_passes(&results(&html, width), 18);
     }
-    // A force that is shown twice as large is seen.
+    // The test detects a force that is shown twice as large.
     let broken = html.replacen("`Sensed ${newton(force_n)}`", "`Sensed ${newton(2 * force_n)}`", 1);
     assert!(results(&broken, 1400).iter().any(|line| line.starts_with("FAIL")), "a wrong force is not seen");
-    // Without its program the picture is not shown, and nothing goes wrong.
+    // Without the embedded program, the drawing is hidden, and no script error occurs.
     let without = results(&html.replacen("id=\"push-program\"", "id=\"push-nothing\"", 1), 1400);
     assert!(without.contains(&"FAIL the picture is shown: hidden".to_owned()), "{without:?}");
 }
@@ -33,10 +33,10 @@ fn the_scene_of_the_page_can_be_changed() {
     assert_passes(&driven(&browser, &html, include_str!("push/own.js"), 1400), 10);
 }
 
-/// Largest accepted difference of the page's finger from the commands, relative to the number.
+/// Relative tolerance between the numbers of the page's finger and the numbers of the commands.
 const SAME: f64 = 1e-9;
 
-/// What the page shows is what `solve` and `sense` say.
+/// The page shows the same numbers as `solve` and `sense`.
 #[test]
 fn a_pushed_finger_is_what_solve_and_sense_say() {
     let pushed = PushedFinger::new(PAPER_SCENE, None).expect("a scene");

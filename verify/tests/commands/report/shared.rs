@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::sync::LazyLock;
 
-/// A report and what was said while it was made. Each takes seconds, so the tests share them.
+/// A report, and the output of its command. Each report takes seconds, so the tests share the reports.
 pub struct Report {
     pub folder: PathBuf,
     pub said: String,
     pub noted: String,
 }
 
-/// The paper's, with results of criterion and of other programs.
+/// The report for the paper's finger, with times of criterion and results of other programs.
 pub static PAPERS: LazyLock<Report> = LazyLock::new(|| {
     let folder = criterion_folder();
     let criterion = folder.path().to_str().expect("a UTF-8 path");
@@ -23,7 +23,7 @@ pub static PAPERS: LazyLock<Report> = LazyLock::new(|| {
 });
 pub static SPRING_STEELS: LazyLock<Report> = LazyLock::new(|| Report::of("spring-steel", &[SPRING_STEEL], None));
 
-/// Notes which page it is given, stays for a while, as a browser does, and notes that it has left, unless another run has come since.
+/// A script that replaces the browser: records the page, runs for a while as a browser does, and records its end unless a later run has started.
 pub const OPENER: &str = r#"#!/bin/sh
 echo "$1" > "${0%/*}/opened"
 echo $$ > "${0%/*}/last"
@@ -32,14 +32,14 @@ read -r last < "${0%/*}/last"
 [ "$last" = $$ ] && : > "${0%/*}/left"
 "#;
 
-/// The last row is for other nodes than ours.
+/// Results of other programs. The last row is for nodes that the report does not load.
 pub const PEERS: &str = "task,model,setting,seconds,error,program,version,nodes,forces_n,machine
 solve,corotational frame,684 nodes,0.15,0.0002,OpenSees,3.7.1.2,14-24,3,\"a desk, one core\"
 sense-one,untrained network,46-150-1,0.00004,,Torch,2.1,14-24,0.3-3,\"a desk, one core\"
 solve,corotational frame,25 nodes,0.01,0.02,OpenSees,3.7.1.2,14 18 22,3,\"a desk, one core\"
 ";
 
-/// Criterion's times of three of our points, one of them broken, and of a bench that is none.
+/// A folder with criterion's times for three points of the report, of which one is damaged, and for an unknown benchmark.
 pub fn criterion_folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let put = |bench: &str, [group, function, value]: [&str; 3], estimates: &str| {
@@ -71,12 +71,12 @@ pub fn executable(file: &Path) {
 pub fn executable(_: &Path) {}
 
 impl Report {
-    /// Runs `report --quick --open` where nothing but the opener can be found, if there is one.
+    /// Runs `report --quick --open` with a search path that contains only the opener, if one is given.
     pub fn of(name: &str, scene: &[&str], opener: Option<&str>) -> Report {
         let place = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("report-of-{name}"));
-        // From an earlier run, if there was one.
+        // Removes the folder of an earlier run.
         let _ = std::fs::remove_dir_all(&place);
-        // The folder is made, with those above it.
+        // The command creates the folder and its parent folders.
         let folder = place.join("made/report");
         let out = folder.to_str().expect("a UTF-8 path");
         let programs = place.join("programs");
@@ -109,19 +109,19 @@ impl Report {
         serde_json::from_str(&self.read("summary.json")).expect("JSON")
     }
 
-    /// Names of the pages, the first one first.
+    /// Names of the pages, beginning with the first page.
     pub fn page_names(&self) -> Vec<String> {
         let mut names: Vec<String> = self.names().into_iter().filter(|name| name.ends_with(".html")).collect();
         names.sort_by_key(|name| name != "index.html");
         names
     }
 
-    /// Text of all pages, the first one first.
+    /// Text of all pages, beginning with the first page.
     pub fn pages(&self) -> String {
         self.page_names().iter().map(|name| self.read(name)).collect()
     }
 
-    /// What a page links to: the values of `href`.
+    /// The links of a page: the values of `href`.
     pub fn links(&self, page: &str) -> Vec<String> {
         let page = self.read(page);
         page.split("href=\"").skip(1).map(|rest| rest.split('"').next().unwrap_or_default().to_owned()).collect()
@@ -164,7 +164,7 @@ pub fn sources(summary: &Value) -> Vec<&str> {
     sources
 }
 
-/// The page as its reader has it: entities resolved, a question and its answer in one line.
+/// The page as a reader sees it: with resolved entities, and with each question and its answer in one line.
 pub fn as_read(page: &str) -> String {
     let entities = [("&#x27;", "'"), ("&quot;", "\""), ("&#x2f;", "/"), ("&lt;", "<"), ("&gt;", ">"), ("&amp;", "&")];
     entities.iter().fold(page.replace("</dt>\n<dd>", " "), |page, (entity, letter)| page.replace(entity, letter))

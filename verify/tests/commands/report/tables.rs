@@ -1,15 +1,15 @@
-//! Numbers that the report's pages show, and where its files have them.
+//! Numbers on the report's pages, compared with the files of the report.
 
 use super::shared::*;
 use crate::kit::*;
 
-/// A row of a table on the page and where its numbers are: the file, what the row's first cells say, and the rows of the file by what some
-/// columns hold.
+/// A row of a table on the page, and the source of its numbers: the file, the first cells of the row, and the values of some columns that select rows
+/// of the file.
 struct Sample {
     file: &'static str,
     row: &'static [&'static str],
     records: &'static [(&'static str, &'static str)],
-    /// Heading on the page, column of the file, and what turns the one into the other.
+    /// Heading on the page, column of the file, and factor between the two.
     numbers: &'static [(&'static str, &'static str, f64)],
 }
 
@@ -20,7 +20,7 @@ const SAMPLES: [Sample; 7] = [
         records: &[("estimator", "nonlinear")],
         numbers: &[
             ("time per frame", "seconds", 1e6),
-            ("of these: 95 % interval contains the force in", "covered_without_warning", 100.0),
+            ("of these: force in the 95 % interval", "covered_without_warning", 100.0),
         ],
     },
     Sample {
@@ -61,7 +61,7 @@ const SAMPLES: [Sample; 7] = [
     },
 ];
 
-/// What a table shows is what its file holds, to the digits shown: a sample of each kind of table.
+/// Compares the numbers of a table with its file, to the shown digits, for a sample of each kind of table.
 #[test]
 fn numbers_of_tables_are_those_of_their_files() {
     let page = PAPERS.pages();
@@ -82,14 +82,14 @@ fn numbers_of_tables_are_those_of_their_files() {
     }
 }
 
-/// The first row with these first cells among the page's tables of a file: headings and texts.
+/// Headings and texts of the first row with the given first cells, among the page's tables for a file.
 fn table_row(page: &str, file: &str, row: &[&str]) -> Vec<(String, String)> {
     let tables =
         page.split("<figure class=\"table\">").skip(1).filter(|table| table.contains(&format!("href=\"{file}\"")));
     let texts = |html: &str, tag: &str| -> Vec<String> {
         let opening = format!("<{tag}");
         let cells = html.split(&opening).skip(1).filter_map(|cell| cell.split_once('>'));
-        // The words of a link or of a name that is explained.
+        // The text of a link, or of a name with an explanation.
         let words = |cell: &str| cell.split("</").next()?.rsplit('>').next().map(as_read);
         cells.filter_map(|(_, cell)| words(cell)).collect()
     };
@@ -102,10 +102,11 @@ fn table_row(page: &str, file: &str, row: &[&str]) -> Vec<(String, String)> {
     found.next().unwrap_or_else(|| panic!("{file} has no row {row:?}"))
 }
 
-/// The share of failures that the first page lays on a wrong direction is that of the files: to first order, by cell.
+/// The first page attributes a share of the failures to a wrong direction. The test recomputes this share from the files, cell by cell and to first
+/// order.
 #[test]
 fn failures_of_a_wrong_contact_are_those_of_the_files() {
-    // Errors of an assumed contact: position, mm, and direction, degrees.
+    // Errors of the assumed contact: position (mm) and direction (degrees).
     const OFF: [f64; 2] = [1.5, 12.5];
     let limits = Csv::of(&PAPERS.read("explanations.csv"));
     let [per_mm, per_deg] = ["error_per_mm", "error_per_deg"].map(|column| limits.texts(column));
@@ -130,6 +131,6 @@ fn failures_of_a_wrong_contact_are_those_of_the_files() {
     let entry = array(&summary, "trust").iter().find(|entry| entry["case"] == "contact assumed").expect("the case");
     assert_close(&[entry["failed_by_direction"].as_f64().expect("a share")], &[share], LINEAR_ROUNDING);
     assert!(failed > 20 && share > 0.0 && share < 1.0, "{by_direction} of {failed}");
-    let said = format!("Contact wrong: its direction ({:.0} %)", 100.0 * share);
+    let said = format!("Contact wrong: its direction ({:.0} % of the failing cells)", 100.0 * share);
     assert!(PAPERS.read("index.html").contains(&said), "{said}");
 }

@@ -1,11 +1,11 @@
-//! The report's times: of a moving force, and their sources.
+//! The report's times for a moving force, and the sources of all times.
 
 use super::shared::*;
 use crate::kit::*;
 use serde_json::Value;
 
-/// Time and error of each way of sensing come with the start that they are timed from, their tail, the preparation for a contact, and how far the
-/// model itself is off; the recommended one is within its stated standard deviation.
+/// For each way of sensing, the report states time and error, the kind of start, the slowest times, the preparation for a contact, and the model
+/// error. The model error of the recommended way is within its stated standard deviation.
 #[test]
 fn times_of_sensing_are_of_a_moving_force_cold_and_warm() {
     let summary = PAPERS.summary();
@@ -26,10 +26,10 @@ fn times_of_sensing_are_of_a_moving_force_cold_and_warm() {
             assert_eq!(number(point, "failed"), 0.0);
         }
         assert!(cold["setting"].as_str().expect("words").ends_with("cold start"));
-        // The start changes the time, not the answer.
+        // The start changes the time, but not the sensed force.
         assert!((number(cold, "error") - number(warm, "error")).abs() < 1e-3);
     }
-    // 25 nodes are off by more than their stated standard deviation; the setting that is recommended is not.
+    // With 25 nodes, the model error exceeds the stated standard deviation; with the recommended setting, it does not.
     assert!(warm[0]["setting"] == "25 nodes, warm start" && number(warm[0], "bias_sigmas") > 2.0);
     let cost = array(&summary, "verdict")
         .iter()
@@ -47,7 +47,7 @@ fn times_of_sensing_are_of_a_moving_force_cold_and_warm() {
     assert_says(rate["how"].as_str().expect("words"), &["its rate is not tested", "camera noise"]);
 }
 
-/// Times of criterion and of other programs are taken as they are, and say whose they are.
+/// Times of criterion and of other programs are used unchanged, and the table names their source.
 #[test]
 fn times_say_who_took_them() {
     let rows = Csv::of(&PAPERS.read("speed_error.csv"));
@@ -81,7 +81,7 @@ fn times_say_who_took_them() {
     assert!(without.contains("Other programs were not timed") && !section.contains("Other programs were not timed"));
 }
 
-/// Claims once stated the times taken here beside a table with those of criterion.
+/// Claims once stated the report's own times, although the table contained the times of criterion.
 #[test]
 fn claims_state_the_times_of_the_table() {
     let summary = PAPERS.summary();

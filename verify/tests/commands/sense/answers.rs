@@ -33,14 +33,14 @@ fn twelve_normal_forces_are_separable() {
     assert_close(&forces, &truth.iter().map(|(_, _, force)| *force).collect::<Vec<_>>(), 100.0 * SENSED);
 }
 
-/// One contact, by hand: f = c.u / c.c and sigma = noise / |c|, with c the displacements under 1 N; u is a little of c and a part
-/// across it that no force explains, as noise leaves it.
+/// Least squares for one contact, computed by hand: f = c.u / c.c and sigma = noise / |c|, where c holds the displacements under 1 N. The measured
+/// displacements u are a multiple of c plus a part that no force explains, like noise.
 #[test]
 fn force_and_sigma_are_those_of_least_squares() {
     let unit = displacements(&Csv::of(&linear_shape(&[(17, -15.0, 1.0)])));
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let cc = dot(&unit, &unit);
-    // The first and the last node are clamped.
+    // The first node and the last node are clamped.
     let free = 2..unit.len() - 2;
     let alternating = |i: usize| if i.is_multiple_of(2) { 0.05 } else { -0.05 };
     let alternating: Vec<f64> = (0..unit.len()).map(|i| if free.contains(&i) { alternating(i) } else { 0.0 }).collect();
@@ -57,13 +57,13 @@ fn force_and_sigma_are_those_of_least_squares() {
         assert_eq!(answer.err, "", "under a fiftieth of a newton the linear model holds");
         let sensed = Csv::of(&answer.done());
         assert_close(&sensed.numbers("force_n"), &[force], SENSED);
-        // The error of linearisation is in it too.
+        // The standard deviation also includes the linearisation error.
         assert_close(&sensed.numbers("sigma_n"), &[noise / cc.sqrt()], 2e-3);
     };
     let force = cu / cc;
     check(PAPER, &["--noise-mm", "0.067"], force, 0.067);
-    // 23 free nodes measure 46 coordinates. Zero is no noise that a residual could be tested against.
-    // Where none is stated, sigma is wider by Student's t: 2.0141 for 45 degrees of freedom, over 1.9600.
+    // 23 free nodes measure 46 coordinates. A residual cannot be tested against a noise of zero. Without stated noise, the standard deviation is
+    // multiplied by the ratio of Student's t (2.0141 for 45 degrees of freedom) to 1.9600.
     let residual = ((uu - cu * cu / cc) / 45.0).sqrt() * 2.0141 / 1.959_96;
     check(PAPER, &[], force, residual);
     check(PAPER, &["--noise-mm", "0"], force, residual);
@@ -72,7 +72,7 @@ fn force_and_sigma_are_those_of_least_squares() {
     check(&camera, &[], force, 0.2);
     check(&camera, &["--noise-mm", "0.067"], force, 0.067);
 
-    // Ridge: the prior of the paper's forces, 0 to 5 N, is worth (noise / (5 / sqrt 3))^2.
+    // Ridge regression: the prior for the paper's forces, 0 to 5 N, adds (noise / (5 / sqrt 3))^2 to c.c.
     let prior = 25.0 / 3.0;
     let noise: f64 = 20.0;
     let weight = cc + noise * noise / prior;
@@ -81,8 +81,8 @@ fn force_and_sigma_are_those_of_least_squares() {
     assert_close(&ridge.numbers("sigma_n"), &[noise / weight.sqrt()], 2e-3);
 }
 
-/// 3 N at -60 deg on node 19, which the linear model takes for 4 N: once stated to 0.008 N, without a word. A user who does not ask for
-/// an estimator gets the nonlinear one.
+/// For 3 N at -60 deg on node 19, the linear model estimates 4 N. `sense` once stated a standard deviation of 0.008 N without a warning. The default
+/// estimator is the nonlinear one.
 #[test]
 fn a_linear_answer_that_the_measurement_contradicts_says_so() {
     let shape = finray(&["solve", PAPER, "--load", &paper_load(19, 3.0, -60.0), "--mesh-nodes", "684"]).done();
@@ -109,7 +109,7 @@ fn a_linear_answer_that_the_measurement_contradicts_says_so() {
     assert!((force - 3.0).abs() <= sigma && sigma < 0.02, "{force} +- {sigma}");
 }
 
-/// A contact elsewhere than assumed leaves a residual that the stated noise does not.
+/// If the contact is not at the assumed position, the residual is larger than the stated noise explains.
 #[test]
 fn a_contact_elsewhere_is_warned_of() {
     let shape = finray(&["solve", PAPER, "--load", &paper_load(17, 1.5, 0.0), "--mesh-nodes", "684"]).done();
@@ -148,8 +148,8 @@ fn the_nonlinear_estimator_finds_position_and_direction() {
     }
 }
 
-/// The networks that ship answer for the paper's finger: forces within what they state, in the order asked, on nodes or on
-/// the positions where these lie.
+/// The shipped networks sense forces on the paper's finger within their stated standard deviations. The forces are in the order of the contacts,
+/// which may be nodes or their positions.
 #[test]
 fn shipped_networks_sense_the_paper_finger() {
     let truth = [(19, 0.0, 1.5), (20, 0.0, 0.8)];
@@ -159,7 +159,7 @@ fn shipped_networks_sense_the_paper_finger() {
     let ask = |contacts: &[&str]| sense(&shape, &[contacts, &network].concat());
     let sensed = ask(&["--contact", "19", "20"]);
     for ((force, sigma), (_, _, truth)) in sensed.numbers("force_n").iter().zip(sensed.numbers("sigma_n")).zip(truth) {
-        // Without noise in the shape only the network's own error is left.
+        // The shape has no noise, so the error is only the network's error.
         assert!(sigma > 0.01 && (force - truth).abs() < 0.5 * sigma, "{sensed:?}");
     }
     let [mut forwards, mut backwards] = [&sensed, &ask(&["--contact", "20", "19"])].map(|csv| csv.numbers("force_n"));
@@ -168,12 +168,12 @@ fn shipped_networks_sense_the_paper_finger() {
     // Nodes 19 and 20 are the seventh and eighth of thirteen from the tip, 153 mm from the base.
     let positions = ask(&["--contact-at", "76.5", "--contact-at", "63.75"]);
     assert_eq!(positions.numbers("force_n"), forwards);
-    // A third force has its place in the network for any of the nodes.
+    // For a third contact, the network for any subset of the nodes is used.
     forwards.push(0.0);
     let three = ask(&["--contact", "19", "20", "15"]).numbers("force_n");
     assert!(three.iter().zip(&forwards).all(|(ours, truth)| (ours - truth).abs() < 0.3), "{three:?}");
 
-    // A shape that another contact bends too asks for a pull, which no training had.
+    // If another contact also bends the finger, the displacements correspond to a pulling force, which no training sample has.
     let other = paper_load(15, 0.5, 0.0);
     let other = finray(&["solve", PAPER, "--load", &loads[0], "--load", &other]).done();
     let message = sense_text(&other, &[&["--contact", "19", "20"][..], &network].concat()).refused();

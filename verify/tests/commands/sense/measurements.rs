@@ -11,11 +11,11 @@ fn what_solve_writes_sense_reads() {
     assert_close(&sensed.numbers("s_mm"), &[114.75, 63.75, 25.5], 1e-15);
     assert_eq!(sensed.numbers("angle_deg"), TRUTH.map(|(_, angle, _)| angle));
     assert_close(&sensed.numbers("force_n"), &TRUTH.map(|(_, _, force)| force), SENSED);
-    // A perfect fit leaves no residual, and so no noise.
+    // A perfect fit has no residual, so the estimated noise is zero.
     assert!(sensed.numbers("sigma_n").iter().all(|sigma| (0.0..SENSED).contains(sigma)));
 }
 
-/// Hidden markers, another order, further columns, Windows line ends, a byte order mark, spaces, no last line end.
+/// A file may have hidden markers, another order of rows, further columns, Windows line ends, a byte order mark, spaces, and no final line end.
 #[test]
 fn a_measurement_may_be_written_in_many_ways() {
     let shape = Csv::of(&linear_shape(&TRUTH));
@@ -28,14 +28,14 @@ fn a_measurement_may_be_written_in_many_ways() {
         for line_end in ["\n", "\r\n"] {
             let text = format!("\u{feff}uy_mm,remark, node ,ux_mm,weight{line_end}{}", rows.join(line_end));
             let forces = sense(&text, &CONTACTS).numbers("force_n");
-            // Five markers at the back base determine the forces less well.
+            // Five markers near the base of the back plate determine the forces less well.
             let lost = if hidden.len() > 10 { 1e4 } else { 1.0 };
             assert_close(&forces, &TRUTH.map(|(_, _, force)| force), lost * SENSED);
         }
     }
 }
 
-/// A camera that sees hinges sees other displacements than one that sees the junctions on the plate; both sense the force.
+/// Markers on hinges have other displacements than markers on the junctions of the plate; the force is sensed correctly from both.
 #[test]
 fn markers_on_hinges_are_compared_with_hinges() {
     let folder = Folder::new();
@@ -66,15 +66,15 @@ fn markers_on_hinges_are_compared_with_hinges() {
     ] {
         assert_close(&[force(scene, &text)], &[truth], 1e-6);
     }
-    // Hinges taken for junctions: another force, by a hundred times the tolerance.
+    // Displacements of hinges that are read as displacements of junctions give another force; the difference is a hundred times the tolerance.
     assert!((force(&on_plates, &seen(hinges)) - truth).abs() > 1e-4 * truth);
 }
 
-/// `solve` says where its nodes are without load, `locate` where they are under it, rounded or not; words say nothing.
+/// `solve` writes undeformed positions, and `locate` writes deformed positions, possibly rounded. Positions that are not numbers are ignored.
 #[test]
 fn displacements_of_another_finger_are_warned_of() {
     let shape = linear_shape(&TRUTH);
-    // Each row with another x and y, from those that it has and its displacement.
+    // Replaces x and y of each row by values that follow from its position and displacement.
     let with = |text: &str, new: &dyn Fn(f64, f64) -> String| -> String {
         let row = |line: &str| {
             let cells: Vec<&str> = line.split(',').collect();
@@ -90,7 +90,7 @@ fn displacements_of_another_finger_are_warned_of() {
     for own in [with(&shape, &undeformed), with(&shape, &|_, _| "aside".to_owned())] {
         of_paper(&own).done();
     }
-    // Positions farther from the undeformed ones than those of another finger may be.
+    // The deformed positions are farther from the undeformed positions than the limit for another finger.
     let bent = paper_shape(&[(19, 3.0, 0.0)], &[]).computed();
     let own = sense_text(&with(&bent, &deformed), &["--contact", "19", "--estimator", "nonlinear"]);
     assert_eq!((own.code, own.err.contains("another finger?")), (Some(0), false), "{}", own.err);
@@ -111,7 +111,8 @@ fn rows_of_clamped_nodes_carry_noise_and_are_refused_beyond_it() {
         shape.lines().filter(|l| !l.starts_with("1,") && !l.starts_with("25,")).map(|l| format!("{l}\n")).collect();
     assert_eq!(free.lines().count(), shape.lines().count() - 2);
     assert_eq!(sense(&free, &CONTACTS), sense(&shape, &CONTACTS));
-    // Of what others moved (1 mm) two hundredths are noise, or six of its standard deviations where it is stated, but 0.05 mm always.
+    // A clamped marker may move by 2 % of the other markers' displacement (1 mm), or by six standard deviations of a stated noise. A displacement of
+    // 0.05 mm is always allowed.
     let with = |moving: &str| format!("node,ux_mm,uy_mm\n7,0,-1\n{moving}\n8,0,-1\n9,0.1,-1\n");
     for (moving, noise) in [
         ("1,0,0.021", &[][..]),
@@ -134,7 +135,7 @@ fn rows_of_clamped_nodes_carry_noise_and_are_refused_beyond_it() {
     }
 }
 
-/// Trackers leave cells of a marker that they lost empty; half of a marker is none.
+/// Trackers leave the cells of a lost marker empty. A row with only one coordinate is refused.
 #[test]
 fn empty_cells_are_a_hidden_marker() {
     let shape = linear_shape(&TRUTH);
@@ -152,7 +153,7 @@ fn empty_cells_are_a_hidden_marker() {
     }
     for (half, empty) in [("1.5,", "uy_mm"), (",1.5", "ux_mm")] {
         let message = sense_text(&rows(&|node| Some(format!("{node},{half}\n"))), &CONTACTS).refused();
-        assert_says(&message, &["line 3: ", empty, "a hidden marker leaves both empty"]);
+        assert_says(&message, &["line 3: ", empty, "for a hidden marker, leave both cells empty"]);
     }
     let none = sense_text("node,ux_mm,uy_mm\n7,,\n8,,\n", &["--contact", "19"]).refused();
     assert_says(&none, &["too few measured coordinates (0)", "unknowns (1)"]);
@@ -210,7 +211,8 @@ fn more_unknowns_than_coordinates_are_refused() {
     assert_says(&message, &["too few measured coordinates (0)", "unknowns (1)"]);
 }
 
-/// The direction of a measured force was once an arctangent by hand, less the turn of the image's base and that of the plate.
+/// The direction of a measured force follows from its components and the rotations of base and plate. Users once computed it by hand with an
+/// arctangent.
 #[test]
 fn a_measured_force_has_its_direction_in_the_frame_of_the_base() {
     let folder = Folder::new();
@@ -240,13 +242,13 @@ fn a_measured_force_has_its_direction_in_the_frame_of_the_base() {
         assert!((number("angle_deg", i) - 12.0).abs() < 1e-9, "{}", number("angle_deg", i));
         assert!((number("force_n", i) / 2.0 - 1.0).abs() < 2e-3, "{}", number("force_n", i));
     }
-    // An image whose force was not measured is refused, alone as among others.
+    // An image whose force was not measured is refused, both alone and among other images.
     assert_says(sensed.texts("refused")[2], &["measured", "--forces"]);
     assert!(sensed.texts("force_n")[2].is_empty());
     let alone = |image: &str| sense("19@measured", &["--forces", &forces, "--image-name", image]);
     assert_eq!(Csv::of(&alone("b.png").computed()).texts("force_n")[0], sensed.texts("force_n")[1]);
     assert_says(&alone("c.png").refused(), &["measured", "--forces"]);
-    // A direction without its force, a force without its direction, and one force for two contacts.
+    // Refused: a measured direction without a force, a measured force without `@measured`, and one force for two contacts.
     assert_says(&sense("19@measured", &["--all-images"]).refused(), &["measured", "--forces"]);
     assert_says(
         &sense("19@12", &with_forces).refused(),

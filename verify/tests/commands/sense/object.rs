@@ -9,10 +9,10 @@ fn scene(folder: &Folder, tables: &str) -> String {
     folder.put("scene.toml", paper_with(&[]) + "\n" + tables)
 }
 
-/// The engine of `press` finds the contact by itself, from where the object is: the same forces come back from the same object.
+/// `press` finds the contact from the pose of the object. `sense` with the same object recovers the same forces.
 #[test]
 fn what_presses_is_sensed_where_it_is() {
-    /// The plate of the lattice is a chain of capsules, whose direction between two bodies is off by up to half a degree.
+    /// Relative tolerance. The plate of the lattice is a chain of capsules, whose direction between two bodies has an error of up to half a degree.
     const LATTICE: f64 = 3e-3;
     let folder = Folder::new();
     let press = "[object]\nshape = \"disc\"\nradius_mm = 20\npath_mm = [[76.7, 35.9], [75.45, 29.45]]\nsteps = 1\n";
@@ -28,7 +28,8 @@ fn what_presses_is_sensed_where_it_is() {
     assert!((found_mm - true_mm).abs() < 0.3, "{found_mm} mm, {true_mm} mm");
 }
 
-/// Not known where: the plate alone says how it faces the object. In the camera's plane: the base of the image counts.
+/// If the position of the object is unknown, its direction follows from the plate alone. If its pose is in the camera's plane, the base of the image
+/// is used.
 #[test]
 fn poses_are_in_their_frame_or_unknown() {
     let folder = Folder::new();
@@ -41,7 +42,7 @@ fn poses_are_in_their_frame_or_unknown() {
     let known = sense(OBJECT, &shape, "auto@object").done();
     let unknown = OBJECT.replace("pose_mm = [75.45, 29.45]\npose_sigma_mm = 0.05\n", "");
     assert_eq!(sense(&unknown, &shape, "auto@object").done(), sense(OBJECT, &shape, "auto@normal").done());
-    // A base turned by a right angle and moved: x' = 10 - y, y' = 20 + x.
+    // The base is rotated by 90 degrees and displaced: x' = 10 - y, y' = 20 + x.
     let moved = OBJECT.replace("[75.45, 29.45]", "[-19.45, 95.45]") + "frame = \"plane\"\n";
     let rows = shape.lines().enumerate().map(|(i, row)| match i {
         0 => format!("{row},base_x_mm,base_y_mm,base_deg\n"),
@@ -49,7 +50,7 @@ fn poses_are_in_their_frame_or_unknown() {
     });
     let placed = Csv::of(&sense(&moved, &rows.collect::<String>(), "auto@object").done());
     assert_close(&placed.numbers("force_n"), &Csv::of(&known).numbers("force_n"), 1e-6);
-    // Where the file does not say, the base is where the camera's pose has the finger.
+    // If the file states no base, the base has the pose that the camera's pose implies.
     assert_says(&sense(&moved, &shape, "auto@object").refused(), &["the object cannot touch the plate at contact 1"]);
 }
 

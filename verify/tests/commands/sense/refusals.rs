@@ -17,7 +17,7 @@ fn contacts_that_cannot_be_sensed_are_refused() {
         (vec!["--contact", "19", "20", "19"], "contacts 1 and 3 have the same position and direction"),
         (vec!["--contact", "19@5", "19@5.0"], "contacts 1 and 2 have the same position and direction"),
         (vec!["--contact", "19", "--contact-at", "76.5"], "contacts 1 and 2 have the same position and direction"),
-        // A force and its opposite are one unknown, whatever they are called.
+        // A force and the opposite force at one node are the same unknown.
         (vec!["--contact", "19", "19@180"], "not identifiable"),
         (vec!["--contact", "19", "19@360"], "not identifiable"),
         (vec!["--contact", "19", "19@30", "19@60"], "not identifiable"),
@@ -59,7 +59,8 @@ fn a_contact_on_the_rigid_arm_of_the_clamp_moves_nothing() {
     }
 }
 
-/// A wrong contact once gave 3.27 +- 0.22 N for 2 N without a word where no noise was stated: the residual is named. The right contact is given without one.
+/// Without stated noise, a wrong contact once gave 3.27 +- 0.22 N for 2 N without a warning. Now the warning states the residual; the correct contact
+/// causes no warning.
 #[test]
 fn a_wrong_contact_without_stated_noise_is_no_silent_answer() {
     let shape = finray(&["solve", PAPER, "--load", "19:0,-2"]).done();
@@ -70,7 +71,7 @@ fn a_wrong_contact_without_stated_noise_is_no_silent_answer() {
     assert_eq!(at("19").err, "");
 }
 
-/// `auto` without a direction once took the normal without a word.
+/// `auto` without a direction once assumed the normal without a message.
 #[test]
 fn an_unknown_position_without_a_direction_says_which_is_taken() {
     let shape = finray(&["solve", PAPER, "--load-at", "80:1,0"]).done();

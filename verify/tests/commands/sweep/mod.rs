@@ -10,7 +10,7 @@ use std::sync::LazyLock;
 
 const HEADER: &str = "truth,estimator,noise_mm,s_mm,angle_deg,force_n,samples,answered,mean_error,bias,spread,sigma_n,refusal,warned,covered,covered_warned";
 
-/// A sweep of a moment with several of everything.
+/// A quick sweep with several values of each quantity.
 const SWEEP: [&str; 16] = [
     "sweep",
     PAPER,
@@ -29,12 +29,13 @@ const SWEEP: [&str; 16] = [
     "--step-deg",
     "40",
 ];
-/// What [`SWEEP`] writes.
+/// Output of [`SWEEP`].
 static SWEPT: LazyLock<String> = LazyLock::new(|| finray(&SWEEP).done());
-/// Blocks of [`SWEEP`]: two truths, twelve positions, five directions; rows of each: two estimators, noises and forces.
+/// Number of blocks of [`SWEEP`]: two truths, twelve positions, five directions. Each block has rows for two estimators, two noise levels and two
+/// forces.
 const BLOCKS: usize = 2 * 12 * 5;
 const ROWS_IN_BLOCK: usize = 2 * 2 * 2;
-/// A map of a moment.
+/// A quick map.
 const MAP: [&str; 14] = [
     "map",
     PAPER,
@@ -56,7 +57,7 @@ fn with<'a>(command: &[&'a str], further: &[&'a str]) -> Vec<&'a str> {
     [command, further].concat()
 }
 
-/// Writes all shards of a command and gives their paths, the last one first.
+/// Writes all shards of a command, and returns their paths in reverse order.
 fn shards(folder: &Folder, command: &[&str], of: usize) -> Vec<String> {
     let shard = |number: usize| {
         let out = folder.path(&format!("{number}-of-{of}.csv"));

@@ -8,7 +8,7 @@ fn a_row_says_all_that_is_known_of_a_cell() {
     assert_eq!(SWEPT.lines().next(), Some(HEADER));
     let table = Csv::of(&SWEPT);
     assert_eq!(table.rows.len(), BLOCKS * ROWS_IN_BLOCK);
-    // Truth, position, direction, estimator, noise, force: the last one changes first.
+    // Columns in the order of the rows: truth, position, direction, estimator, noise, force. The force changes fastest.
     let key = |row: &[String]| -> Vec<String> { [0, 3, 4, 1, 2, 5].iter().map(|&i| row[i].clone()).collect() };
     let mut keys: Vec<_> = table.rows.iter().map(|row| key(row)).collect();
     assert_eq!(
@@ -26,13 +26,13 @@ fn a_row_says_all_that_is_known_of_a_cell() {
         assert_eq!(answered[i], samples[i]);
         assert!(mean[i] >= bias[i].abs());
         assert_eq!(spread[i] > 0.0, noise[i] > 0.0);
-        // Without noise, what the model itself gets wrong remains.
+        // Without noise, the standard deviation may be zero.
         assert!(sigma[i] > 0.0 || noise[i] == 0.0);
     }
     assert!(table.texts("refusal").iter().all(|refusal| refusal.is_empty()));
 }
 
-/// Both are one computation.
+/// Map and sweep have the same results.
 #[test]
 fn a_map_is_a_sweep_with_fewer_columns() {
     let map = Csv::of(&finray(&MAP).done());
@@ -40,11 +40,11 @@ fn a_map_is_a_sweep_with_fewer_columns() {
     for column in &map.header {
         assert_eq!(map.texts(column), sweep.texts(column), "{column}");
     }
-    // Several forces: those of one cell stand together.
+    // The forces of one cell are in successive rows.
     assert_eq!(map.texts("force_n")[..4], ["1.0", "2.0", "1.0", "2.0"]);
 }
 
-/// The stated deviation is the one that `sense` states.
+/// The sweep states the same standard deviation as `sense`.
 #[test]
 fn the_stated_deviation_is_that_of_sense() {
     let arguments = ["--truth", "linear", "--noise-mm", "0.1", "--seeds", "3", "--force-n", "2", "--places", "12"];
@@ -72,23 +72,23 @@ fn sweeps_that_make_no_sense_are_refused() {
     ] {
         assert_says(&finray(&with(&["sweep", PAPER], &arguments)).refused(), &[expected]);
     }
-    // No network ships for another finger.
+    // No shipped network is for another finger than the paper's.
     assert_says(&finray(&["sweep", SPRING_STEEL, "--estimator", "network"]).refused(), &["no network ships"]);
 }
 
-/// Networks answer for the contacts that they were trained for, and the nonlinear estimator everywhere.
+/// Networks give forces for the contacts of their training, and the nonlinear estimator for all contacts.
 #[test]
 fn every_estimator_can_be_mapped() {
     let folder = Folder::new();
     let out = folder.path("map.csv");
     let nodes = ["--places", "12", "--step-deg", "40", "--noise-mm", "0.067", "--seeds", "3", "--out", &out];
-    // Nodes 14 to 24 alone and any of 13 to 24 ship, of all directions the normal.
+    // The shipped networks are for each single node from 14 to 24 and for any subset of nodes 13 to 24, with forces along the normal.
     for (estimator, answered) in [("network", 12), ("nonlinear", 60)] {
         finray(&[&["map", PAPER, "--estimator", estimator], &nodes[..]].concat()).done();
         let map = Csv::of(&folder.read("map.csv"));
         let errors: Vec<f64> = map.texts("mean_error").iter().filter_map(|error| error.parse().ok()).collect();
         assert_eq!(errors.len(), answered, "{estimator}");
-        // 3 N with noise: far below the ten percent of linear sensing.
+        // For 3 N with noise, the errors are below the ten percent of linear sensing.
         assert!(errors.iter().all(|error| *error < 0.1), "{estimator}: {errors:?}");
         let empty = errors.len() < map.rows.len();
         assert_eq!(folder.read("map.svg").contains(">refused<"), empty);
@@ -99,7 +99,7 @@ fn every_estimator_can_be_mapped() {
     assert_eq!(refusals.iter().filter(|refusal| refusal.contains("no network ships for these contacts")).count(), 48);
 }
 
-/// Where the finger cannot carry the force, a row says so.
+/// If the finger cannot carry the force, the row states this.
 #[test]
 fn a_force_without_equilibrium_is_named() {
     let folder = Folder::new();

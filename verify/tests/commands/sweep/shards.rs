@@ -27,7 +27,7 @@ fn merged_shards_are_the_bytes_of_one_run() {
     assert!(!names.contains(&"1-of-3.svg".to_owned()), "a shard has no figure");
 }
 
-/// The head keeps a scene to the letter, whatever its line ends and quotes.
+/// The head of a shard contains the exact text of the scene, with any line ends and quotes.
 #[test]
 fn shards_of_any_scene_fit() {
     let folder = Folder::new();

@@ -3,13 +3,13 @@
 use super::{HEADER, ROWS_IN_BLOCK, SWEEP, SWEPT, with};
 use crate::kit::*;
 
-/// Whatever was written when a run was killed, the next one ends with the bytes of one run.
+/// After a killed run, whatever it had written, the next run ends with the same bytes as an uninterrupted run.
 #[test]
 fn a_run_that_was_killed_goes_on() {
     let folder = Folder::new();
     let out = folder.path("out.csv");
     let whole = SWEPT.as_str();
-    // A shard is a head and rows; with its shard taken out it is what a run without shards has written at its end.
+    // A shard consists of a head and rows. Without the shard's number, the file equals the file of a complete run without shards.
     let all = folder.path("all.csv");
     finray(&with(&SWEEP, &["--shard", "1/1", "--out", &all])).done();
     let shard = folder.read("all.csv");
@@ -30,7 +30,7 @@ fn a_run_that_was_killed_goes_on() {
     }
 }
 
-/// What is there is kept and not computed again.
+/// Existing rows are kept and not computed again.
 #[test]
 fn rows_that_are_there_are_kept() {
     let folder = Folder::new();
@@ -39,7 +39,7 @@ fn rows_that_are_there_are_kept() {
     finray(&command).done();
     let whole = folder.read("1.csv");
     let rows_at = whole.find(HEADER).expect("the header") + HEADER.len() + 1;
-    // A mark in the first block, which is whole; of the second one a row is missing.
+    // The first block is complete and contains a mark; the second block lacks one row.
     let mark = |text: &str| text.replacen("linear,least-squares,0.0,", "marked,least-squares,0.0,", 1);
     let (head, rows) = whole.split_at(rows_at);
     let mut written: Vec<&str> = rows.split_inclusive('\n').take(2 * ROWS_IN_BLOCK).collect();

@@ -31,7 +31,7 @@ const PARTS: usize = 2;
 /// Prior standard deviation of the difference between the blurs of brightness and colour, px, for a noise of [`USUAL_NOISE`]. The prior constrains a
 /// blur that a marker hardly shows.
 const BLURS_APART_PX: f64 = 0.15;
-/// Noise for which [`BLURS_APART_PX`] holds, grey levels.
+/// Noise to which [`BLURS_APART_PX`] refers, grey levels.
 const USUAL_NOISE: f64 = 2.0;
 /// Half width of the band of pixels about the edge, in standard deviations of the edge's blur.
 const BAND: f64 = 2.5;
@@ -67,8 +67,8 @@ const LEAST_SD_PX: f64 = 0.005;
 /// Standard deviation of the centre of a small or blurred disc, px: this value times (blur / radius)^2. The edges of such discs are wide, so that fewer pixels
 /// show the surroundings alone. This value and [`LEAST_SD_PX`] come from rendered images of discs of 3 to 12 px with blurs of 0.8 to 3.2 px.
 const SMALL_SD_PX: f64 = 0.45;
-/// Additional standard deviation of the centre of a ring, px: this value times the share of neighbouring light in the middle of the ring's width. In narrow
-/// rings, no pixel shows the ring's light alone.
+/// Additional standard deviation of the centre of a ring, px: this value times the share of neighbouring light in the middle of the ring's width. In
+/// narrow rings, every pixel also shows neighbouring light.
 const RING_SD_PX: f64 = 0.4;
 
 /// A measured disc.

@@ -32,7 +32,8 @@ const MEDIAN_PIXELS: usize = 48;
 const SLOPE_PIXELS: usize = 12;
 /// A sector is omitted if its contrast over all components of light is below this, grey levels.
 const LEAST_CONTRAST: f32 = 12.0;
-/// A sector is not an edge of the disc if its mean squared residual exceeds that of even sectors by more standard deviations than this.
+/// A sector does not show the disc's edge if its mean squared residual exceeds the value of even sectors by more than this number of standard
+/// deviations.
 const UNLIKELY: f32 = 4.0;
 /// Lower bound of the assumed variance of a grey level, in squared grey levels. Rounding alone causes 1/12.
 const LEAST_VARIANCE: f32 = 0.5;
@@ -248,7 +249,7 @@ impl Shades {
         (number as u32, self.outside[number] * (1.0 - share) + self.outside[other] * share)
     }
 
-    /// Sets the weight of sectors without contrast, or with a residual above that of even sectors, to zero. Returns the share of sectors that are kept.
+    /// Sets the weight of sectors without contrast, or with a larger residual than even sectors, to zero. Returns the share of sectors that are kept.
     pub fn distrust_unlikely(&mut self, sums: &Sums) -> f64 {
         let channels = sums.channels as f32;
         let mean = |of: &SectorSums| of.squares / (channels * of.count).max(1.0);

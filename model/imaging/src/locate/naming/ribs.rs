@@ -8,7 +8,7 @@ use super::{Candidate, Marked, Names};
 use finray_model::Vector;
 use finray_model::finger::Plate;
 
-/// Two candidates are a pair only if the cost of their distance is at most this. The value is the cost of a length error three times as large as that of cost
+/// Two candidates are a pair only if the cost of their distance is at most this. The value is the cost of three times the length error that has cost
 /// 1.
 const MOST_OF_RIB: f64 = 9.0;
 /// At most this number of pairs is considered for a rib, those with the best lengths first.

@@ -258,9 +258,9 @@ struct Circle {
 impl Circle {
     /// Fits a circle by least squares without outliers, to first order about the origin of the rays.
     ///
-    /// A plate beside a rim affects a quarter of the rays. These rays shift the circle, so that half of the other rays become outliers. After a fit to all
-    /// rays, the next fits therefore use only the required share of the rays, those closest to the circle (least trimmed squares: Rousseeuw, Van Driessen, Data
-    /// Mining and Knowledge Discovery 12, 2006). Later fits omit outliers.
+    /// A plate beside a rim affects a quarter of the rays. These rays shift the circle, so that half of the unaffected rays become outliers. After a
+    /// fit to all rays, the next fits therefore use only the required share of the rays, those closest to the circle (least trimmed squares:
+    /// Rousseeuw, Van Driessen, Data Mining and Knowledge Discovery 12, 2006). Later fits omit outliers.
     fn through(edges: &Edges, least_spread_mm: f64) -> Option<Circle> {
         let mut counts: [bool; RAYS] = std::array::from_fn(|ray| edges[ray].is_some());
         let mut circle = None;

@@ -10,8 +10,8 @@ use serde::Serialize;
 
 /// Work and energy since the start of a grasp, N mm.
 ///
-/// Each work is an integral of forces over displacements, by the trapezoidal rule over the increments of the bases. The elastic energy is that of the
-/// springs. No value is computed from the others, so an imbalance shows an error of the integration or of the forces.
+/// Each work is an integral of forces over displacements, by the trapezoidal rule over the increments of the bases. The elastic energy is the energy
+/// of the springs. No value is computed from the others, so an imbalance shows an error of the integration or of the forces.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Account {
     /// Work done by the bases, and by the numerical resistance, which carries an object along with the gripper, N mm.

@@ -15,7 +15,7 @@ pub enum WorldError {
         /// Depth of the overlap, mm.
         overlap_mm: f64,
     },
-    /// A finger cannot be used for contact; the [`LatticeError`] says why.
+    /// A finger cannot be used for contact; the [`LatticeError`] states the reason.
     #[error(transparent)]
     Lattice(#[from] LatticeError),
 }

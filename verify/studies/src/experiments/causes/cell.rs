@@ -60,8 +60,8 @@ pub(super) fn cells(
     sensors.iter().map(of_sensor).collect()
 }
 
-/// Contacts around a position (mm) and direction (degrees). The two flags state whether position and direction are wrong, to both sides. Positions off the
-/// plate are left out.
+/// Contacts around a position (mm) and direction (degrees). The two flags state whether position and direction are wrong, to both sides. Positions
+/// off the plate are omitted.
 pub(super) fn beside(finger: &Finger, s_mm: f64, angle_deg: f64, [position, direction]: [bool; 2]) -> Vec<Contact> {
     let sides = |off: bool, by: f64| if off { vec![-by, by] } else { vec![0.0] };
     let length_mm = finger.plate_length_mm(Plate::Front);

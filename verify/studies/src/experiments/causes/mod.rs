@@ -95,7 +95,7 @@ impl Practice {
         }
     }
 
-    /// The cause that this practice adds to those of every practice.
+    /// The cause that this practice adds to the causes of every practice.
     fn own_cause(self) -> Option<Cause> {
         match self {
             Practice::LeastSquares => Some(Cause::Linearisation),

@@ -104,8 +104,8 @@ pub(super) fn weighed(finger: &Finger, truth: &dyn Truth, weights_n: &[f64]) -> 
     table_one::weighed(finger, truth, &loaded, weights_n)
 }
 
-/// The finger with the modulus that best fits the shapes. Shapes under loads without equilibrium on this finger are left out; if no shape remains, the finger
-/// is unchanged.
+/// The finger with the modulus that best fits the shapes. Shapes under loads without equilibrium on this finger are omitted; if no shape remains, the
+/// finger is unchanged.
 pub(super) fn calibrated(
     finger: &Finger,
     cases: &[CalibrationCase],

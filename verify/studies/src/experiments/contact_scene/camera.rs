@@ -1,7 +1,7 @@
 //! Camera model of a contact: its position and direction from outline points, with noise.
 //!
-//! The camera sees the outlines of object and finger as points. The coordinates of these points have independent errors with standard deviation s. These
-//! errors are also independent of those of the markers, which are at other pixels.
+//! The camera sees the outlines of object and finger as points. The coordinates of these points have independent errors with standard deviation s.
+//! These errors are also independent of the errors of the markers, which are at other pixels.
 //!
 //! The direction of a contact comes from two such points at a distance b ([`baseline_mm`]), so its standard deviation is sqrt(2) s / b. For a contact with
 //! the plate between two rods, the position is the distance of two points along the plate, so its standard deviation is sqrt(2) s. Sensing is assumed to know
@@ -57,8 +57,8 @@ const ALONG_FACE: f64 = 1e-3;
 const ON_FACE_MM: f64 = 1e-2;
 
 /// Distance of the two outline points that show the direction of the surfaces at a touch, mm. If a flat face of the object touches, the points are the ends
-/// of that face. Otherwise, on a rod, they are the rod's centre, and the touching corner or the centre of the touching disc. Elsewhere on the plate, they are
-/// the ends of the plate segment.
+/// of that face. Otherwise, for a touch on a rod, the points are the rod's centre, and the touching corner or the centre of the touching disc. For a
+/// touch elsewhere on the plate, they are the ends of the plate segment.
 pub fn baseline_mm(finger: &Finger, rod_radius_mm: f64, outline: &TurnedOutline, object: Vector, touch: &Touch) -> f64 {
     let on_plate_mm = |s_mm| member_mm(finger, s_mm);
     match (outline, touch.part) {

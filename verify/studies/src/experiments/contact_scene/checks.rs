@@ -16,14 +16,16 @@ const EQUILIBRIUM_TOLERANCE: f64 = 1e-6;
 /// Tolerance of a shape against rapier's shape at rest, relative to the largest displacement. It covers the errors of rapier's sweeps and of its criterion of
 /// rest.
 const ENGINE_TOLERANCE: f64 = 5e-4;
-/// Tolerance of the sum of contact forces against rapier's, relative to the sum.
+/// Tolerance of the sum of contact forces against the sum in rapier, relative to the sum.
 const ENGINE_FORCE_TOLERANCE: f64 = 2e-3;
 /// Tolerance of a shape against converged beams under the contact forces, relative to the largest displacement. It also bounds errors of sensed totals,
-/// because forces follow shapes. With two segments between rods, the difference is 1.0e-3 for the box and 1.1e-3 for the disc, under 5 N. A single force in
-/// its worst direction causes four times as much. The difference decreases with the square of the number of segments (2.0e-4 for the disc with four).
+/// because forces follow shapes. With two segments between rods, the difference is 1.0e-3 for the box and 1.1e-3 for the disc, under 5 N. A single
+/// force in its worst direction causes four times this difference. The difference decreases with the square of the number of segments (2.0e-4 for the
+/// disc with four).
 const BEAMS_TOLERANCE: f64 = 1.3e-3;
 const SEGMENTS: f64 = 2.0;
-/// With friction, a stated standard deviation may be at most this share of the force. A larger one would cover the error but carry no information.
+/// With friction, a stated standard deviation may be at most this share of the force. A larger standard deviation would cover the error but provide
+/// no information.
 const LARGEST_SIGMA: f64 = 0.5;
 /// Tolerance of the overlap of object and finger, mm. A larger overlap would mean that contacts yield.
 const OVERLAP_TOLERANCE_MM: f64 = 1e-3;

@@ -1,9 +1,11 @@
-//! Groups touches (points at which object and finger meet) into contacts, and gives each contact's position and direction from the surfaces alone.
+//! Groups touches (points at which object and finger meet) into contacts, and determines each contact's position and direction from the surfaces
+//! alone.
 
 use crate::prelude::*;
 use finray_lattice::skin::{Touch, TouchedPart};
 
-/// Touches closer than this share of the plate segment between two rods form one contact for the camera. Touches on two different rods never do.
+/// Touches closer than this share of the plate segment between two rods form one contact for the camera. Touches on two different rods never form one
+/// contact.
 const TOGETHER: f64 = 0.25;
 
 /// A contact seen by the camera, with the true force that it carries.

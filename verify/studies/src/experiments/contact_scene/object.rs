@@ -23,7 +23,9 @@ pub enum OutlineError {
     #[error("expected the corners in order around the object: the outline crosses itself or encloses nothing")]
     Crossed,
     /// The object is free: the scene prescribes no motion of a hand that moves it.
-    #[error("the object is free (mass_g): use `finray grasp`, or give at_mm and travel_mm or force_n, or path_mm")]
+    #[error(
+        "the object is free (mass_g): use `finray grasp`, or state its path: at_mm with travel_mm or force_n, or path_mm"
+    )]
     Free,
     /// A corner is too far from the object's reference point.
     #[error("corner {corner} is not within {FARTHEST_MM} mm of the origin")]
@@ -227,7 +229,7 @@ fn step_on_path(points: &[Vector], from: f64, to: f64) -> HandStep {
     for (i, pair) in segments.iter().enumerate() {
         let way = pair[1] - pair[0];
         let ends = begins + way.norm();
-        // The last segment also takes an end that rounding puts beyond the path.
+        // The last segment also contains an end that rounding puts beyond the path.
         if to * total <= ends || i + 1 == segments.len() {
             let share = ((to * total - begins) / way.norm()).min(1.0);
             return HandStep { corners, end: Push::To(pair[0] + way * share), along: way.normalize() };

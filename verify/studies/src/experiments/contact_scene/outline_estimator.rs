@@ -24,7 +24,7 @@ pub struct OutlineEstimator<'s> {
 }
 
 impl OutlineEstimator<'_> {
-    /// Senses the forces (N) of contacts, none of them clamped, from markers and from contacts as the camera reads them. Also gives the sum of the
+    /// Senses the forces (N) of contacts, none of them clamped, from markers and from contacts as the camera reads them. Also returns the sum of the
     /// forces along the unit vector `along`. Fails if the forces are not identifiable.
     pub(crate) fn sense(
         &self,

@@ -1,4 +1,4 @@
-//! Noise samples of one step, which give the coverage of the stated intervals.
+//! Noise samples of one step, from which the coverage of the stated intervals is estimated.
 
 use super::{ContactScene, SceneStep, SensedForce, SensedStep};
 use crate::prelude::*;

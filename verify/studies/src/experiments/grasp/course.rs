@@ -230,7 +230,7 @@ impl<'s, 'l> Course<'s, 'l> {
         if let [Some(left_n), Some(right_n)] = fingers.each_ref().map(FingerStep::sensed_total_n) {
             self.sensed.push_back((0.5 * (left_n + right_n), self.motor_deg));
         } else if let Some(&last) = self.sensed.back() {
-            // A refused frame gives no new force, so the last force counts again.
+            // A refused frame has no new force, so the last force counts again.
             self.sensed.push_back(last);
         }
         let weight = self.scene.weight() * self.weight_share;

@@ -1,8 +1,8 @@
 //! The closed loop against the camera's frame rate: overshoot, steady error and rise time, with two noise levels and two delays.
 //!
-//! The scene is `loop.toml` without its path: close until a force is sensed, then hold it. Up to 90 % of the force, all loops are identical, in steps
-//! of the motor angle and without noise, because no frame affects them yet. From there on, a step is a frame. Until the target is reached the motor
-//! turns regardless of the sensed force, so a slower camera sees a subset of the fastest camera's frames.
+//! The scene is `loop.toml` without its path: close until a force is sensed, then hold it. Up to 90 % of the force, no frame affects the loops. All
+//! loops are therefore identical until then, with steps of the motor angle and without noise. After 90 % of the force, a step is a frame. Until the
+//! target is reached the motor turns regardless of the sensed force, so a slower camera sees a subset of the fastest camera's frames.
 
 use super::course::Course;
 use super::{Eyes, GraspEnd, GraspError, GraspScene, GraspStep, LoopFigures, loop_figures};
@@ -170,7 +170,7 @@ impl LoopStudy {
     /// Checks that the force is held within the tolerance at the frame rate of the paper's camera.
     pub fn held(&self) -> Check {
         let held = self.runs.iter().filter(|run| run.setting.frames_per_s == CHECKED_PER_S);
-        // A loop that never held the object gives NaN, and its check fails.
+        // For a loop that never held the object, the value is NaN, and the check fails.
         let largest = worst(held.map(|run| run.over(|of| of.largest_error).map_or(f64::NAN, |errors| errors.most)));
         Check::new(
             Kind::Internal,

@@ -9,8 +9,8 @@ use crate::prelude::*;
 const BALANCE_TOLERANCE: f64 = 1e-4;
 /// Relative tolerance of the difference of both fingers' totals while only the fingers hold the object: the forces balance across the gripper.
 const EQUAL_TOLERANCE: f64 = 1e-4;
-/// Tolerance of the relative error of sensed totals without noise. The error comes from the lattice's difference from converged beams, and from
-/// friction, of which sensing knows only the coefficient.
+/// Tolerance of the relative error of sensed totals without noise. The error comes from the difference between the lattice and converged beams, and
+/// from friction, because sensing knows only its coefficient.
 const TOTAL_TOLERANCE: f64 = 0.01;
 /// Tolerance of the difference between the work of the bases and the work of friction over the whole grasp, relative, by the trapezoidal rule.
 const WORK_TOLERANCE: f64 = 0.02;

@@ -28,7 +28,7 @@ pub struct Summary {
     pub energy: Account,
     /// Largest elastic energy of the fingers, N mm.
     pub largest_elastic_nmm: f64,
-    /// Sensed contacts and totals, compared with the true ones.
+    /// Sensed contact forces and totals, compared with the true forces and totals.
     pub sensed: SensedSummary,
     /// Figures of the closed loop; `None` if the grasp has no closed loop.
     #[serde(rename = "loop")]

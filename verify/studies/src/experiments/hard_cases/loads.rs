@@ -28,7 +28,7 @@ pub(super) const QUESTIONS: &[Question] = &[
 
 const TINY_N: [f64; 5] = [1e-9, 1e-7, 1e-5, 1e-3, 1e-1];
 /// Tolerance of the relative change of the displacement by geometric nonlinearity, per newton: the value for a vanishing load at the middle of the finger,
-/// with a margin of 10 %. The change is proportional to the load. A stopping rule that ends early gives a larger change.
+/// with a margin of 10 %. The change is proportional to the load. A stopping rule that ends early causes a larger change.
 const NONLINEARITY_PER_N: f64 = 1.1 * 0.08;
 /// Load steps, relative to the requested load, are not divided below this. A limit load is known to this accuracy.
 const LAST_STEP: f64 = 1e-6;
@@ -107,7 +107,7 @@ fn directions(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(),
         }
     }
     if !refused.is_empty() {
-        findings.note(format!("Of {FORCE_N} N is carried: {}.", refused.join("; ")));
+        findings.note(format!("Largest forces carried (of {FORCE_N} N applied): {}.", refused.join("; ")));
     }
     sound.report(findings);
     Ok(())

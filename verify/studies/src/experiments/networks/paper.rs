@@ -1,6 +1,6 @@
 //! The paper's own method on its Table II: recorded errors of its network at the paper's contact nodes, against the paper's five figures.
 //!
-//! Networks are trained as in sec. IV-A, on noise-free cases of the linear finger, with several seeds. The records hold their errors on simulated
+//! Networks are trained as in sec. IV-A, on noise-free cases of the linear finger, with several seeds. The records contain their errors on simulated
 //! fingers. The paper does not state its scaling of displacements, so two scalings are recorded.
 
 use crate::experiments::networks::records::RecipeRow;
@@ -63,7 +63,7 @@ pub fn nodes_in_records(nodes: &[usize]) -> String {
     nodes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
 }
 
-/// Sets of a group at which a recipe is recorded. Some may be missing; results for the group then hold only for these sets.
+/// Sets of a group at which a recipe is recorded. Some sets may be missing; the results for the group then refer only to the recorded sets.
 pub fn recorded_sets(records: &[RecipeRow], recipe: &str, group: &ContactGroup) -> Vec<&'static [usize]> {
     let recorded = |nodes: &&&'static [usize]| {
         let name = nodes_in_records(nodes);

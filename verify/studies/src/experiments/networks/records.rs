@@ -1,6 +1,6 @@
 //! Records of trainings that take too long for a report: three recipes, and error against number of samples and network size.
 //!
-//! `fixtures/networks` holds them, with the command that computes them.
+//! `fixtures/networks` contains the records, and the command that computes them.
 
 use crate::experiments::{Context, Evidence};
 use crate::truths::TruthId;

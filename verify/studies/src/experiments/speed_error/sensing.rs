@@ -62,7 +62,7 @@ impl Stream {
                 .zip(&forces_n)
                 .map(|(contact, &force_n)| truth.frame_load(&contact.load(finger, force_n)));
             let loads = loads.collect::<Result<Vec<_>, _>>().ok()?;
-            // Forces without equilibrium give no frame.
+            // Forces without equilibrium have no frame.
             let equilibrium = statics.equilibrium(&loads).ok()?;
             let exact = Measurement::of_shape(finger, &truth.shape(&equilibrium.motion));
             let at_truth = bound.prepare(&contacts, &exact).and_then(|mut prepared| {
@@ -113,7 +113,8 @@ pub fn sensing_meshes(finger: &Finger) -> Vec<Mesh> {
     [1, 2, 4, 8].map(|elements| Mesh::with_elements_per_member(finger, elements)).into()
 }
 
-/// The beam estimators to be timed: linear ones on the first of [`sensing_meshes`], the nonlinear one on all, with cold and warm start.
+/// The beam estimators to be timed: the linear estimators on the first of [`sensing_meshes`], and the nonlinear estimator on all meshes, with cold
+/// and warm start.
 pub fn beam_estimators(meshes: &[Mesh]) -> Vec<TimedEstimator<'_>> {
     fn on<'m>(mesh: &'m Mesh, estimator: impl Estimator + 'm, start: Start) -> TimedEstimator<'m> {
         TimedEstimator { estimator: Box::new(estimator), setting: format!("{} nodes", mesh.node_count()), start }
@@ -174,7 +175,7 @@ pub fn neighbours(finger: &Finger) -> Vec<Vec<NodeId>> {
 }
 
 /// Times sensing of one oscillating force at [`ASKED_NODES`] nodes, and of two forces at neighbouring nodes, on the finger of `truth`. `periods` are the
-/// numbers of oscillations for the two tasks. The noise is `noise_mm` (mm). `further` estimators are added to those on beams.
+/// numbers of oscillations for the two tasks. The noise is `noise_mm` (mm). `further` estimators are added to the beam estimators.
 pub(crate) fn sensing(
     truth: &Mesh,
     noise_mm: f64,
@@ -268,7 +269,7 @@ pub fn sensed(
 }
 
 /// Model error of an estimator: largest error over frames without noise, in standard deviations of the noise. These standard deviations follow from
-/// the Cramer-Rao bound, because the estimator's stated one grows with its model error.
+/// the Cramer-Rao bound, because the estimator's stated standard deviation grows with its model error.
 ///
 /// # Errors
 /// [`ExperimentError`] if the estimator does not support the contacts.

@@ -10,12 +10,12 @@ use finray_numerics::optimise::{Convergence, LeastSquaresProblem, LevenbergMarqu
 
 /// Direction assumed for the weights, degrees from the inward normal.
 pub const ANGLE_DEG: f64 = 0.0;
-/// Targets at nodes 14 to 24: mean of sensed / true - 1, and its tolerance. The paper sensed too large forces at nodes 14, 16 and 24. There the errors over
-/// six weights scatter by about 5 percentage points, so the mean is uncertain by 2 percentage points. At nodes 18 to 22 the signs are not published, and the
-/// errors stay below 5 %. The target there is 0, with a tolerance of 3 percentage points.
+/// Targets at nodes 14 to 24: mean of sensed / true - 1, and its tolerance. The paper sensed too large forces at nodes 14, 16 and 24. At these nodes
+/// the errors over six weights scatter by about 5 percentage points, so the mean is uncertain by 2 percentage points. At nodes 18 to 22 the signs are
+/// not published, and the errors stay below 5 %. At nodes 18 to 22, the target is 0, with a tolerance of 3 percentage points.
 pub const TARGETS: [(f64, f64); 6] =
     [(0.563, 0.02), (0.121, 0.02), (0.0, 0.03), (0.0, 0.03), (0.0, 0.03), (0.200, 0.02)];
-/// Tolerance of the calibrated modulus relative to the published one; small, because equality is required.
+/// Tolerance of the calibrated modulus relative to the published modulus; small, because equality is required.
 const MODULUS_TOLERANCE: f64 = 1e-3;
 /// Step of ln(factor) for finite differences; errors are smooth to nine digits.
 const DIFFERENCE: f64 = 1e-4;
@@ -31,7 +31,7 @@ const LARGEST_STEP: f64 = 0.5;
 pub struct TwinFit {
     /// Zones whose factors are fitted.
     pub set: ZoneSet,
-    /// The fitted finger. Its modulus is chosen so that the paper's calibration gives the published modulus.
+    /// The fitted finger. Its modulus is chosen so that the paper's calibration results in the published modulus.
     pub finger: Finger,
     /// Modulus factor of each group of zones, dimensionless.
     pub factors: Vec<f64>,

@@ -1,9 +1,9 @@
 //! A digital twin of the finger behind Table I of Xu et al. (2021): the paper's finger with one of several possible sets of softer ends.
 //!
-//! The paper infers from its errors that the modulus "at the tip and base should be lower", and does not test it. Here zones and the modulus outside
-//! them are [fitted](fit) to the six published mean errors, and the consequences are [studied](study). Six numbers, with an assumed direction of the
-//! weights, do not determine a finger: other zones fit as well, some better. The twin's moduli are below those of TPU. Soft ends are an assumption
-//! of the fit, so their effect is no evidence for them.
+//! The paper infers from its errors that the modulus "at the tip and base should be lower", and does not test it. Here the factors of zones, and the
+//! modulus outside the zones, are [fitted](fit) to the six published mean errors, and the consequences are [studied](study). Six numbers, with an
+//! assumed direction of the weights, do not determine a finger: other zones fit equally well, some even better. The twin's moduli are below those of
+//! TPU. Soft ends are an assumption of the fit, so the effect of soft ends is no evidence that they exist.
 
 pub mod fit;
 pub mod study;

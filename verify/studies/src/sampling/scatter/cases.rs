@@ -25,7 +25,8 @@ pub(super) struct Case {
 }
 
 pub(super) struct Sample {
-    /// Cramer-Rao bound: standard deviations stated by an estimator with the true finger's kinematics. `None` without noise, or if it gives no estimate.
+    /// Cramer-Rao bound: standard deviations stated by an estimator with the true finger's kinematics. `None` without noise, or if this estimator
+    /// returns no estimate.
     pub bound: Option<Sensed>,
     /// First-order errors caused by the noise, N, of the estimator that gives the bound; `None` without noise, or if not requested or not computed.
     pub first_order: Option<Vec<f64>>,

@@ -123,7 +123,8 @@ impl<'s> Sweep<'s> {
         self.grid.noise_levels_mm.iter().flat_map(of_level)
     }
 
-    /// Computes blocks in parallel. `write` gets them in order, several at a time: their number and their rows. Memory holds few blocks per thread.
+    /// Computes blocks in parallel. `write` gets them in order, several at a time: their number and their rows. Memory contains only a few blocks per
+    /// thread.
     ///
     /// # Errors
     /// The first error of `write` or of the CSV writer.

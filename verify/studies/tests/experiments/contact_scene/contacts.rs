@@ -12,7 +12,7 @@ use finray_studies::experiments::contact_scene::{ContactScene, HalfSpan, SeenCon
 use finray_studies::sampling::noise::Noise;
 use finray_tests::CAMERA_NOISE_MM;
 
-/// The camera does not see how hard an object pushes where: other forces at the same touches are the same contacts.
+/// The camera does not see the distribution of the force: other forces at the same touches give the same contacts.
 #[test]
 fn contacts_are_seen_alike_whatever_they_carry() {
     let finger = scene("shape = \"disc\"\nradius_mm = 1\nat_mm = 1\ntravel_mm = 1").finger;
@@ -35,7 +35,7 @@ fn contacts_are_seen_alike_whatever_they_carry() {
     assert!(matches!(one.contact.position, ContactPosition::At(s_mm) if (s_mm - 81.0).abs() < 1e-9));
 }
 
-/// Positions and directions that the camera reads scatter as it says, about the true ones.
+/// Positions and directions read by the camera scatter about the true values with the stated standard deviations.
 #[test]
 fn read_contacts_scatter_as_stated() {
     const READINGS: usize = 4000;
@@ -55,7 +55,7 @@ fn read_contacts_scatter_as_stated() {
         shifts += (s_mm - 70.0).powi(2) / READINGS as f64;
         stated = [read.direction_sd_rad, read.position_sd_mm];
     }
-    // Four standard errors of a variance.
+    // Tolerance: four standard errors of a variance.
     let chance = 4.0 * (2.0 / READINGS as f64).sqrt();
     for (found, stated) in [(turns, stated[0]), (shifts, stated[1])] {
         assert!((found / stated.powi(2) - 1.0).abs() < chance, "{found}, {} stated", stated.powi(2));
@@ -70,7 +70,8 @@ fn read_contacts_scatter_as_stated() {
     );
 }
 
-/// However near two rods are, each is a contact of its own; plate between them belongs to the one before it, and how it shares the force is not seen.
+/// Two rods are separate contacts at any distance. A touch of the plate between two rods belongs to the contact of the previous rod, and the
+/// distribution of the force within this contact is unknown.
 #[test]
 fn two_rods_are_two_contacts() {
     let text =
@@ -90,7 +91,7 @@ fn two_rods_are_two_contacts() {
             overlap_mm: 0.0,
         }
     };
-    // Nodes 9 and 8 at 75 and 78 mm.
+    // Nodes 9 and 8 are at 75 and 78 mm.
     let touches = [
         touch(TouchedPart::Rod(NodeId(9)), 0.0, 3.0),
         touch(TouchedPart::Plate(75.2), 90.0, 4.0),
@@ -108,15 +109,16 @@ fn two_rods_are_two_contacts() {
         "{half:?}"
     );
     assert_eq!(seen[1].half_span, HalfSpan::default());
-    // An even distribution over the interval, where nothing else blurs it.
+    // Without noise, the standard deviation is that of a uniform distribution over the interval.
     let read = read_contact(&finger, &seen[0], 0.0, || 0.0);
     assert!((read.position_sd_mm - 0.1 / 3.0_f64.sqrt()).abs() < 1e-9 && read.direction_sd_rad > 0.4, "{read:?}");
-    // 3 N at 0 and 4 N at 90 degrees: along and across the direction of the contact, which lies between them, stands their resultant.
+    // The forces are 3 N at 0 degrees and 4 N at 90 degrees, and the contact's direction is at 45 degrees. The expected values are the components of
+    // the resultant along and across this direction.
     let [along_n, across_n] = [7.0, 1.0].map(|sum_n| sum_n / 2.0_f64.sqrt());
     assert!((seen[0].normal_n - along_n).abs() < 1e-12 && (seen[0].friction_n - across_n).abs() < 1e-12, "{seen:?}");
 }
 
-/// Whatever touches there, rods and plate and tip: without friction none is reported, and sensing finds the force.
+/// Without friction, no friction is reported at contacts of rods, plate and tip, and the force is sensed.
 #[test]
 fn smooth_objects_have_no_friction() {
     for object in [
@@ -131,7 +133,7 @@ fn smooth_objects_have_no_friction() {
     }
 }
 
-/// What presses on the clamp is not felt, and counts among the forces on the base.
+/// A force on the clamp is not sensed, but is part of the force on the base.
 #[test]
 fn a_force_on_the_clamp_is_separate() {
     let step = last("shape = \"disc\"\nradius_mm = 15\nat_mm = 6\nforce_n = 3\nsteps = 1", 2);
@@ -145,7 +147,7 @@ fn a_force_on_the_clamp_is_separate() {
     assert!(sensed.total.true_n < 0.9 * 3.0, "{:?}", sensed.total);
 }
 
-/// An outline that is not convex pushes with its prongs, and not with what lies between.
+/// A non-convex outline touches only with its prongs, and not with the gap between them.
 #[test]
 fn a_fork_touches_with_its_prongs() {
     let (given, _) = shipped().expect("scenes that ship").swap_remove(2);
@@ -156,6 +158,6 @@ fn a_fork_touches_with_its_prongs() {
     assert_eq!(step.contacts.len(), 2, "{:?}", step.contacts);
     let positions: Vec<f64> =
         step.contacts.iter().map(|seen| seen.contact.position_mm(&scene.finger).expect("a position")).collect();
-    // The prongs are 28 to 44 mm apart; the rods next to them carry.
+    // The prongs are 28 to 44 mm apart, so the nearest rods carry the force.
     assert!((28.0..44.0).contains(&(positions[1] - positions[0])), "{positions:?}");
 }

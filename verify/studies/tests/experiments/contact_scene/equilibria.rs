@@ -7,11 +7,11 @@ use finray_model::sensing::ContactPosition;
 use finray_model::{Kinematics, Mesh, NodeId, Scene, Vector, statics};
 use finray_studies::experiments::contact_scene::{ContactScene, SceneStep};
 
-/// A travel (mm) so small that the finger is linear: rotations are near 1e-3, and so is their effect.
+/// A travel (mm) so small that the finger is linear: rotations and their relative effect are about 1e-3.
 const TINY_TRAVEL_MM: f64 = 0.05;
 const TINY_TOLERANCE: f64 = 5e-3;
 
-/// Compliance of the linear finger along its normal: displacement of node `at` per newton at node `under`, mm/N.
+/// Compliance of the linear finger along the plate's normal, mm/N: displacement of node `at` per newton at node `under`.
 fn normal_compliance(scene: &Scene, under: NodeId, at: NodeId) -> f64 {
     let normal = scene.finger.direction(0.0);
     let mesh = Mesh::key_nodes(&scene.finger);
@@ -19,7 +19,7 @@ fn normal_compliance(scene: &Scene, under: NodeId, at: NodeId) -> f64 {
     shape.motion(at).displacement.dot(&normal)
 }
 
-/// A disc over a rod meets the finger's linear stiffness there.
+/// A disc pressed onto a rod meets the linear stiffness of the finger at this rod.
 #[test]
 fn a_small_push_on_a_rod_meets_the_linear_stiffness() {
     let object = format!("shape = \"disc\"\nradius_mm = 20\nat_mm = 76.5\ntravel_mm = {TINY_TRAVEL_MM}\nsteps = 1");
@@ -30,7 +30,7 @@ fn a_small_push_on_a_rod_meets_the_linear_stiffness() {
     assert!((seen.normal_n / expected - 1.0).abs() < TINY_TOLERANCE, "{} N, {expected} N expected", seen.normal_n);
 }
 
-/// A flat box over three rods touches those under its ends, which both move by its travel: C f = (travel, travel).
+/// A flat box over three rods touches the rods under its ends. Both rods are displaced by the travel: C f = (travel, travel).
 #[test]
 fn a_flat_box_shares_its_force_as_the_compliance_tells() {
     let turn_deg =
@@ -54,7 +54,7 @@ fn a_flat_box_shares_its_force_as_the_compliance_tells() {
     }
 }
 
-/// Forces of balls without friction go through their middles, along the line to the disc's.
+/// Without friction, the force between disc and rod acts along the line through their centres.
 #[test]
 fn a_frictionless_force_points_from_the_disc_to_the_rod() {
     let object = "shape = \"disc\"\nradius_mm = 20\nat_mm = 80\ntravel_mm = 8\nsteps = 1";
@@ -69,8 +69,8 @@ fn a_frictionless_force_points_from_the_disc_to_the_rod() {
     assert!(touch.force.perp(&line).abs() < 1e-6 * touch.force.norm() * line.norm());
 }
 
-/// A disc dragged along the finger and back, pressed into it: while it slides, friction is its coefficient times the normal
-/// force, and drags the finger along.
+/// A disc is pressed into the finger and dragged along it and back. While the disc slides, friction is the coefficient times the normal force, and
+/// acts in the direction of sliding.
 #[test]
 fn sliding_friction_is_coulombs() {
     const FRICTION: f64 = 0.2;
@@ -83,7 +83,7 @@ fn sliding_friction_is_coulombs() {
         let normal_n: f64 = step.contacts.iter().map(|seen| seen.normal_n).sum();
         step.contacts.iter().map(|seen| seen.friction_n).sum::<f64>() / (FRICTION * normal_n)
     };
-    // By the middle of each way along the plate it slides: the ends are where it turns.
+    // At the middle of each way along the plate, the disc slides; at the ends, its motion reverses.
     let (there, back) = (slides(&steps[7]), slides(&steps[10]));
     assert!((there - 1.0).abs() < TOLERANCE && (back + 1.0).abs() < TOLERANCE, "{there} and {back}");
 }
@@ -95,7 +95,7 @@ fn the_same_scene_gives_the_same_bits() {
     assert_eq!(steps(&prepared), steps(&prepared));
 }
 
-/// A force that is held and a hand that stands where it led end in the same position.
+/// A pull with a force, and a motion to the position that the pull reached, have the same equilibrium.
 #[test]
 fn force_and_travel_are_two_sides_of_one_equilibrium() {
     let press = |until: &str| {
@@ -108,7 +108,7 @@ fn force_and_travel_are_two_sides_of_one_equilibrium() {
     assert!((by_travel.total_n() / 2.0 - 1.0).abs() < 2.0 * TOLERANCE, "{} N", by_travel.total_n());
 }
 
-/// The hand goes in short parts, however few steps are looked at: the object cannot jump through the finger.
+/// The hand moves in short increments, however few steps are requested, so the object cannot jump through the finger.
 #[test]
 fn the_rest_position_does_not_depend_on_the_steps() {
     for (object, tolerance) in [
@@ -121,7 +121,7 @@ fn the_rest_position_does_not_depend_on_the_steps() {
     }
 }
 
-/// A polygon is moved by the origin of its corners; where that lies changes nothing, as it does not turn.
+/// A polygon moves with the origin of its corners. The object does not rotate, so the position of this origin has no effect.
 #[test]
 fn the_origin_of_an_outline_does_not_matter() {
     let press = |origin: Vector| {
@@ -131,14 +131,14 @@ fn the_origin_of_an_outline_does_not_matter() {
         let prepared = ContactScene::new(&scene, object, &corners).expect("an outline").with_fineness(COARSE);
         (steps(&prepared).pop().expect("a step"), scene.finger.direction(0.0))
     };
-    // Moved along the way of the object, so that it meets the same position.
+    // The origin is displaced along the object's motion, so that the object meets the finger at the same position.
     let (near, normal) = press(Vector::zeros());
     let (far, _) = press(normal * 100.0);
     let (near, far) = (near.pressed.contact_force().norm(), far.pressed.contact_force().norm());
     assert!(near > 0.1 && (far / near - 1.0).abs() < 1e-6, "{near} N, {far} N");
 }
 
-/// Along a path with corners the way is the path's, and the total that along its last segment.
+/// On a path with corners, the travel is the length of the path, and the total is the force along the last segment.
 #[test]
 fn corners_of_a_path_are_passed() {
     let prepared =
@@ -149,7 +149,7 @@ fn corners_of_a_path_are_passed() {
     assert!((step.total_n() - step.pressed.contact_force().dot(&step.along)).abs() < 1e-12);
 }
 
-/// A ten thousandth of the stiffness, a ten thousandth of the force.
+/// A finger with 1/10 000 of the stiffness exerts 1/10 000 of the force.
 #[test]
 fn soft_fingers_are_pressed_alike() {
     let object = "\n[object]\nshape = \"disc\"\nradius_mm = 20\nat_mm = 76.5\ntravel_mm = 8\nsteps = 1";

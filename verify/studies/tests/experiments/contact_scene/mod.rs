@@ -10,7 +10,7 @@ mod equilibria;
 mod refusals;
 mod studies;
 
-/// Segments a plate member where nothing but the order of magnitude of the bending matters.
+/// Number of segments per plate member for tests that need only the order of magnitude of the bending.
 const COARSE: usize = 1;
 
 /// A scene with the paper's finger and an object.

@@ -23,11 +23,12 @@ fn what_is_no_outline_is_refused() {
     assert!(outline(&[[0.0, 0.0], [0.0, 10.0], [10.0, 10.0], [10.0, 0.0]]).is_ok(), "clockwise");
 }
 
-/// Of the force at which they last touched, the finger holds this share: an object that it lets go takes a while to leave, in which the force grows.
+/// Share of the reported force that the finger still holds. An object that the finger loses takes some increments to leave, during which the force
+/// grows.
 const HELD: f64 = 0.8;
 
-/// The error says at which force the object was lost, at the tip and in the middle of the finger. The way to the latter force would take hours: it ends
-/// where the finger lets go.
+/// The error states the force at which the object was lost, at the tip and in the middle of the finger. In the middle, reaching the requested force
+/// would take hours, so the run must end when the finger loses the object.
 #[test]
 fn an_object_that_the_finger_lets_go_is_said_so() {
     let at_tip = ("radius_mm = 5\nat_mm = 153\ndirection_deg = 80", 5.0);
@@ -50,7 +51,7 @@ fn an_object_must_start_outside_the_finger() {
     let inside = scene("shape = \"disc\"\nradius_mm = 10\npath_mm = [[50, 20], [50, 10]]");
     let outcome = prepared(&inside).with_fineness(COARSE).run(|_| ());
     assert!(matches!(outcome, Err(LatticeError::Overlap { .. })), "{outcome:?}");
-    // The first touch of a press is no overlap, wherever and however it goes.
+    // The first touch of a press is not an overlap, at any position and in any direction.
     for (at_mm, direction_deg) in [(0.0, 0.0), (70.0, 60.0), (70.0, -60.0), (153.0, 20.0)] {
         let object = format!(
             "shape = \"disc\"\nradius_mm = 10\nat_mm = {at_mm}\ndirection_deg = {direction_deg}\ntravel_mm = 0.01\nsteps = 1"
@@ -64,7 +65,7 @@ fn an_object_must_start_outside_the_finger() {
     }
 }
 
-/// A free object is for a gripper: a report on its scene has no pressed object, and a press has none to press.
+/// A free object requires a gripper: a report on its scene has no pressed object, and a press is refused.
 #[test]
 fn a_free_object_is_not_pressed() {
     let scene = finray_model::Scene::from_toml(finray_fixtures::GRASPED_DISC_SCENE).expect("a scene");

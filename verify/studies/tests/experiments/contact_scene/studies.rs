@@ -1,4 +1,4 @@
-//! Checks that the report makes on a contact scene.
+//! Tests of the report's checks of contact scenes.
 
 use super::{COARSE, prepared, scene};
 use crate::check::assert_all_pass;
@@ -10,7 +10,7 @@ use finray_studies::experiments::contact_scene::study::{SAMPLES, SceneStudy, shi
 use finray_studies::experiments::contact_scene::{ContactScene, SensedForce};
 use finray_tests::CAMERA_NOISE_MM;
 
-/// All that the report checks of its first scene, in fewer steps.
+/// All checks of the report's first scene, with fewer steps.
 #[test]
 fn a_disc_pressed_to_5_n_passes_every_check() {
     let (mut given, fineness) = shipped().expect("scenes that ship").swap_remove(0);
@@ -26,11 +26,11 @@ fn a_disc_pressed_to_5_n_passes_every_check() {
     assert_eq!(study.steps[1].samples.as_ref().expect("noise").sensed.len(), 3);
 }
 
-/// Friction within its known bound is in the stated intervals, and these are of use; sensing that takes forces for normal states intervals
-/// that miss them, and the checks say so.
+/// With friction within its known bound, the stated intervals contain the forces and are narrow enough. If sensing assumes normal forces, its
+/// intervals miss the true forces, and the checks fail.
 #[test]
 fn friction_is_within_the_stated_intervals() {
-    // With one segment between rods the lattice differs from beams by more than noise.
+    // With one segment between rods, the lattice would differ from beams by more than the noise.
     let (mut given, fineness) = shipped().expect("scenes that ship").swap_remove(3);
     given.scene.object.as_mut().expect("an object").steps = 3;
     let known = prepared(&given.scene).with_fineness(fineness);
@@ -54,7 +54,7 @@ fn friction_is_within_the_stated_intervals() {
     assert!(frictionless.checks().iter().any(|check| !check.passes() && check.source == "Coulomb"));
 }
 
-/// Samples that sensing refuses hold no true force: half of them refused is no coverage of 95 %.
+/// Refused samples count as not covered: if half of the samples are refused, the coverage is at most 50 %.
 #[test]
 fn refused_samples_are_not_covered() {
     let exact = SensedForce { true_n: 1.0, sensed_n: 1.0, sigma_n: 0.1 };
@@ -68,7 +68,7 @@ fn refused_samples_are_not_covered() {
     assert_eq!(failed.count(), 4, "contacts and total, over all and where fewest");
 }
 
-/// A way that begins in the air is checked where the object touches.
+/// On a path that begins without contact, only the steps with contact are checked.
 #[test]
 fn steps_without_contact_fail_no_check() {
     let scene = scene("shape = \"disc\"\nradius_mm = 10\npath_mm = [[75, 40], [75, 15]]\nsteps = 5");

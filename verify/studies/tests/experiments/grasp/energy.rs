@@ -7,7 +7,7 @@ use finray_studies::experiments::grasp::{GraspEnd, GraspScene, GraspStep, Phase}
 use finray_tests::is_full_study;
 use std::path::{Path, PathBuf};
 
-/// The objects, each with whether its equilibrium jumps somewhere.
+/// Name of each object, and whether its equilibrium snaps during the grasp.
 const OBJECTS: [(&str, bool); 8] = [
     ("disc", false),
     ("ball", false),
@@ -18,19 +18,20 @@ const OBJECTS: [(&str, bool); 8] = [
     ("mouse", true),
     ("wedge", true),
 ];
-/// Those of the full study alone, each of which takes as long as several others. (The wedge closes in any case, see below.)
+/// Objects that only the full study grasps, because each takes as long as several others. A quick study at least closes on the wedge; see below.
 const LONG: [&str; 2] = ["mouse", "wedge"];
-/// Segments a plate member: the account is that of the lattice, whatever its segments. With one a wedge jams.
+/// Number of segments per plate member. The energy balance holds for a lattice of any fineness, but with one segment the wedge jams.
 const FINENESS: usize = 2;
-/// Of the largest elastic energy. The works are by the trapezoidal rule; a part of a step of which more than a ten thousandth of what bends a finger by
-/// the object's size is missing is halved, and what is missing in all parts adds up.
+/// Tolerance of missing energy, as a share of the largest elastic energy. Works are computed by the trapezoidal rule. An increment is halved if its
+/// missing energy exceeds 1/10 000 of the energy that bends a finger by the object's size. The missing energies of all increments add up.
 const MISSING: f64 = 0.01;
-/// Sums of works that cancel each other.
+/// Tolerance for rounding in sums of works that cancel.
 const ROUNDING: f64 = 1e-12;
-/// Resistance without a snap: it holds an object that nothing else holds, and slows it while it comes to rest.
+/// Limit of the work against the numerical resistance without a snap. The resistance holds an object without contacts, and slows the object while it
+/// comes to rest.
 const RESISTANCE: f64 = 1e-3;
 
-/// The scene of an object, with something changed in it.
+/// The scene of an object after a change.
 pub(super) fn object(name: &str, change: impl Fn(&mut Scene)) -> GraspScene {
     let folder: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/scenes/grasp");
     let mut given = load_scene_with_outline(&folder.join(format!("{name}.toml"))).unwrap();
@@ -42,7 +43,7 @@ fn most_elastic_nmm(steps: &[GraspStep]) -> f64 {
     steps.iter().map(|step| step.energy.elastic_nmm).fold(0.0, f64::max)
 }
 
-/// At every step what is missing is within the error that the account states, and what is lost never comes back.
+/// Checks that the missing energy of every step is within the stated error, and that lost energy never returns.
 fn assert_accounted_for(name: &str, steps: &[GraspStep]) {
     let stored_nmm = most_elastic_nmm(steps);
     let mut lost_nmm = 0.0;
@@ -59,7 +60,7 @@ fn assert_accounted_for(name: &str, steps: &[GraspStep]) {
     assert!(end.resistance_nmm >= 0.0, "{name}: {end:?}");
 }
 
-/// At every step of every object; what is lost is friction's alone where nothing snaps. In the full study with two segments a member, and all.
+/// Checks every step of every object. Without a snap, energy is lost only by friction. The full study has two segments per member and all objects.
 #[test]
 fn energy_is_never_created() {
     let is_full = is_full_study();
@@ -73,7 +74,8 @@ fn energy_is_never_created() {
     }
 }
 
-/// Closing and opening a fingers' pair of which nothing is left: the motor's work is friction's, up to the error that the account states.
+/// After closing and opening, no elastic energy remains, so the motor's work equals the work of friction and numerical resistance, within the stated
+/// error.
 #[test]
 fn the_work_of_a_cycle_is_that_of_friction() {
     let (steps, _) = steps_of(&object("disc", |_| ()), 0.0, 1);
@@ -83,13 +85,14 @@ fn the_work_of_a_cycle_is_that_of_friction() {
     assert!((end.driven_nmm - lost_nmm).abs() <= end.error_nmm && end.error_nmm < 0.02 * lost_nmm, "{end:?}");
 }
 
-/// Forces at equal motor angles while the gripper closes are those of steps a third as long: once a wedge got 5.9 N for 5.3 N, since a long step ended in
-/// another equilibrium, to which no way leads without energy from nowhere. In the full study of other objects too that turn or slip on their way.
+/// While the gripper closes, steps a third as long give the same forces at equal motor angles. For a wedge, the force was once 5.9 N instead of 5.3
+/// N. A long step had ended in another equilibrium, which would need energy from outside. The full study also includes other objects that rotate or
+/// slip.
 #[test]
 fn a_long_motor_step_does_not_end_in_another_equilibrium() {
-    /// Of the largest total: friction is by the slip of a part of a step, in one go.
+    /// Tolerance, as a share of the largest total. Friction is computed from the slip of a whole increment.
     const TOLERANCE: f64 = 0.01;
-    /// With two segments a member the wedge snaps, and friction after the snap depends on where in the motor's step it happens.
+    /// With two segments per member, the wedge snaps, and friction after the snap depends on the moment of the snap within the motor's step.
     const FINENESS: usize = 3;
     let names = if is_full_study() { &["wedge", "disc", "egg", "hollow"][..] } else { &["wedge"] };
     for &name in names {

@@ -7,12 +7,12 @@ use finray_studies::experiments::grasp::{Eyes, GraspEnd, GraspScene, LoopFigures
 
 const MOTOR_DEG_PER_S: f64 = 30.0;
 
-/// With one realisation of the noise.
+/// A setting of the loop with one noise realisation.
 fn setting(noise_mm: f64, delay_frames: usize, frames_per_s: f64) -> LoopSetting {
     LoopSetting { noise_mm, delay_frames, frames_per_s, realisations: 1 }
 }
 
-/// Without noise: between two slow frames the motor goes on, and later still where sensing is late.
+/// Without noise, the force overshoots because the motor continues between two slow frames, and longer if sensing is delayed.
 #[test]
 fn slow_and_late_frames_overshoot() {
     let study =
@@ -20,7 +20,8 @@ fn slow_and_late_frames_overshoot() {
             .unwrap();
     let figures: Vec<LoopFigures> = study.runs.iter().map(|run| run.figures[0].expect("it holds")).collect();
     for (run, figures) in study.runs.iter().zip(&figures) {
-        // What the motor adds in a frame, or in as many as sensing is late and one; the force grows faster at the end than on the whole.
+        // The overshoot is the force that the motor adds during the delay, plus at most one frame. The force grows faster at the end than on average,
+        // hence the factor 1.3.
         let share_a_frame = 0.8 / (figures.rise_s.unwrap() * run.setting.frames_per_s);
         let [least, most] = [0.0, 1.0].map(|more| 1.3 * (run.setting.delay_frames as f64 + more) * share_a_frame);
         assert!(figures.overshoot <= most && figures.overshoot >= 0.5 * least, "{run:?}");
@@ -29,7 +30,7 @@ fn slow_and_late_frames_overshoot() {
     assert!(figures[2].overshoot > 0.08 && figures[2].overshoot > 2.0 * figures[3].overshoot, "{figures:?}");
 }
 
-/// Loops that begin as one end as one does that looks at every frame; only where frames fall differs.
+/// A loop that shares its beginning with other loops ends like a loop that senses every frame; only the positions of the frames differ.
 #[test]
 fn frames_left_out_change_nothing() {
     const RATE: f64 = 10.0;
@@ -42,26 +43,27 @@ fn frames_left_out_change_nothing() {
     assert_eq!(grasp.run(&Eyes::Noise(0.0), 1, |step| steps.push(step.clone())).unwrap(), GraspEnd::Done);
     let every = loop_figures(&steps, 1.6, Some(MOTOR_DEG_PER_S)).unwrap();
     let few = closed_loops(&[setting(0.0, 0, RATE)]).unwrap().runs[0].figures[0].unwrap();
-    // A frame is 3 degrees, 15 mN of 1.6 N; the force rises evenly, at the motor's speed.
+    // In one frame, the motor turns by 3 degrees, which adds 15 mN to the force (target: 1.6 N). The force rises uniformly with the motor's speed.
     assert!((every.overshoot - few.overshoot).abs() < 0.012, "{every:?} {few:?}");
     assert!((every.steady_error - few.steady_error).abs() < 0.002, "{every:?} {few:?}");
     assert!((every.rise_s.unwrap() / few.rise_s.unwrap() - 1.0).abs() < 0.01, "{every:?} {few:?}");
 }
 
-/// A slower camera sees every fourth frame of a faster one: it decides as if it had closed alone, in steps of its own.
+/// The slower camera uses every fourth frame of the faster camera. Its loop has the same results as a loop computed alone with its own steps.
 #[test]
 fn frames_of_a_faster_camera_serve_a_slower_one() {
     let slow = setting(0.02, 1, 10.0);
     let alone = closed_loops(&[slow]).unwrap().runs[0].figures[0].unwrap();
     let beside = closed_loops(&[slow, setting(0.02, 1, 40.0)]).unwrap().runs[0].figures[0].unwrap();
-    // Friction on the way is counted in finer steps.
+    // The tolerance allows for friction, which is computed in finer steps.
     assert!((alone.overshoot - beside.overshoot).abs() < 1e-4, "{alone:?} {beside:?}");
     assert!((alone.largest_error - beside.largest_error).abs() < 1e-4, "{alone:?} {beside:?}");
     let odd = closed_loops(&[slow, setting(0.02, 1, 25.0)]).unwrap().runs[0].figures[0].unwrap();
     assert_eq!(alone, odd, "rates that do not divide share nothing");
 }
 
-/// Each loop runs with every realisation; what is said of them is their mean, the least and the largest, and nothing where one never held.
+/// Each loop runs with every noise realisation. The study states mean, smallest and largest figure, or nothing if one realisation never held the
+/// object.
 #[test]
 fn realisations_of_the_noise_spread() {
     let settings = |realisations| [10.0, 5.0].map(|rate| LoopSetting { realisations, ..setting(0.067, 0, rate) });
@@ -73,7 +75,7 @@ fn realisations_of_the_noise_spread() {
         let spread = all.over(|of| of.overshoot).unwrap();
         assert!((spread.mean - overshoots.iter().sum::<f64>() / 3.0).abs() < 1e-15);
         assert!(overshoots.contains(&spread.least) && overshoots.contains(&spread.most), "{overshoots:?} {spread:?}");
-        // All may overshoot alike, in the same frame; where they hold differs.
+        // All realisations may overshoot equally, in the same frame, but their steady errors differ.
         let held = all.over(|of| of.steady_error).unwrap();
         assert!(held.least < held.mean && held.mean < held.most, "{held:?}");
     }
@@ -81,7 +83,7 @@ fn realisations_of_the_noise_spread() {
     assert_eq!(lost.over(|of| of.overshoot), None);
 }
 
-/// The check is of the paper's rate, of the worst realisation of the worst loop there, and of loops that hold at all.
+/// The check uses the worst realisation of the worst loop at the paper's frame rate, and fails if a loop never held the object.
 #[test]
 fn a_loop_that_does_not_hold_fails_the_check() {
     let figures =

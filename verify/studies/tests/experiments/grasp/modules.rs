@@ -20,8 +20,8 @@ fn close_on(nodes: &[usize]) -> Vec<ClosedStep> {
     closing(&Mesh::with_elements_per_member(&finger, 2), &gripper, nodes).unwrap()
 }
 
-/// No rod is inside its cap, none is pushed that is off it, and none is pulled: of two neighbours the one that is pressed takes the plate off the other's
-/// cap again in a step of Newton's method.
+/// No rod penetrates its cap, no rod without contact carries a force, and no rod is pulled. Of two neighbouring rods, the pressed one lifts the plate
+/// off the other cap again, within a Newton step.
 #[test]
 fn sensors_push_what_they_touch_and_nothing_else() {
     for nodes in [[16, 20], [16, 17]] {
@@ -39,13 +39,13 @@ fn sensors_push_what_they_touch_and_nothing_else() {
     }
 }
 
-/// The first force is what the base has moved against the node's compliance, and a finger under the forces has the displacements.
+/// The first force is the travel of the base divided by the node's compliance. A finger under the computed forces has the measured displacements.
 #[test]
 fn a_force_is_way_over_compliance() {
     let (finger, gripper) = gripper();
     let node = NodeId(19);
     let step = &close_on(&[node.0])[0];
-    // The rod met its cap 45 degrees after the start, at a motor angle of 315 degrees.
+    // The rod meets its cap 45 degrees after the start, at a motor angle of 315 degrees.
     let right = |motor_deg: f64| gripper.fingers(&gripper.pose(motor_deg).unwrap())[1];
     let reached_mm = |motor_deg: f64| right(motor_deg).outwards(finger.position(node)).x;
     let way_mm = reached_mm(315.0) - reached_mm(360.0 - step.turned_deg);
@@ -54,7 +54,7 @@ fn a_force_is_way_over_compliance() {
         statics::solve(&Mesh::with_elements_per_member(&finger, 2), &[load], kinematics).unwrap()
     };
     let gives_mm = bends(Load::at_node(node, along), Kinematics::Linear).motion(node).displacement.dot(&along);
-    // Geometric nonlinearity makes some percent under a tenth of a newton.
+    // The tolerance covers geometric nonlinearity: some percent under a tenth of a newton.
     assert!((step.true_n[0] * gives_mm / way_mm - 1.0).abs() < 0.05, "{} N, {way_mm} mm", step.true_n[0]);
     let shape = bends(Load::at_node(node, along * step.true_n[0]), Kinematics::Corotational);
     for marker in step.displacements.markers() {
@@ -63,7 +63,7 @@ fn a_force_is_way_over_compliance() {
     assert!(finger.plate_nodes(Plate::Front).contains(&node));
 }
 
-/// As the paper's figure has it: the node nearer to the base is pressed first, then the other one passes it.
+/// As in the paper's figure, the node nearer to the base is pressed first; later, the force at the other node is larger.
 #[test]
 fn forces_at_two_nodes_cross() {
     let steps = close_on(&[18, 20]);
@@ -77,7 +77,7 @@ fn step(turned_deg: f64, true_n: [f64; 2], samples: Vec<Option<[f64; 2]>>) -> Mo
     ModuleStep { turned_deg, axis_deg: 0.0, true_n: true_n.to_vec(), sensed_n: vec![(EstimatorId::Nonlinear, samples)] }
 }
 
-/// Means over the forces in the paper's range, then over the tests of a row; what is refused is counted.
+/// Errors are averaged over the forces in the paper's range, then over the tests of a row; refused samples are counted.
 #[test]
 fn errors_are_means_over_forces_in_range() {
     let small = step(1.0, [0.0, 0.2], vec![Some([9.0, 9.0])]);

@@ -4,7 +4,7 @@ use finray_model::Scene;
 use finray_studies::experiments::grasp::observations::{Totals, totals};
 use finray_studies::experiments::grasp::{Eyes, GraspScene, GraspStep};
 
-/// The disc pressed on its support and let go, with a friction and noise.
+/// Totals of a grasp in which the fingers close on the disc on its support, and open again.
 fn observed(friction: &str, noise_mm: f64) -> Totals {
     let changes = [
         ("friction = 0.4", friction),
@@ -21,7 +21,7 @@ fn observed(friction: &str, noise_mm: f64) -> Totals {
     totals(grasp.finger(), &steps).expect("something is sensed")
 }
 
-/// Nothing but friction tells opening from closing, and nothing but noise tells the fingers apart.
+/// Only friction causes a difference between opening and closing, and only noise causes a difference between the two fingers.
 #[test]
 fn friction_and_noise_make_the_differences() {
     let [smooth, rough, noisy] = [("friction = 0.0", 0.0), ("friction = 0.4", 0.0), ("friction = 0.0", 0.067)]
@@ -31,7 +31,7 @@ fn friction_and_noise_make_the_differences() {
     assert!(rough.opening_at_nodes.unwrap() > rough.opening.unwrap(), "contacts slide, {rough:?}");
     assert!(rough.opening.unwrap() > 10.0 * smooth.opening.unwrap(), "{rough:?}");
     assert!(smooth.opening_sensed.unwrap() < 0.01, "{smooth:?}");
-    // The disc slides to the middle of its own accord; sensed totals then differ by rounding without noise.
+    // Without friction, the disc slides to the middle. Without noise, the sensed totals then differ only by rounding.
     assert!(noisy.left_right[0] > 3.0 * smooth.left_right[0], "{noisy:?} {smooth:?}");
     assert!(noisy.left_right[0] < noisy.left_right[1] && noisy.left_right[1] < 1.0, "{noisy:?}");
 }

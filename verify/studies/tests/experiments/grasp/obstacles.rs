@@ -8,11 +8,11 @@ use finray_model::gripper::Placement;
 use finray_model::{Scene, Vector};
 use finray_studies::experiments::grasp::{Eyes, GraspEnd, GraspError, GraspScene, GraspStep, Obstacle};
 
-/// Radius of a rod, of which one is at the tip, mm.
+/// Radius of the rods, mm; one rod is at the tip.
 const ROD_MM: f64 = 1.5;
-/// Way of the motor in a step, degrees.
+/// Rotation of the motor in a step, degrees.
 const STEP_DEG: f64 = 22.5;
-/// A grain of sand, which nothing touches.
+/// Changes of the scene: the object is a grain of sand that no finger touches.
 const GRAIN: [(&str, &str); 2] = [("radius_mm = 15.0", "radius_mm = 0.5"), ("[3.0, 110.0]", "[0.0, 40.0]")];
 const NO_WAY: (&str, &str) = ("path_mm = [[0.0, -40.0], [60.0, -40.0], [60.0, 0.0]]\npath_steps = 12", "open = false");
 
@@ -21,7 +21,7 @@ fn scene(changes: &[(&str, &str)]) -> GraspScene {
     GraspScene::new(&Scene::from_toml(&text).unwrap(), &[]).unwrap().with_fineness(1)
 }
 
-/// The tips of both fingers at a motor angle, undeformed, mm.
+/// Positions of both undeformed fingertips at a motor angle, mm.
 fn tips(motor_deg: f64) -> [Vector; 2] {
     let Scene { finger, gripper, .. } = Scene::from_toml(finray_fixtures::GRASPED_DISC_SCENE).unwrap();
     let gripper = gripper.unwrap();
@@ -29,7 +29,7 @@ fn tips(motor_deg: f64) -> [Vector; 2] {
     placements.map(|placement: Placement| placement.outwards(finger.position(finger.tip())))
 }
 
-/// The rods at the tips of unbent fingers touch where the opening is a rod's diameter; the last step that is written is the one before.
+/// The rods at the tips of undeformed fingers touch if the opening equals a rod's diameter. The last written step is the step before.
 #[test]
 fn fingers_that_touch_each_other_end_a_grasp() {
     let (steps, ended) = steps_of(&scene(&[&GRAIN[..], &[("-495.0", "-900.0")]].concat()), 0.0, 1);
@@ -40,11 +40,11 @@ fn fingers_that_touch_each_other_end_a_grasp() {
         right.x - left.x - 2.0 * ROD_MM
     };
     assert!(apart(last.motor_deg) > 0.0 && apart(last.motor_deg - STEP_DEG) <= 0.0, "{}", last.motor_deg);
-    // A disc that fingers bend round keeps them apart.
+    // A disc between the fingers keeps them apart.
     assert_eq!(steps_of(&scene(&[]), 0.0, 1).1, GraspEnd::Done);
 }
 
-/// The tips of a gripper that opens come down until they reach the table; between rails nothing is in their way.
+/// While the gripper opens, the fingertips move down until they touch the table. With rails as support, they touch nothing.
 #[test]
 fn a_finger_that_touches_the_table_ends_a_grasp() {
     let on = |support: &str, table_mm: f64| {
@@ -61,7 +61,7 @@ fn a_finger_that_touches_the_table_ends_a_grasp() {
     assert!(height(table_mm, last) > 0.0 && height(table_mm, last + STEP_DEG) <= 0.0, "{last}");
     let ended = steps_of(&on("true", table_mm), 0.0, 1).1;
     assert_ne!(ended, GraspEnd::Obstructed(Obstacle::Table { finger: 0 }));
-    // Where it starts in the table, it does not begin.
+    // A grasp whose fingers start inside the table is refused.
     let in_table = on("\"table\"", tips(-405.0)[0].y).run(&Eyes::Noise(0.0), 1, |_| ());
     assert!(
         matches!(in_table, Err(GraspError::Obstructed { obstacle: Obstacle::Table { finger: 0 }, .. })),
@@ -69,7 +69,8 @@ fn a_finger_that_touches_the_table_ends_a_grasp() {
     );
 }
 
-/// Distances of two fingers and of a finger from a plane, wherever they stand: the back plate counts, and fronts that cross have no distance.
+/// Distances between two fingers, and from a finger to a plane, for several placements. The back plate counts for the plane, and crossing fronts have
+/// no positive distance.
 #[test]
 fn distances_are_those_of_the_nearest_parts() {
     let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE).unwrap().finger;
@@ -82,13 +83,13 @@ fn distances_are_those_of_the_nearest_parts() {
         let world = World::new(&[&lattice, &lattice], ROD_MM, (Shape::disc(1.0), 0.0), object, drive, None).unwrap();
         (world.between_fingers_mm(), world.height_mm(0, (Vector::zeros(), Vector::y())))
     };
-    // Front plates along x that face each other.
+    // The front plates are along x and face each other.
     let base_mm = finger.position(finger.clamped_nodes()[1]).y;
     let tip = finger.position(finger.tip());
     let (between_mm, height_mm) = distance(200.0, 0.0);
     let gap_mm = 200.0 - 2.0 * base_mm.max(tip.y) - 2.0 * ROD_MM;
     assert!((between_mm - gap_mm).abs() < 1e-9, "{between_mm} and {gap_mm}");
-    // The lowest is the back plate's foot.
+    // The lowest point is the base of the back plate.
     let foot_mm = finger.position(finger.clamped_nodes()[0]).y - 0.5 * finger.description().back.thickness_mm;
     assert!((height_mm - foot_mm).abs() < 1e-9, "{height_mm} and {foot_mm}");
     let crossed = distance(2.0 * base_mm + 10.0, -0.6).0;

@@ -9,19 +9,19 @@ use finray_studies::experiments::grasp::{GraspScene, GraspStep, NotSensed};
 use finray_studies::settings::{CAMERA_NOISE_MM, TWO_SIDED_95};
 use finray_tests::repetitions;
 
-/// A finger in a step in which something touches it, with what was sensed.
+/// Sensed forces of all fingers in steps with contact.
 fn sensed(steps: &[GraspStep]) -> impl Iterator<Item = &SensedStep> {
     let fingers = steps.iter().flat_map(|step| &step.fingers);
     fingers.filter_map(|finger| finger.sensed.as_ref().expect("an answer").as_ref())
 }
 
-/// The disc that ships, without friction.
+/// The shipped disc scene, without friction.
 fn smooth_disc() -> GraspScene {
     let text = disc(&[("friction = 0.4", "friction = 0.0")]);
     GraspScene::new(&Scene::from_toml(&text).unwrap(), &[]).unwrap()
 }
 
-/// The wedge that ships, which presses between two rods and on a rod and the plate beside it, closed upon without a way.
+/// The shipped wedge without a path of the gripper. It presses between two rods, and on a rod together with the plate beside this rod.
 fn wedge(friction: f64) -> GraspScene {
     let text = disc(&[
         ("shape = \"disc\"\nradius_mm = 15.0", "shape = \"polygon\"\npoints_csv = \"unused\""),
@@ -35,7 +35,7 @@ fn wedge(friction: f64) -> GraspScene {
     GraspScene::new(&Scene::from_toml(&text).unwrap(), &corners).unwrap()
 }
 
-/// Without noise and friction totals are within 1 %, contacts within 10 %, contacts of several touches too.
+/// Without noise and friction, totals are accurate to 1 % and contact forces to 10 %, also for contacts with several touches.
 #[test]
 fn forces_of_a_grasp_are_sensed() {
     for scene in [smooth_disc(), wedge(0.0)] {
@@ -56,8 +56,8 @@ fn forces_of_a_grasp_are_sensed() {
     }
 }
 
-/// Any estimator may sense instead: without friction and noise the nonlinear one is as near, the linear one errs by linearisation, and a network
-/// refuses contacts that it was not trained for.
+/// Other estimators can also sense a grasp. Without friction and noise, the nonlinear estimator is equally accurate. The linear estimator has its
+/// linearisation error, and a network refuses contacts for which it was not trained.
 #[test]
 fn other_estimators_sense_a_grasp() {
     let networks = Networks::read(&finray_fixtures::NETWORKS).unwrap();
@@ -79,12 +79,12 @@ fn other_estimators_sense_a_grasp() {
     assert!(refused > 0 && answered > 0, "{refused} and {answered}");
 }
 
-/// Friction on the plate acts half its thickness before the middle line: a contact between two rods that drags is sensed as well as one that does
-/// not. (Friction was once put on the middle line, and normal forces were 2 % off.)
+/// Friction on the plate acts at half the plate's thickness in front of the middle line. A contact between two rods is sensed equally well with and
+/// without friction. Friction was once applied at the middle line, and normal forces had errors of 2 %.
 #[test]
 fn friction_is_not_put_on_the_middle_line_of_the_plate() {
     let (steps, _) = steps_of(&wedge(0.3), 0.0, 1);
-    // One part of the finger touches, and friction is a tenth of the force at least.
+    // The contact has one touch, and friction is at least a tenth of the force.
     let dragged = |step: &&GraspStep| {
         let contacts = &step.fingers[0].contacts;
         contacts.len() == 1
@@ -102,7 +102,7 @@ fn friction_is_not_put_on_the_middle_line_of_the_plate() {
     assert!(count >= 5, "{count}");
 }
 
-/// Over the disc that ships and the wedge, under the camera's noise: intervals of 95 % hold as often as they say.
+/// For the shipped disc and the wedge under the camera's noise, the 95 % intervals have their nominal coverage.
 #[test]
 fn intervals_of_a_grasp_hold_the_true_forces() {
     let grasped = GraspScene::new(&Scene::from_toml(finray_fixtures::GRASPED_DISC_SCENE).unwrap(), &[]).unwrap();
@@ -120,7 +120,7 @@ fn intervals_of_a_grasp_hold_the_true_forces() {
             }
         }
         for [held, all] in [totals, contacts] {
-            // Three standard deviations below.
+            // The limit is three standard deviations below 95 %.
             let least = 0.95 - 3.0 * (0.95 * 0.05 / all as f64).sqrt();
             assert!(all > 30 * seeds as usize && held as f64 >= least * all as f64, "{held} of {all}");
         }

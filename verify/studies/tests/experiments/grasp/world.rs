@@ -10,7 +10,7 @@ use finray_model::{Scene, Vector};
 use finray_studies::experiments::grasp::{Eyes, GraspEnd, GraspScene, GraspStep, Phase};
 use std::f64::consts::FRAC_PI_2;
 
-/// Segments a plate member.
+/// Number of segments per plate member.
 const FINENESS: usize = 2;
 
 fn grasp(text: &str) -> GraspScene {
@@ -23,7 +23,7 @@ pub(super) fn steps_of(scene: &GraspScene, noise_mm: f64, seed: u64) -> (Vec<Gra
     (steps, ended)
 }
 
-/// The disc's scene with some of its lines changed.
+/// Text of the disc scene, with some lines changed.
 pub(super) fn disc(changes: &[(&str, &str)]) -> String {
     changes.iter().fold(finray_fixtures::GRASPED_DISC_SCENE.to_owned(), |text, (from, to)| {
         assert!(text.contains(from), "{from}");
@@ -31,7 +31,8 @@ pub(super) fn disc(changes: &[(&str, &str)]) -> String {
     })
 }
 
-/// Forces on the object and on the bases balance; both fingers press alike, wherever the disc began; it is carried by half of its weight each.
+/// Forces on the object and on the bases balance. Both fingers press with equal forces, wherever the disc starts, and each carries half of its
+/// weight.
 #[test]
 fn a_carried_disc_is_in_balance_between_equal_fingers() {
     let (steps, ended) = steps_of(&grasp(finray_fixtures::GRASPED_DISC_SCENE), 0.0, 1);
@@ -52,12 +53,12 @@ fn a_carried_disc_is_in_balance_between_equal_fingers() {
     }
     let carried = steps.iter().find(|step| step.phase == Phase::Carry).unwrap();
     assert!(carried.support_force.norm() == 0.0 && carried.fingers[0].total_n > 1.0);
-    // It is put down where the gripper took it, 60 mm on.
+    // The gripper puts the disc down 60 mm away.
     let end = steps.last().unwrap();
     assert!((end.object[0] - 60.0).abs() < 1e-3 && (end.object[1] - 110.0).abs() < 1e-3, "{:?}", end.object);
 }
 
-/// Without friction there is no hysteresis: at each motor angle opening finds the forces of closing, while the disc stays on its support.
+/// Without friction, there is no hysteresis: while the disc is on its support, opening and closing have equal forces at each motor angle.
 #[test]
 fn without_friction_opening_retraces_closing() {
     let smooth = disc(&[
@@ -80,7 +81,7 @@ fn without_friction_opening_retraces_closing() {
     assert!(end.energy.friction_nmm.abs() < 1e-9 && end.energy.elastic_nmm.abs() < 1e-9, "{:?}", end.energy);
 }
 
-/// Grasps that fail end with what went wrong.
+/// A failed grasp ends with the reason of its failure.
 #[test]
 fn what_goes_wrong_is_named() {
     let ended = |changes: &[(&str, &str)]| steps_of(&grasp(&disc(changes)), 0.0, 1).1;
@@ -88,15 +89,15 @@ fn what_goes_wrong_is_named() {
     assert_eq!(ended(&wide), GraspEnd::OutOfReach { motor_deg: 225.0 });
     let weak = [("motor_deg = [0.0, -495.0]", "motor_deg = [0.0, -270.0]\nuntil_force_n = 1.0")];
     assert!(matches!(ended(&weak), GraspEnd::TooWeak { sensed_n, .. } if sensed_n > 0.1 && sensed_n < 1.0));
-    // 2 kg at a friction of 0.05 between fingers that press with a newton.
+    // A mass of 2 kg, with a friction coefficient of 0.05, between fingers that press with 1 N.
     let heavy = [("friction = 0.4", "friction = 0.05"), ("mass_g = 60.0", "mass_g = 2000.0")];
     let lost = ended(&heavy);
-    // Half of the radius of 15 mm is slip.
+    // The object has slipped after half of its radius of 15 mm.
     assert!(matches!(lost, GraspEnd::Slipped { slid_mm } if slid_mm > 7.5), "{lost:?}");
 }
 
-/// A slippery disc of 500 g that nothing but the fingers holds falls out between them; near the fingertips a wide box folds a finger, and so does a
-/// squeezed wedge. On the coarsest lattice no equilibrium is found for the wedge before that.
+/// A slippery disc of 500 g without support falls out of the fingers. A wide box near the fingertips folds a finger, and so does a squeezed wedge. On
+/// the coarsest lattice, the equilibrium of the wedge is lost before a finger folds.
 #[test]
 fn drops_folds_and_jams_are_named() {
     let ended = |scene: &GraspScene| steps_of(scene, 0.0, 1).1;
@@ -122,8 +123,8 @@ fn drops_folds_and_jams_are_named() {
     assert_eq!(ended(&wedge.with_fineness(1)), GraspEnd::Halted(GraspFailure::Jammed));
 }
 
-/// A disc that one finger pushes rolls away on its support, and slides without friction: nothing but the support touches it, whatever rounding leaves of
-/// a force; once both fingers have it, they press.
+/// A disc that one finger pushes rolls away on its support, or slides without friction. Despite rounding errors of the forces, only the support
+/// counts as a contact. As soon as both fingers touch the disc, both press.
 #[test]
 fn what_moves_freely_is_not_touched() {
     for friction in ["friction = 0.4", "friction = 0.0"] {
@@ -137,14 +138,14 @@ fn what_moves_freely_is_not_touched() {
         assert!(count > 0, "{friction}");
         for force_n in steps.iter().flat_map(|step| &step.fingers).flat_map(|of| &of.contacts).map(|of| of.force.norm())
         {
-            // The weight is 0.6 N.
+            // The weight of the disc is 0.6 N.
             assert!(force_n > 1e-6, "{friction}: {force_n}");
         }
     }
 }
 
-/// What is less than a hundred thousandth of the weight is no contact; what is ten times as much is one. A finger pushes a box, which does not roll, by
-/// as little: its base feels the force either way.
+/// A force below 1e-5 of the weight does not count as a contact; a force ten times as large does. A finger pushes a box, which cannot roll, with such
+/// small forces. The force on the finger's base is correct in both cases.
 #[test]
 fn a_force_that_is_nothing_beside_the_weight_is_no_contact() {
     const WEIGHT_N: f64 = 1.0;
@@ -152,7 +153,7 @@ fn a_force_that_is_nothing_beside_the_weight_is_no_contact() {
     const STEP_MM: f64 = 0.01;
     let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE).unwrap().finger;
     let lattice = Lattice::new(&finger, 1).unwrap();
-    // It hangs on the left of the box, its front towards it.
+    // The finger hangs to the left of the box, with its front towards the box.
     let drive = |x_mm: f64| Drive {
         placements: vec![Placement { origin: Vector::new(x_mm, 60.0), angle_rad: -FRAC_PI_2, mirrored: false }],
         weight: Vector::new(0.0, -WEIGHT_N),
@@ -173,7 +174,7 @@ fn a_force_that_is_nothing_beside_the_weight_is_no_contact() {
     world.advance(&drive(x_mm)).unwrap();
     let stiffness = (pushed_n(&world) - before_n) / STEP_MM;
     for (force_n, touching) in [(10.0 * LEAST_N, 1), (0.1 * LEAST_N, 0)] {
-        // The rod slides at first and sticks on the way back: by the one stiffness the other is not met at once.
+        // The rod first slides, and sticks on the way back. Both states have different stiffnesses, so several corrections are needed.
         for _ in 0..12 {
             x_mm += (force_n - pushed_n(&world)) / stiffness;
             world.advance(&drive(x_mm)).unwrap();
@@ -185,7 +186,7 @@ fn a_force_that_is_nothing_beside_the_weight_is_no_contact() {
     }
 }
 
-/// A force that is asked for is reached and held on the way, whatever the friction does to it.
+/// The requested force is reached, and held on the path despite friction.
 #[test]
 fn a_force_is_reached_and_held() {
     let held = disc(&[(
@@ -199,7 +200,8 @@ fn a_force_is_reached_and_held() {
     assert!(figures.rise_s.unwrap() > 0.0);
 }
 
-/// A triangle on its support, its point in a corner: the corners carry its weight as the lever from its centroid has it, two thirds and one.
+/// A triangle on its support, with its reference point in a corner. By the lever rule about its centroid, one corner carries two thirds of the weight
+/// and the other corner one third.
 #[test]
 fn a_triangle_rests_on_its_corners_by_the_lever_rule() {
     let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE).unwrap().finger;

@@ -13,12 +13,13 @@ use finray_studies::truths::TruthId;
 fn a_figure_is_reproduced_within_the_factor_on_both_sides() {
     assert!(reproduces(0.298, 0.200) && reproduces(0.298, 0.446));
     assert!(!reproduces(0.298, 0.198) && !reproduces(0.298, 0.448));
-    // What was recorded at nodes 18 and 20 is not the paper's 29.8 %.
+    // The errors recorded at nodes 18 and 20 do not reproduce the paper's 29.8 %.
     assert!([0.08, 0.14].into_iter().all(|ours| !reproduces(0.298, ours)));
     assert!(!reproduces(0.298, f64::NAN));
 }
 
-/// The paper's recipes are recorded with four seeds, at every set of each group; without a whole group, nothing is said of the table.
+/// The paper's recipes are recorded with four seeds at every set of each group. If the sets of a group are missing, there are no figures for the
+/// table.
 #[test]
 fn the_papers_network_is_recorded_at_every_set_of_the_table() {
     let records = Records::shipped().expect("records").recipes;
@@ -35,7 +36,7 @@ fn the_papers_network_is_recorded_at_every_set_of_the_table() {
     }
 }
 
-/// The reason for the factor: for two contacts, seeds are within it of their mean.
+/// Justifies the value of `SAME_FACTOR`: for two contacts, the errors of all seeds are within this factor of their mean.
 #[test]
 fn seeds_scatter_by_no_more_than_the_factor() {
     let records = Records::shipped().expect("records").recipes;

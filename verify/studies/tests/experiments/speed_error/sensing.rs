@@ -16,7 +16,7 @@ fn stream_at(node: usize) -> (Mesh, Stream) {
     (truth, stream)
 }
 
-/// Frames are of the fine finger, noisy, and move by realistic steps over the whole range.
+/// Frames show the fine finger with noise, and the force changes in realistic steps over the whole range.
 #[test]
 fn frames_are_those_of_a_moving_force() {
     let (truth, stream) = stream_at(19);
@@ -24,7 +24,7 @@ fn frames_are_those_of_a_moving_force() {
     assert_eq!(stream.frames.len(), FRAMES_A_PERIOD);
     let forces: Vec<f64> = stream.frames.iter().map(|frame| frame.forces_n[0]).collect();
     let largest_step = forces.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
-    // 2 x 1.35 N x sin(pi / 25): a sinusoid's step.
+    // The largest step of the sinusoid is 2 x 1.35 N x sin(pi / 25).
     assert!((largest_step - 2.0 * 1.35 * (TAU / 50.0).sin()).abs() < 0.01, "{largest_step}");
     let [low, high] = [f64::min, f64::max].map(|of| forces.iter().copied().reduce(of).expect("frames"));
     assert!(low < 0.32 && high > 2.98 && low >= 0.3 && high <= 3.0, "{low} to {high}");
@@ -37,11 +37,11 @@ fn frames_are_those_of_a_moving_force() {
         })
         .collect();
     let rms = (noise.iter().sum::<f64>() / (2 * noise.len()) as f64).sqrt();
-    // 2 x 23 x 25 draws: the standard deviation is known to 2 %.
+    // The standard deviation of 2 x 23 x 25 draws is known to 2 %.
     assert!((rms / CAMERA_NOISE_MM - 1.0).abs() < 0.1, "{rms}");
 }
 
-/// Cold and warm see the same frames and answer alike: the start changes the time alone.
+/// Cold and warm starts give the same forces for the same frames; the start changes only the time.
 #[test]
 fn cold_and_warm_starts_answer_alike() {
     let (truth, stream) = stream_at(22);
@@ -55,12 +55,12 @@ fn cold_and_warm_starts_answer_alike() {
         stream.frames.iter().map(answer).collect::<Vec<f64>>()
     };
     for (cold, warm) in answers(Start::Cold).into_iter().zip(answers(Start::Warm)) {
-        // Both stop when a step would change a force by a millionth.
+        // Both searches stop if a step would change a force by less than a millionth.
         assert!((cold - warm).abs() < 1e-4, "{cold} and {warm}");
     }
 }
 
-/// The mesh of key nodes is off by more than its stated standard deviation at nodes 19 and 20; eight elements a member are not.
+/// At nodes 19 and 20, the error of the mesh of key nodes exceeds its stated standard deviation; with eight elements per member, it does not.
 #[test]
 fn the_bias_of_a_coarse_mesh_is_seen() {
     let (truth, stream) = stream_at(20);
@@ -78,7 +78,8 @@ fn the_bias_of_a_coarse_mesh_is_seen() {
         })
         .collect();
     assert!(biases[0] > 2.0 && biases[3] < 0.4, "{biases:?}");
-    // Least squares is 45 sigma off at 3 N; over what it states where its model is contradicted it was once 7.5.
+    // The error of least squares at 3 N is 45 standard deviations of the noise. Once, the error was divided by the wider stated standard deviation,
+    // which gave only 7.5.
     let estimators = beam_estimators(&meshes);
     let linear = estimators.iter().find(|timed| timed.start == Start::None).expect("least squares");
     let bias_sigmas = largest_bias(linear, CAMERA_NOISE_MM, &streams).expect("an answer");
