@@ -1,9 +1,12 @@
 //! Summaries of maps with refused cells and cells without equilibrium.
 
+use finray_model::Finger;
 use finray_model::estimators::EstimatorId;
+use finray_model::finger::{Plate, RibPositions};
 use finray_studies::sampling::map::{AccuracyMap, MapRequest};
 use finray_studies::sampling::sweep::MapCell;
 use finray_studies::truths::TruthId;
+use finray_tests::paper;
 
 /// A map with one force, and one direction per cell. Each cell is given by error, number of samples and number of answers.
 fn map(cells: &[(Option<f64>, usize, usize)]) -> AccuracyMap {
@@ -66,4 +69,19 @@ fn one_refused_force_refuses_the_mean_over_all() {
     let summary = both.summary(None);
     assert_eq!((summary.cells, summary.answered, summary.refused, summary.mean_error), (1, 0, 1, None));
     assert_eq!(both.summary(Some(1.0)).answered, 1);
+}
+
+/// A rounding error put the last position of a finger without ribs beyond the tip, and its report failed.
+#[test]
+fn a_grid_ends_at_the_tip() {
+    let description = paper().description().clone();
+    for tenths in 500..2000 {
+        let mut description = description.clone();
+        description.front_length_mm = f64::from(tenths) / 10.0;
+        description.back_length_mm = description.front_length_mm;
+        description.ribs.positions = RibPositions::Count(0);
+        let finger = Finger::new(description).expect("a finger");
+        let (positions_mm, _) = MapRequest::grid(&finger, 48, 90.0);
+        assert_eq!(positions_mm.last(), Some(&finger.plate_length_mm(Plate::Front)));
+    }
 }

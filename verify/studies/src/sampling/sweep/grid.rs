@@ -34,9 +34,9 @@ impl Grid {
         let members = nodes.len() - 1;
         let per_member = (positions / members).max(1);
         let every = (members / positions).max(1);
-        let divided = nodes
-            .windows(2)
-            .flat_map(|w| (1..=per_member).map(move |i| w[0] + (w[1] - w[0]) * i as f64 / per_member as f64));
+        let divided = nodes.windows(2).flat_map(|w| {
+            (1..per_member).map(move |i| w[0] + (w[1] - w[0]) * i as f64 / per_member as f64).chain([w[1]])
+        });
         // Selection starts from the tip, so that the tip is always included.
         let mut positions: Vec<f64> = divided.collect::<Vec<_>>().into_iter().rev().step_by(every).collect();
         positions.reverse();
