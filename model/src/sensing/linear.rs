@@ -156,6 +156,8 @@ impl LinearEstimator {
         let noise_mm2 = stated_mm.map_or(linear_mm2 / degrees_of_freedom.max(1) as f64, |noise_mm| noise_mm.powi(2));
         let favoured_mm2 = FAVOURED * noise_mm2;
         if degrees_of_freedom > 0 && linear_mm2 + favoured_mm2 < error.sum_of_squares_mm2 {
+            // If neither finger explains the measurement, the finger may have buckled: the error is then unknown and can exceed the force.
+            estimate.widen_for_misfit();
             return Ok(estimate);
         }
         // The residual that linearisation does not explain is noise, or another error of the model.
