@@ -243,7 +243,7 @@ impl CoverageRow {
     }
 
     /// Checks on the finger that equals the estimators' model. Few samples are refused. Apart from chance, coverage is 93 to 97 % without a warning, and at
-    /// least 93 % with a warning. With a warning, rms sigma is at most `LARGEST_SIGMA` times the rms error.
+    /// least 93 % with a warning. With a warning, rms sigma is at most `LARGEST_SIGMA` times the rms error, again apart from chance.
     pub fn checks(&self, is_paper: bool) -> Vec<Check> {
         if self.truth != TRUTH {
             return Vec::new();
@@ -275,9 +275,11 @@ impl CoverageRow {
         let warned = self
             .covered_with_warning
             .map(|covered| check("with a warning", covered, self.warned, 0.5 * (1.0 + least), 0.5 * (1.0 - least)));
-        let sharp = self
-            .error_over_sigma_with_warning
-            .map(|share| new("rms sigma / rms error with a warning".to_owned(), 0.0, 1.0 / share, LARGEST_SIGMA));
+        // The rms of n independent normal errors has a relative standard deviation of 1 / sqrt(2 n).
+        let chance = 1.0 + CHANCE / (2.0 * self.warned as f64).sqrt();
+        let sharp = self.error_over_sigma_with_warning.map(|share| {
+            new("rms sigma / rms error with a warning".to_owned(), 0.0, 1.0 / share, LARGEST_SIGMA * chance)
+        });
         std::iter::once(answered).chain(plain).chain(warned).chain(sharp).collect()
     }
 }
