@@ -11,6 +11,11 @@ use finray_model::{Finger, Kinematics, Load, Mesh};
 /// mesh. Errors fall with the square of the element length, so the remaining error is a third of the last change: 0.001 px at 10 px per mm.
 const DRAWN_ELEMENTS: [usize; 7] = [4, 8, 16, 32, 64, 128, 256];
 const DRAWN_MM: f64 = 3e-4;
+/// Elements per member of the mesh against which `solve` checks the mesh of the key nodes.
+const CHECKED_ELEMENTS: usize = 8;
+/// `solve` warns if the error of a key node on the mesh of the key nodes exceeds this share of the largest displacement. The paper's finger on this mesh,
+/// which is the paper's, stays below it where its strains are small.
+const COARSE: f64 = 0.1;
 
 /// Loads given on the command line, and the number of mesh nodes.
 #[derive(clap::Args)]
@@ -61,6 +66,30 @@ impl Loads {
             }
         }
         Ok(shape)
+    }
+
+    /// Compares a shape on the mesh of the key nodes with the shape on a finer mesh. `None` if they agree, or the user chose the mesh.
+    pub fn doubt_of_mesh(&self, finger: &Finger, kinematics: Kinematics, shape: &FingerShape) -> Option<String> {
+        if self.mesh_nodes.is_some() {
+            return None;
+        }
+        let finer = Mesh::with_elements_per_member(finger, CHECKED_ELEMENTS);
+        let nodes = finer.node_count();
+        let Ok((motion, _)) = self.equilibrium(&finer, kinematics) else {
+            return Some(format!(
+                "the mesh of the key nodes is too coarse: on {nodes} mesh nodes (--mesh-nodes {nodes}) the finger has no equilibrium under these loads"
+            ));
+        };
+        let finer = finer.shape(&motion);
+        let pairs = shape.motions().iter().zip(finer.motions());
+        let error_mm = pairs.map(|(a, b)| (a.displacement - b.displacement).norm()).fold(0.0, f64::max);
+        let largest_mm = finer.largest_displacement_mm();
+        (error_mm > COARSE * largest_mm).then(|| {
+            format!(
+                "the mesh of the key nodes is too coarse: on {nodes} mesh nodes (--mesh-nodes {nodes}) the largest displacement is {largest_mm:.3} mm, \
+                 and a key node lies {error_mm:.3} mm elsewhere"
+            )
+        })
     }
 
     /// The equilibrium under the loads, exact within rounding, and the loads on the mesh.

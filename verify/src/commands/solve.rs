@@ -42,6 +42,9 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let (motion, loads) = arguments.loads.equilibrium(&mesh, kinematics)?;
     let shape = mesh.shape(&motion);
     write_file(&arguments.out, &displacements::to_csv(&shape, mesh.finger())?)?;
+    if let Some(doubt) = arguments.loads.doubt_of_mesh(&scene.finger, kinematics, &shape) {
+        print_message(format_args!("warning: {doubt}"));
+    }
     validity::warn("", &Validity::of(&mesh, &motion, kinematics, &loads).doubts(&scene.strain_limits));
     let (nodes, largest_mm) = (mesh.finger().key_node_count(), shape.largest_displacement_mm());
     Ok(summary(format!("{} displaced by up to {largest_mm:.3} mm", count(nodes, "node")), [&arguments.out]))
