@@ -55,7 +55,7 @@ pub struct Arguments {
     /// Widths of the hidden layers [default: 32,32; 128,128 with --any-of]
     #[arg(long, help_heading = "Network", value_name = "WIDTHS", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=4096))]
     hidden_layers: Vec<u16>,
-    /// Train the paper's network: all coordinates as inputs, no linear branch
+    /// Train the paper's network: all coordinates, no linear branch
     #[arg(long, help_heading = "Network")]
     plain: bool,
     /// Largest number of epochs [default: 100; 60 with --any-of or --plain]
