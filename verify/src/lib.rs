@@ -17,4 +17,6 @@ pub use finray_files as files;
 pub use finray_lattice as lattice;
 pub use finray_model::estimators;
 pub use finray_report as report;
-pub use finray_studies::{check, claims, experiments, mujoco, problems, sampling, settings, statistics, study, truths};
+pub use finray_studies::{
+    check, claims, experiments, exports, problems, sampling, settings, statistics, study, truths,
+};

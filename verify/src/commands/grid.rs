@@ -11,7 +11,7 @@ use finray_studies::sampling::map::AccuracyMap;
 use finray_studies::sampling::sweep::{Grid, Head, Partial, Request, Shard, Sweep, Table};
 use finray_studies::sampling::worst::TrustCounts;
 use finray_studies::settings::TRUSTED_ERROR;
-use finray_studies::truths::Truth;
+use finray_studies::truths::{SAME, Truth};
 use std::io::{Read, Write};
 
 #[derive(clap::Args)]
@@ -89,12 +89,12 @@ fn grid(
     scene: &Scene,
     truths: &[Box<dyn Truth + '_>],
 ) -> Result<Grid, Failure> {
-    // A true finger from exported data has fixed contact positions; the whole grid then uses these positions.
+    // A true finger from exported data has fixed contact positions and directions; the whole grid then uses those that all such fingers share.
     let given = truths.iter().map(|truth| truth.positions(&arguments.force_n)).collect::<Result<Vec<_>, _>>()?;
     let (positions_mm, angles_deg) = given
         .into_iter()
         .flatten()
-        .next()
+        .reduce(|one, other| (shared(one.0, &other.0), shared(one.1, &other.1)))
         .unwrap_or_else(|| Grid::grid(&scene.finger, arguments.places as usize, arguments.step_deg));
     let growing = |numbers: &[f64]| {
         let mut numbers = numbers.to_vec();
@@ -114,6 +114,11 @@ fn grid(
         noise_samples: arguments.seeds as usize,
         seed: arguments.seed,
     })
+}
+
+/// Figures (mm or degrees) that both lists have.
+fn shared(one: Vec<f64>, other: &[f64]) -> Vec<f64> {
+    one.into_iter().filter(|figure| other.iter().any(|theirs| (figure - theirs).abs() < SAME)).collect()
 }
 
 /// Checks that the estimator answers for at least one cell (position and direction) of the grid; otherwise returns the first cell's refusal.

@@ -215,10 +215,10 @@ impl From<TruthError> for Failure {
             TruthError::Mesh(inner) => inner.into(),
             TruthError::Statics(inner) => inner.into(),
             TruthError::Lattice(inner) => inner.into(),
-            TruthError::NotExported(NotExported::Table(_)) | TruthError::Twin(TwinError::Scene(_)) => {
+            TruthError::NotExported(_, NotExported::Table(_)) | TruthError::Twin(TwinError::Scene(_)) => {
                 not_computed(error)
             }
-            TruthError::NotExported(_) | TruthError::Twin(_) => bad_input(error),
+            TruthError::NotExported(..) | TruthError::Twin(_) => bad_input(error),
         }
     }
 }

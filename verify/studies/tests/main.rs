@@ -19,6 +19,7 @@ mod experiments {
     mod camera;
     mod causes;
     mod contact_scene;
+    mod continuum;
     mod coverage;
     mod direction;
     mod displacement_noise;
@@ -39,11 +40,14 @@ mod experiments {
     mod table_two;
     mod twin;
 }
+mod exports {
+    mod calculix;
+    pub mod mujoco;
+}
 mod lattice {
     mod accuracy;
     mod causes;
 }
-mod mujoco;
 mod one_sensor;
 mod problems {
     mod closed_forms;
@@ -61,6 +65,6 @@ mod stand_ins;
 mod statistics;
 mod truths {
     mod all;
+    mod exported;
     mod lattice;
-    mod mujoco;
 }

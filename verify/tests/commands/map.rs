@@ -217,7 +217,7 @@ fn maps_that_make_no_sense_are_refused() {
         (["--noise-mm", "inf"], "expected a finite number"),
         (["--seeds", "0"], "0"),
         (["--seed", "one"], "one"),
-        (["--truth", "plastic"], "corotational, twin, lattice, mujoco, linear"),
+        (["--truth", "plastic"], "corotational, twin, lattice, mujoco, continuum, linear"),
         (["--estimator", "guess"], "least-squares"),
     ] {
         assert_says(&finray(&[&["map", PAPER], &arguments[..]].concat()).refused(), &[expected]);
@@ -254,6 +254,30 @@ fn mujoco_answers_for_what_was_exported_and_nothing_else() {
     let other = folder.put("scene.toml", paper_with(&[("count = 11", "count = 10")]));
     let message = finray(&["map", &other, "--truth", "mujoco"]).refused();
     assert!(message.contains("paper, asymmetric, soft-zone"), "{message}");
+}
+
+/// The true finger is the printed one: a calibrated modulus, Poisson's ratio and arms make better beams of it, and change nothing about it.
+#[test]
+fn a_continuum_answers_for_its_drawing_and_nothing_else() {
+    let printed = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/calculix/paper.toml");
+    let map = |scene: &str, more: &[&str]| {
+        finray(&[&["map", scene, "--estimator", "least-squares", "--truth", "continuum"][..], more].concat())
+    };
+    let small = ["--force-n", "0.5"];
+    let [plain, with_arms] = [PAPER, printed].map(|scene| Csv::of(&map(scene, &small).done()));
+    assert_eq!((plain.rows.len(), with_arms.rows.len()), (12 * 5, 12 * 5), "contact nodes and directions");
+    let folder = Folder::new();
+    let softer = folder.put("softer.toml", paper_with(&[("47.976", "23.988")]));
+    let softer = Csv::of(&map(&softer, &small).done());
+    // Linear beams of half the modulus need half the force for one shape.
+    for (whole, half) in plain.numbers("bias").iter().zip(softer.numbers("bias")) {
+        assert_close(&[0.5 * (1.0 + whole)], &[1.0 + half], ROUNDING);
+    }
+    let bias_at_19 = |map: &Csv| map.numbers("bias")[(12 / 2 - 1) * 5 + 2];
+    assert!(bias_at_19(&plain) < -0.3 && bias_at_19(&with_arms).abs() < 0.05, "the beams without arms are too soft");
+    assert_says(&map(PAPER, &["--force-n", "2.5"]).refused(), &["--truth continuum", "0.5, 1, 3, 5 N"]);
+    let other = folder.put("scene.toml", paper_with(&[("count = 11", "count = 10")]));
+    assert_says(&map(&other, &small).refused(), &["paper, asymmetric, thick, thin, soft-zone only", "rod_arm_mm"]);
 }
 
 #[test]

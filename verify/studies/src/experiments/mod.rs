@@ -6,6 +6,7 @@ pub mod assumed;
 pub mod camera;
 pub mod causes;
 pub mod contact_scene;
+pub mod continuum;
 pub mod convergence;
 pub mod coverage;
 pub mod direction;

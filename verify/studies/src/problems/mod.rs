@@ -18,8 +18,8 @@ pub mod rigid_rotation;
 pub mod tangent;
 pub mod toggle;
 
+use crate::exports;
 use crate::lattice::accuracy::AccuracyError;
-use crate::mujoco::ExportedFinger;
 use crate::prelude::*;
 
 /// Every problem, in the report's order. The lattice's problems are part of [its study](crate::experiments::lattice).
@@ -44,7 +44,11 @@ pub const ALL: &[Problem] = &[
     problem("derivatives of the energy", is_papers_finger, |finger, _| Ok(tangent::checks(finger)?.into())),
     problem("energy and work", is_papers_finger, |finger, _| Ok(energy_balance::checks(finger)?.into())),
     problem("order of convergence", is_papers_finger, |finger, _| Ok(grid_convergence::checks(finger)?.into())),
-    problem("MuJoCo's shapes", |finger| ExportedFinger::of(finger).is_some(), |finger, _| mujoco::solve(finger)),
+    problem(
+        "MuJoCo's shapes",
+        |finger| exports::mujoco::PROGRAM.export_of(finger).is_some(),
+        |finger, _| mujoco::solve(finger),
+    ),
     problem("linkage", is_papers_finger, |finger, _| Ok(linkage::checks(finger, &linkage::shipped()?).into())),
     problem("camera on the gripper", is_papers_finger, |finger, _| {
         Ok(gripper_camera::checks(finger, &linkage::shipped()?)?.into())
@@ -110,9 +114,9 @@ pub enum ProblemError {
     /// Lattice and beams cannot be compared: one of them has no equilibrium, or the lattice cannot be built or does not settle.
     #[error(transparent)]
     Accuracy(#[from] AccuracyError),
-    /// A table exported from MuJoCo is invalid.
+    /// A table exported from another program is invalid.
     #[error(transparent)]
-    Export(#[from] crate::mujoco::ExportError),
+    Export(#[from] exports::ExportError),
     /// The mesh of the problem cannot be built.
     #[error(transparent)]
     Mesh(#[from] finray_model::mesh::MeshSizeError),

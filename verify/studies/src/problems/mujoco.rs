@@ -4,8 +4,9 @@
 //! so both models converge to the same limit. The comparison verifies solver and kinematics, not the beam theory behind EA and EI.
 
 use super::{ProblemError, ProblemResults};
+use crate::exports::mujoco::{ContactStep, PAPER, PROGRAM, TouchedRod, contact_steps};
+use crate::exports::{ExportedFinger, StaticCase};
 use crate::lattice::accuracy::difference;
-use crate::mujoco::{ContactStep, ExportedFinger, FINGERS, StaticCase, TouchedRod, contact_steps};
 use crate::prelude::*;
 use crate::truths::{LATTICE_FINENESS, Truth};
 
@@ -86,7 +87,8 @@ fn deviation(finger: &Finger, case: &StaticCase, coarse: &FingerShape, fine: &Fi
     });
     let (off_mm, off_rad) = apart(&ours, &case.shape);
     let (our_mm, our_rad) = apart(&ours, fine);
-    let stated = (off_mm / (case.uncertainty_mm + our_mm)).max(off_rad / (case.uncertainty_rad + our_rad));
+    let stated =
+        (off_mm / (case.uncertainty_mm + our_mm)).max(off_rad / (case.uncertainty_rad.unwrap_or_default() + our_rad));
     CaseDeviation {
         case: case.clone(),
         displacement: off_mm / case.shape.largest_displacement_mm(),
@@ -105,7 +107,7 @@ fn apart(a: &FingerShape, b: &FingerShape) -> (f64, f64) {
 }
 
 pub(super) fn solve(finger: &Finger) -> Result<ProblemResults, ProblemError> {
-    let checks = ExportedFinger::of(finger).map_or_else(|| Ok(Vec::new()), static_checks)?;
+    let checks = PROGRAM.export_of(finger).map_or_else(|| Ok(Vec::new()), static_checks)?;
     if !is_papers_finger(finger) {
         return Ok(checks.into());
     }
@@ -165,7 +167,7 @@ pub(crate) fn contact_deviation(mesh: &Mesh, step: &ContactStep) -> Result<f64, 
 /// # Errors
 /// [`ProblemError`] if the table cannot be read or a step has no equilibrium.
 pub fn contact_checks() -> Result<Vec<Check>, ProblemError> {
-    let mesh = Mesh::with_elements_per_member(&FINGERS[0].finger()?, ELEMENTS[1]);
+    let mesh = Mesh::with_elements_per_member(&PAPER.finger()?, ELEMENTS[1]);
     let steps = contact_steps()?;
     let pushes: Vec<&[ContactStep]> = steps.chunk_by(|a, b| a.push == b.push).collect();
     let check = |steps: &[ContactStep]| {
@@ -183,10 +185,9 @@ pub fn contact_checks() -> Result<Vec<Check>, ProblemError> {
 /// # Errors
 /// [`ProblemError`] if the table cannot be read.
 pub fn triangle() -> Result<Vec<Comparison>, ProblemError> {
-    let exported = &FINGERS[0];
-    let finger = exported.finger()?;
+    let finger = PAPER.finger()?;
     let lattice = Lattice::new(&finger, LATTICE_FINENESS)?;
-    let cases = exported.cases()?;
+    let cases = PAPER.cases()?;
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS[1]);
     let mut forces_n: Vec<f64> = cases.iter().map(|case| case.force_n).collect();
     forces_n.sort_by(f64::total_cmp);

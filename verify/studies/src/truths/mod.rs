@@ -1,15 +1,15 @@
 //! True fingers: simulated fingers on which estimators are tested. Each type has one file and one row of [`TruthId`].
 
 mod corotational;
+mod exported;
 mod lattice;
 mod linear;
 mod mesh;
-mod mujoco;
 mod twin;
 
+pub use exported::{ExportedTruth, NotExported, SAME};
 pub use lattice::LATTICE_FINENESS;
 pub use mesh::{FINE_MESH_NODES, MeshTruth, fine_mesh};
-pub use mujoco::{MujocoTruth, NotExported};
 pub use twin::{TwinError, twin_of};
 
 use crate::prelude::*;
@@ -25,7 +25,9 @@ registry! {
         /// The finger as rigid bodies and springs.
         Lattice => lattice::ROW,
         /// Shapes of the finger from MuJoCo.
-        Mujoco => mujoco::ROW,
+        Mujoco => exported::MUJOCO,
+        /// Shapes of the finger as a plane continuum, from CalculiX.
+        Continuum => exported::CONTINUUM,
         /// The scene's finger with linear statics.
         Linear => linear::ROW,
     }
@@ -76,9 +78,9 @@ pub enum TruthError {
     /// The lattice of the finger cannot be built.
     #[error(transparent)]
     Lattice(#[from] LatticeError),
-    /// MuJoCo's export has no shapes of the finger, or none under a force.
-    #[error("--truth {name}: {0}", name = TruthId::Mujoco)]
-    NotExported(#[from] NotExported),
+    /// An export has no shapes of the finger, or none under a force.
+    #[error("--truth {0}: {1}")]
+    NotExported(TruthId, #[source] NotExported),
     /// The finger has no digital twin.
     #[error("--truth {name}: {0}", name = TruthId::Twin)]
     Twin(#[from] TwinError),

@@ -1,7 +1,7 @@
 //! Beams compared with shapes from MuJoCo.
 
 use crate::check::assert_all_pass;
-use crate::mujoco::exported;
+use crate::exports::mujoco::exported;
 use finray_studies::problems::mujoco;
 
 #[test]

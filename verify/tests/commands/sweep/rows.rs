@@ -59,6 +59,16 @@ fn the_stated_deviation_is_that_of_sense() {
     assert_close(&table.numbers("sigma_n")[row..=row], &sigma, LINEAR_ROUNDING);
 }
 
+/// MuJoCo's directions are 30 degrees apart, those of the continuum 20: both have the normal alone.
+#[test]
+fn exported_fingers_are_swept_where_all_have_shapes() {
+    let sweep = ["sweep", PAPER, "--truth", "mujoco,continuum", "--estimator", "least-squares", "--force-n", "3"];
+    let table = Csv::of(&finray(&sweep).done());
+    assert_eq!(table.rows.len(), 2 * 12);
+    assert!(table.numbers("angle_deg").iter().all(|angle| *angle == 0.0));
+    assert!(table.numbers("answered").iter().all(|answered| *answered == 1.0), "every shape was exported");
+}
+
 #[test]
 fn sweeps_that_make_no_sense_are_refused() {
     for (arguments, expected) in [
@@ -66,7 +76,7 @@ fn sweeps_that_make_no_sense_are_refused() {
         (["--noise-mm", "0.1,-1"], "expected zero or more"),
         (["--places", "0"], "0"),
         (["--step-deg", "0"], "expected 0.01 or more"),
-        (["--truth", "linear,plastic"], "corotational, twin, lattice, mujoco, linear"),
+        (["--truth", "linear,plastic"], "corotational, twin, lattice, mujoco, continuum, linear"),
         (["--estimator", "ridge,guess"], "least-squares"),
         (["--network", "net.safetensors"], "--estimator network"),
     ] {

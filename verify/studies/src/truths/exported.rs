@@ -1,31 +1,48 @@
-//! True finger: exported shapes from MuJoCo, without interpolation.
+//! True fingers that consist of shapes exported from another program, without interpolation.
 
 use super::{Positions, Truth, TruthError, TruthId, TruthRow};
-use crate::mujoco::{ExportError, ExportedFinger, FINGERS, StaticCase};
+use crate::exports::{ExportError, Program, StaticCase, calculix, mujoco};
 use crate::prelude::*;
 
-pub(super) const ROW: TruthRow = TruthRow {
+pub(super) const MUJOCO: TruthRow = TruthRow {
     name: "mujoco",
     label: "MuJoCo",
     help: "The finger as solved by MuJoCo: exported shapes of three fingers, at their contact nodes, in the exported directions, under the \
            exported forces; other positions and directions (--places, --step-deg) are not available",
     kinematics: None,
     mesh: |finger| Ok(Mesh::key_nodes(finger)),
-    on: |mesh| Ok(Box::new(MujocoTruth::new(mesh.finger())?)),
+    on: |mesh| exported(TruthId::Mujoco, &mujoco::PROGRAM, mesh.finger()),
 };
 
-/// Tolerance within which positions (mm), directions (degrees) and forces (N) count as equal.
-const SAME: f64 = 1e-9;
+pub(super) const CONTINUUM: TruthRow = TruthRow {
+    name: "continuum",
+    label: "continuum",
+    help: "The finger as a plane continuum with stiff rods, solved by CalculiX: exported shapes of five fingers, as for mujoco. It has the \
+           material of its export (nu = 0.45); poissons_ratio, rod_arm_mm and a common factor on all moduli of the scene do not change it",
+    kinematics: None,
+    mesh: |finger| Ok(Mesh::key_nodes(finger)),
+    on: |mesh| exported(TruthId::Continuum, &calculix::PROGRAM, mesh.finger()),
+};
 
-/// Why MuJoCo's export has no shapes for a request.
+fn exported(id: TruthId, program: &'static Program, finger: &Finger) -> Result<Box<dyn Truth + 'static>, TruthError> {
+    let truth = ExportedTruth::new(id, program, finger).map_err(|error| TruthError::NotExported(id, error))?;
+    Ok(Box::new(truth))
+}
+
+/// Tolerance within which positions (mm), directions (degrees) and forces (N) count as equal.
+pub const SAME: f64 = 1e-9;
+
+/// Why an export has no shapes for a request.
 #[derive(Debug, thiserror::Error)]
 pub enum NotExported {
     /// The finger was not exported.
-    #[error("MuJoCo's shapes were exported for the fingers {fingers} only; this scene has another finger", fingers = names())]
-    Finger,
+    #[error("{coverage}; this scene has another finger", coverage = .0.coverage())]
+    Finger(&'static Program),
     /// The force was not exported.
-    #[error("MuJoCo's shapes of the finger {finger} were exported for forces of {exported} N, not for {asked} N")]
+    #[error("{program}'s shapes of the finger {finger} were exported for forces of {exported} N, not for {asked} N")]
     Force {
+        /// Name of the program.
+        program: &'static str,
         /// Name of the export.
         finger: &'static str,
         /// Requested force, N.
@@ -38,26 +55,24 @@ pub enum NotExported {
     Table(#[from] ExportError),
 }
 
-fn names() -> String {
-    FINGERS.map(|exported| exported.name).join(", ")
-}
-
 /// Exported shapes of a finger, by node, direction and force.
 #[derive(Debug, Clone)]
-pub struct MujocoTruth {
+pub struct ExportedTruth {
+    id: TruthId,
+    program: &'static Program,
     finger: Finger,
     name: &'static str,
     cases: Vec<StaticCase>,
 }
 
-impl MujocoTruth {
-    /// Reads the exported shapes of a finger.
+impl ExportedTruth {
+    /// Reads the shapes of a finger that `program` exported, as the true finger `id`.
     ///
     /// # Errors
     /// [`NotExported::Finger`] for a finger that was not exported; [`NotExported::Table`] if the shipped table cannot be read.
-    pub fn new(finger: &Finger) -> Result<MujocoTruth, NotExported> {
-        let exported = ExportedFinger::of(finger).ok_or(NotExported::Finger)?;
-        Ok(MujocoTruth { finger: finger.clone(), name: exported.name, cases: exported.cases()? })
+    pub fn new(id: TruthId, program: &'static Program, finger: &Finger) -> Result<ExportedTruth, NotExported> {
+        let exported = program.export_of(finger).ok_or(NotExported::Finger(program))?;
+        Ok(ExportedTruth { id, program, finger: finger.clone(), name: exported.name, cases: exported.cases()? })
     }
 
     fn require_force(&self, force_n: f64) -> Result<(), NotExported> {
@@ -66,7 +81,7 @@ impl MujocoTruth {
             return Ok(());
         }
         let exported = forces.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
-        Err(NotExported::Force { finger: self.name, asked: force_n, exported })
+        Err(NotExported::Force { program: self.program.name, finger: self.name, asked: force_n, exported })
     }
 
     fn case(&self, contact: &Contact, force_n: f64) -> Option<&StaticCase> {
@@ -86,15 +101,15 @@ fn growing(figures: impl Iterator<Item = f64>) -> Vec<f64> {
     figures
 }
 
-impl Truth for MujocoTruth {
+impl Truth for ExportedTruth {
     fn id(&self) -> TruthId {
-        TruthId::Mujoco
+        self.id
     }
 
     /// Exported positions and directions, both ascending. A force that was not exported is an error.
     fn positions(&self, forces_n: &[f64]) -> Result<Option<Positions>, TruthError> {
         for &force_n in forces_n {
-            self.require_force(force_n)?;
+            self.require_force(force_n).map_err(|error| TruthError::NotExported(self.id, error))?;
         }
         let positions = self.cases.iter().filter_map(|case| self.finger.front_position_mm(case.node));
         Ok(Some((growing(positions), growing(self.cases.iter().map(|case| case.angle_deg)))))

@@ -5,7 +5,8 @@
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, ContactPosition, Pad, sense_refining};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, statics};
-use finray_studies::mujoco::{ContactStep, ExportedFinger, FINGERS, TouchedRod, contact_steps};
+use finray_studies::exports::ExportedFinger;
+use finray_studies::exports::mujoco::{ContactStep, PROGRAM, TouchedRod, contact_steps};
 use finray_tests::{CAMERA_NOISE_MM, paper};
 use serde_json::Value;
 use sha2::{Digest, Sha256};
@@ -50,7 +51,7 @@ fn digest(path: &Path) -> String {
 }
 
 pub fn exported(name: &str) -> &'static ExportedFinger {
-    FINGERS.iter().find(|exported| exported.name == name).expect("an exported finger")
+    PROGRAM.fingers.iter().find(|exported| exported.name == name).expect("an exported finger")
 }
 
 #[test]

@@ -1,0 +1,78 @@
+//! Fingers as plane continua, solved by CalculiX: plates and ribs with their thickness, rods as stiff discs, plane strain, Poisson's ratio 0.45.
+//! `fixtures/calculix/README.md` describes the export and its accuracy.
+
+use super::{ExportedFinger, Program};
+use finray_model::finger::{Finger, FingerDescription};
+
+/// The paper's finger with rods of 2.5 mm diameter.
+pub const PAPER: ExportedFinger = ExportedFinger {
+    name: "paper",
+    scene: finray_fixtures::CONTINUUM_PAPER_SCENE,
+    csv: finray_fixtures::CONTINUUM_PAPER,
+};
+/// The paper's finger without rods: plates and ribs in one piece. A [`Finger`] does not state the radius of its rods, so [`PROGRAM`] leaves it out.
+pub const PAPER_PLAIN: ExportedFinger = ExportedFinger {
+    name: "paper-plain",
+    scene: finray_fixtures::CONTINUUM_PAPER_PLAIN_SCENE,
+    csv: finray_fixtures::CONTINUUM_PAPER_PLAIN,
+};
+
+/// CalculiX's fingers, all with rods. A finger has the shapes of an export if both have the same drawing, whatever the beams assume of the material.
+pub const PROGRAM: Program = Program {
+    name: "CalculiX",
+    fingers: &[
+        PAPER,
+        ExportedFinger {
+            name: "asymmetric",
+            scene: finray_fixtures::CONTINUUM_ASYMMETRIC_SCENE,
+            csv: finray_fixtures::CONTINUUM_ASYMMETRIC,
+        },
+        ExportedFinger {
+            name: "thick",
+            scene: finray_fixtures::CONTINUUM_THICK_SCENE,
+            csv: finray_fixtures::CONTINUUM_THICK,
+        },
+        ExportedFinger {
+            name: "thin",
+            scene: finray_fixtures::CONTINUUM_THIN_SCENE,
+            csv: finray_fixtures::CONTINUUM_THIN,
+        },
+        ExportedFinger {
+            name: "soft-zone",
+            scene: finray_fixtures::CONTINUUM_SOFT_ZONE_SCENE,
+            csv: finray_fixtures::CONTINUUM_SOFT_ZONE,
+        },
+    ],
+    is_exported: has_drawing_of,
+    ignored: ". The continuum has the E and nu of its export; poissons_ratio, rod_arm_mm and a common factor on all moduli of the scene may differ",
+};
+
+/// Tolerance of ratios of moduli, relative: a common factor is rounded in each modulus, and in a scene file to about fifteen digits.
+const SAME_RATIO: f64 = 1e-12;
+
+/// Whether two fingers differ only in what a beam model assumes of one printed finger: Poisson's ratio, arms, and a common factor on all moduli.
+fn has_drawing_of(finger: &Finger, exported: &Finger) -> bool {
+    let moduli = [finger, exported].map(|finger| moduli_mpa(finger.description()));
+    let factor = moduli[0][0] / moduli[1][0];
+    let is_scaled = |[ours, theirs]: [f64; 2]| (ours - factor * theirs).abs() <= SAME_RATIO * ours;
+    moduli[0].len() == moduli[1].len()
+        && moduli[0].iter().zip(&moduli[1]).all(|(ours, theirs)| is_scaled([*ours, *theirs]))
+        && without_material(finger) == without_material(exported)
+}
+
+/// Young's moduli of front plate, back plate and deformable ribs, MPa.
+fn moduli_mpa(description: &FingerDescription) -> Vec<f64> {
+    let strips = [Some(description.front), Some(description.back), description.ribs.strip];
+    strips.into_iter().flatten().map(|strip| strip.youngs_modulus_mpa).collect()
+}
+
+fn without_material(finger: &Finger) -> FingerDescription {
+    let mut description = FingerDescription { poissons_ratio: 0.0, rod_arm_mm: 0.0, ..finger.description().clone() };
+    for strip in [Some(&mut description.front), Some(&mut description.back), description.ribs.strip.as_mut()]
+        .into_iter()
+        .flatten()
+    {
+        strip.youngs_modulus_mpa = 1.0;
+    }
+    description
+}

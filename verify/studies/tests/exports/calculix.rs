@@ -1,0 +1,24 @@
+//! Fingers solved as plane continua: tables and manifest are consistent.
+
+use finray_studies::exports::calculix::{PAPER_PLAIN, PROGRAM};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+#[test]
+fn tables_hold_the_cases_of_the_manifest() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/calculix");
+    let manifest: Value =
+        serde_json::from_str(&fs::read_to_string(folder.join("manifest.json")).expect("a manifest")).expect("JSON");
+    for exported in PROGRAM.fingers.iter().chain([&PAPER_PLAIN]) {
+        let record = &manifest["tables"][exported.name];
+        let cases = exported.cases().expect("a table");
+        assert_eq!(record["cases"].as_u64(), Some(cases.len() as u64), "{}", exported.name);
+        let stated = record["largest_uncertainty"].as_f64().expect("a number");
+        let largest =
+            cases.iter().map(|case| case.uncertainty_mm / case.shape.largest_displacement_mm()).fold(0.0, f64::max);
+        // Tables have two significant digits of an uncertainty.
+        assert!((largest / stated - 1.0).abs() < 0.05, "{}: {largest}, not {stated}", exported.name);
+        assert!(cases.iter().all(|case| case.uncertainty_rad.is_none()));
+    }
+}
