@@ -4,6 +4,7 @@ mod check;
 mod claims {
     mod camera;
     mod criteria;
+    mod deformation;
     mod experiments;
     mod grasps;
     mod gripper;

@@ -3,6 +3,7 @@
 use super::criteria::{MESH_SHARE, MUCH_SHARE, NEGLIGIBLE_SHARE, at_most_nodes, over_assumptions, statement};
 use super::experiments::{self, range_of};
 use super::{Claim, ClaimError, ClaimVerdict, Words};
+use crate::experiments::continuum::{BeamTheoryRow, Constants, ContinuumStudy, LARGEST_FORCE_N};
 use crate::prelude::*;
 use crate::problems::{opensees, refinement};
 use crate::study::Study;
@@ -10,11 +11,6 @@ use minijinja::context;
 
 /// Force at which the linear model is assessed, N: the largest of the gripper tests.
 const FORCE_N: f64 = 3.0;
-/// Stiffness of a plane-strain continuum divided by the beam frame's, smallest and largest over the nodes. An independent finite-element program,
-/// which is not included, computed it with Poisson's ratio 0.45 and rods as stiff discs of 3 mm radius.
-const CONTINUUM: [f64; 2] = [1.61, 1.71];
-/// Poisson's ratio and length of the rigid arms (mm) with which the beam frame is as stiff as the continuum.
-const AS_A_CONTINUUM: (f64, f64) = (0.45, 1.25);
 
 pub(super) fn claims(study: &Study, words: &Words) -> Result<Vec<Claim>, ClaimError> {
     let mut opensees = opensees::deviations(&study.finger, finray_fixtures::OPENSEES_PAPER)?;
@@ -41,19 +37,31 @@ pub(super) fn claims(study: &Study, words: &Words) -> Result<Vec<Claim>, ClaimEr
     let element_size = coarse.map_or(ClaimVerdict::NotTested, |error| {
         over_assumptions(&[off_mesh, error].map(|share| statement(share <= MESH_SHARE)))
     });
-    let (poisson, arm_mm) = AS_A_CONTINUUM;
-    let stiffer = experiments::stiffened(&study.finger, poisson, arm_mm)?;
-    let factor = 1.0 / (1.0 - poisson * poisson);
     Ok(vec![
         words.claim("linear", linear_holds, linear)?,
         words.claim("same-frame", statement(off_opensees < NEGLIGIBLE_SHARE), same_frame)?,
         words.claim("finer-mesh", statement(off_mesh < MESH_SHARE), context! { off => off_mesh })?,
         words.claim("coordinates", statement(counts == [69, 46, 36]), context! { counts })?,
         words.claim("element-size", element_size, context! { off => off_mesh, coarse, force_n => FORCE_N })?,
-        words.claim(
-            "solid",
-            ClaimVerdict::NotTested,
-            context! { stiffer, poisson, factor, arm_mm, continuum => CONTINUUM },
-        )?,
+        solid(&study.continuum, words)?,
     ])
+}
+
+/// Claim on a model of solid elements: the plane continuum. The paper does not state whether its frame has the stiffness of plane strain.
+///
+/// # Errors
+/// [`ClaimError`] if the claim's text cannot be completed.
+pub fn solid(continuum: &ContinuumStudy, words: &Words) -> Result<Claim, ClaimError> {
+    let without_arms = [Constants::Modulus, Constants::PlaneStrain].map(|constants| continuum.with_rods(constants));
+    let large: Vec<ClaimVerdict> =
+        without_arms.into_iter().flatten().map(|row| statement(row.median > MUCH_SHARE)).collect();
+    let arms = continuum.with_rods(Constants::Arms);
+    let medians =
+        |rows: [Option<&BeamTheoryRow>; 3]| rows.into_iter().flatten().map(|row| row.median).collect::<Vec<_>>();
+    let numbers = context! {
+        with_rods => medians(Constants::ALL.map(|constants| continuum.with_rods(constants))),
+        without_rods => medians(Constants::ALL.map(|constants| continuum.without_rods(constants))),
+        cases => arms.map(|row| row.cases), worst => arms.map(|row| row.worst), much => MUCH_SHARE, force_n => LARGEST_FORCE_N,
+    };
+    words.claim("solid", over_assumptions(&large), numbers)
 }

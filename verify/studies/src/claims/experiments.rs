@@ -2,7 +2,6 @@
 
 use crate::lattice::accuracy::difference;
 use crate::prelude::*;
-use finray_model::finger::FingerDescription;
 use finray_model::scene::ROD_RADIUS_MM;
 
 /// Elements per member for shapes with large rotations.
@@ -149,23 +148,6 @@ pub fn zero_force(finger: &Finger, force_n: f64, noise_mm: f64) -> Result<f64, S
         errors.push(estimate.forces_n[i].hypot(estimator.inverse().sigmas_per_noise[i] * noise_mm));
     }
     Ok(worst(errors))
-}
-
-/// Factors by which two changes stiffen the linear finger against a normal force, smallest and largest over the nodes. The changes are plane-strain
-/// bending with `poissons_ratio`, and members that are shorter by rigid arms of `rod_arm_mm` (mm) at the rods.
-///
-/// # Errors
-/// [`SensingError`] if a finger cannot be solved. If the changed finger is invalid, the factors are NaN.
-pub fn stiffened(finger: &Finger, poissons_ratio: f64, rod_arm_mm: f64) -> Result<Range, SensingError> {
-    let description = FingerDescription { poissons_ratio, rod_arm_mm, ..finger.description().clone() };
-    let Ok(stiff) = Finger::new(description) else { return Ok([f64::NAN; 2]) };
-    let gives_way = |finger: &Finger, node| -> Result<f64, SensingError> {
-        let load = Load::at_node(node, finger.direction(0.0));
-        let shape = statics::solve(&Mesh::key_nodes(finger), &[load], Kinematics::Linear)?;
-        Ok(shape.motion(node).displacement.dot(&finger.direction(0.0)))
-    };
-    let factor = |node| Ok(gives_way(finger, node)? / gives_way(&stiff, node)?);
-    Ok(range_of(&loaded(finger).map(factor).collect::<Result<Vec<_>, SensingError>>()?))
 }
 
 /// Largest absolute value of some figures.

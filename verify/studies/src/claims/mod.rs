@@ -6,7 +6,7 @@
 
 pub mod camera;
 pub mod criteria;
-mod deformation;
+pub mod deformation;
 pub mod experiments;
 pub mod grasps;
 pub mod gripper;

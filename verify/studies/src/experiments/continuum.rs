@@ -2,14 +2,23 @@
 //!
 //! Beams lack the rods' extent, plane strain and shear. The deviation is one of the theory, not of a solver: no tolerance applies.
 
+use super::table_one::{TableOne, table_one};
+use super::{Context, Evidence, ExperimentError};
 use crate::check::worst;
+use crate::exports::calculix::{self, PAPER_PLAIN};
 use crate::exports::{ExportedFinger, StaticCase};
 use crate::prelude::*;
 use crate::problems::ProblemError;
+use crate::statistics::median;
+use crate::truths::{TruthError, TruthId, fine_mesh};
 use finray_model::finger::FingerDescription;
 
 /// Largest force of the comparison, N: the largest of the paper's gripper tests. CalculiX's shapes exist up to 5 N.
 pub const LARGEST_FORCE_N: f64 = 3.0;
+/// Exported forces within the range of the weights of Table I, 0.5 to 2.9 N, and 3 N.
+pub const FORCES_N: [f64; 3] = [0.5, 1.0, 3.0];
+/// Exported directions near those assumed for the weights of Table I, degrees from the inward normal.
+pub const ANGLES_DEG: [f64; 3] = [-20.0, 0.0, 20.0];
 
 /// Deviation of beams from the continuum under one force.
 #[derive(Debug, Clone)]
@@ -40,6 +49,15 @@ impl Constants {
     /// All variants, from fewest to most properties.
     pub const ALL: [Constants; 3] = [Constants::Modulus, Constants::PlaneStrain, Constants::Arms];
 
+    /// The beam model in words.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Constants::Modulus => "beams with E",
+            Constants::PlaneStrain => "beams with E / (1 - nu^2)",
+            Constants::Arms => "beams with E / (1 - nu^2) and rod arms",
+        }
+    }
+
     /// The beam model with these properties of `finger`, which has all of them.
     ///
     /// # Errors
@@ -53,6 +71,117 @@ impl Constants {
         };
         Finger::new(description).map_err(|error| ProblemError::Reference(error.to_string()))
     }
+}
+
+/// Deviations of one beam model from the continuum over all forces up to [`LARGEST_FORCE_N`] that do not act on the tip.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BeamTheoryRow {
+    /// Table of the continuum.
+    pub continuum: &'static str,
+    /// What the beams have of it.
+    pub constants: Constants,
+    /// Number of forces.
+    pub cases: usize,
+    /// Median over the forces of the largest difference of a displacement, relative to the largest displacement.
+    pub median: f64,
+    /// Largest of these differences.
+    pub worst: f64,
+    /// Node that is loaded where the difference is largest.
+    pub load: usize,
+    /// Key node at which it is largest.
+    pub node: usize,
+    /// Median of the beams' displacements as a multiple of the continuum's.
+    pub scale: f64,
+}
+
+/// Results on the continuum of a scene's finger.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct ContinuumStudy {
+    /// Deviations of beams from the continuum, by the beams' constants; after those of the scene's finger, for the paper's finger, those of the
+    /// continuum without rods. Empty if CalculiX did not solve the finger.
+    pub rows: Vec<BeamTheoryRow>,
+    /// The protocol of Table I on the continuum of the paper's finger, for each of [`ANGLES_DEG`]; empty for any other finger.
+    pub tables_one: Vec<TableOne>,
+}
+
+impl ContinuumStudy {
+    /// Deviations of beams with these constants from the continuum with rods.
+    pub fn with_rods(&self, constants: Constants) -> Option<&BeamTheoryRow> {
+        self.rows.iter().find(|row| row.continuum != PAPER_PLAIN.name && row.constants == constants)
+    }
+
+    /// Deviations of beams with these constants from the paper's continuum without rods.
+    pub fn without_rods(&self, constants: Constants) -> Option<&BeamTheoryRow> {
+        self.rows.iter().find(|row| row.continuum == PAPER_PLAIN.name && row.constants == constants)
+    }
+}
+
+impl Evidence for ContinuumStudy {
+    fn comparisons(&self) -> Vec<Comparison> {
+        let of_row = |row: &BeamTheoryRow| {
+            let figures = [("median of largest", row.median), ("largest", row.worst)];
+            figures.map(|(statistic, ours)| Comparison {
+                problem: format!(
+                    "continuum {}, {} forces up to {LARGEST_FORCE_N} N: {}",
+                    row.continuum,
+                    row.cases,
+                    row.constants.in_words()
+                ),
+                source: calculix::PROGRAM.name.to_owned(),
+                quantity: format!("{statistic} displacement difference / largest displacement"),
+                reference: 0.0,
+                ours,
+            })
+        };
+        self.rows.iter().flat_map(of_row).collect()
+    }
+}
+
+/// Compares beams with the continuum of a scene's finger, and senses the weights of Table I on that of the paper's finger.
+pub(crate) fn run(context: &Context) -> Result<ContinuumStudy, ExperimentError> {
+    let export = calculix::PROGRAM.export_of(context.finger);
+    let without_rods = context.is_paper.then_some(&PAPER_PLAIN);
+    let exports: Vec<&ExportedFinger> = export.into_iter().chain(without_rods).collect();
+    context.progress.part("continuum", exports.len());
+    let mut rows = Vec::new();
+    for export in exports {
+        let finger = export.finger().map_err(ProblemError::from)?;
+        for constants in Constants::ALL {
+            let mesh = fine_mesh(&constants.of(&finger)?)?;
+            rows.extend(row(export.name, constants, &deviations(export, &mesh)?));
+        }
+        context.progress.step();
+    }
+    let tables_one = if context.is_paper { tables_one(context.finger)? } else { Vec::new() };
+    Ok(ContinuumStudy { rows, tables_one })
+}
+
+/// The protocol of Table I on the continuum of the paper's finger, under [`FORCES_N`] instead of the weights, for each of [`ANGLES_DEG`].
+///
+/// # Errors
+/// [`ExperimentError`] if the export cannot be read, or a force cannot be sensed.
+pub fn tables_one(paper: &Finger) -> Result<Vec<TableOne>, ExperimentError> {
+    let mesh = TruthId::Continuum.mesh(paper).map_err(unavailable)?;
+    let truth = TruthId::Continuum.on(&mesh).map_err(unavailable)?;
+    ANGLES_DEG.into_iter().map(|angle_deg| table_one(paper, &*truth, angle_deg, &FORCES_N)).collect()
+}
+
+fn unavailable(error: TruthError) -> ExperimentError {
+    ProblemError::Reference(error.to_string()).into()
+}
+
+fn row(continuum: &'static str, constants: Constants, deviations: &[Deviation]) -> Option<BeamTheoryRow> {
+    let worst = deviations.iter().max_by(|a, b| a.displacement.total_cmp(&b.displacement))?;
+    Some(BeamTheoryRow {
+        continuum,
+        constants,
+        cases: deviations.len(),
+        median: median(deviations.iter().map(|deviation| deviation.displacement))?,
+        worst: worst.displacement,
+        load: worst.case.node.0,
+        node: worst.at.0,
+        scale: median(deviations.iter().map(|deviation| deviation.scale))?,
+    })
 }
 
 /// Deviations of co-rotational beams on `mesh` from the exported shapes, for all forces up to [`LARGEST_FORCE_N`] that do not act on the tip. Forces

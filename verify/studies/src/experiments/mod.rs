@@ -125,13 +125,13 @@ pub enum ExperimentError {
     /// A study of a pressed object failed.
     #[error("cannot study a pressed object: {0}")]
     Object(#[from] SceneStudyError),
-    /// The finger has no equilibrium under a weight.
-    #[error("the finger cannot carry {weight_g} g at node {node}")]
+    /// The finger has no equilibrium under a force.
+    #[error("the finger cannot carry {force_n:.3} N at node {node}")]
     NotCarried {
         /// The loaded node.
         node: NodeId,
-        /// Mass of the weight, g.
-        weight_g: f64,
+        /// The force, N.
+        force_n: f64,
     },
 }
 

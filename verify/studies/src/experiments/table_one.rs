@@ -78,24 +78,28 @@ pub(crate) fn run(context: &Context) -> Result<Vec<TableOne>, ExperimentError> {
     }
     context.progress.part("Table I", TABLE_ONE_ANGLES_DEG.len());
     let table = |angle_deg| {
-        let table = table_one(context.finger, context.corotational, angle_deg);
+        let table = table_one(context.finger, context.corotational, angle_deg, &WEIGHTS_G.map(weight_n));
         context.progress.step();
         table
     };
     TABLE_ONE_ANGLES_DEG.into_iter().map(table).collect()
 }
 
-/// Runs the protocol: calibrates the modulus on the true finger, then senses each weight at each node without noise. `angle_deg` is the direction of
-/// the weights, degrees from the inward normal.
+/// Runs the protocol: calibrates the modulus on the true finger, then senses each force at each node without noise. `angle_deg` is the direction of
+/// the forces `forces_n` (N, ascending), degrees from the inward normal.
 ///
 /// # Errors
-/// [`ExperimentError`] if the true finger has no equilibrium under a weight, or a weight cannot be sensed.
-pub fn table_one(finger: &Finger, truth: &dyn Truth, angle_deg: f64) -> Result<TableOne, ExperimentError> {
-    let forces_n = WEIGHTS_G.map(weight_n);
-    let modulus_factor = modulus_factor(finger, truth, angle_deg, &CALIBRATION_NODES)?;
+/// [`ExperimentError`] if the true finger has no equilibrium under a force, or a force cannot be sensed.
+pub fn table_one(
+    finger: &Finger,
+    truth: &dyn Truth,
+    angle_deg: f64,
+    forces_n: &[f64],
+) -> Result<TableOne, ExperimentError> {
+    let modulus_factor = modulus_factor(finger, truth, angle_deg, forces_n, &CALIBRATION_NODES)?;
     let calibrated = finger.with_modulus_factor(modulus_factor)?;
     let row = |&(node, paper_mean_error): &(NodeId, f64)| -> Result<TableOneRow, ExperimentError> {
-        let (contact, shapes) = shapes(truth, node, angle_deg)?;
+        let (contact, shapes) = shapes(truth, node, angle_deg, forces_n)?;
         let mut errors = Vec::new();
         for (shape, force_n) in shapes.iter().zip(forces_n) {
             let measurement = Measurement::of_shape(&calibrated, shape);
@@ -113,17 +117,18 @@ pub fn table_one(finger: &Finger, truth: &dyn Truth, angle_deg: f64) -> Result<T
     Ok(TableOne { truth: truth.id(), angle_deg, modulus_factor, rows })
 }
 
-/// Ratio of calibrated to assumed Young's modulus: eq. (11), from shapes of the true finger under the weights at some nodes.
+/// Ratio of calibrated to assumed Young's modulus: eq. (11), from shapes of the true finger under forces (N) at some nodes.
 pub(crate) fn modulus_factor(
     finger: &Finger,
     truth: &dyn Truth,
     angle_deg: f64,
+    forces_n: &[f64],
     nodes: &[NodeId],
 ) -> Result<f64, ExperimentError> {
     let mut cases = Vec::new();
     for &node in nodes {
-        let (contact, shapes) = shapes(truth, node, angle_deg)?;
-        for (shape, force_n) in shapes.iter().zip(WEIGHTS_G.map(weight_n)) {
+        let (contact, shapes) = shapes(truth, node, angle_deg, forces_n)?;
+        for (shape, &force_n) in shapes.iter().zip(forces_n) {
             let load = contact.load(finger, force_n);
             cases.push(CalibrationCase { load, measurement: Measurement::of_shape(finger, shape) });
         }
@@ -145,12 +150,17 @@ pub fn weighed(finger: &Finger, truth: &dyn Truth, nodes: &[NodeId], weights_n: 
     nodes.iter().flat_map(under).collect()
 }
 
-/// Shapes of the true finger under all weights at a node and direction (degrees).
-fn shapes(truth: &dyn Truth, node: NodeId, angle_deg: f64) -> Result<(Contact, Vec<FingerShape>), ExperimentError> {
+/// Shapes of the true finger under all forces (N) at a node and direction (degrees).
+fn shapes(
+    truth: &dyn Truth,
+    node: NodeId,
+    angle_deg: f64,
+    forces_n: &[f64],
+) -> Result<(Contact, Vec<FingerShape>), ExperimentError> {
     let contact = Contact { position: ContactPosition::Node(node), angle_deg };
-    let shapes = truth.shapes(&contact, &WEIGHTS_G.map(weight_n));
-    match WEIGHTS_G.get(shapes.len()) {
-        Some(&weight_g) => Err(ExperimentError::NotCarried { node, weight_g }),
+    let shapes = truth.shapes(&contact, forces_n);
+    match forces_n.get(shapes.len()) {
+        Some(&force_n) => Err(ExperimentError::NotCarried { node, force_n }),
         None => Ok((contact, shapes)),
     }
 }

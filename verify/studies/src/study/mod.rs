@@ -8,8 +8,8 @@ use crate::experiments::grasp::{modules, observations, rates, study as grasp_stu
 use crate::experiments::networks::{accuracy, records};
 use crate::experiments::twin::study as twin_study;
 use crate::experiments::{
-    Context, Evidence, assumed, camera, causes, convergence, coverage, direction, displacement_noise, explain,
-    hard_cases, lattice, maps, measured, noise, shapes, speed_error, table_one, table_two,
+    Context, Evidence, assumed, camera, causes, continuum, convergence, coverage, direction, displacement_noise,
+    explain, hard_cases, lattice, maps, measured, noise, shapes, speed_error, table_one, table_two,
 };
 use crate::problems;
 use crate::sampling::map::AccuracyMap;
@@ -134,6 +134,9 @@ study! { |context|
     "Table I":
         /// Results for the paper's Table I, for each assumed direction of the weights; only for the paper's finger.
         tables_one: Vec<table_one::TableOne> = table_one::run(context);
+    "continuum":
+        /// Results on the finger as a plane continuum; empty unless CalculiX solved the finger.
+        continuum: continuum::ContinuumStudy = continuum::run(context);
     "digital twin":
         /// Study of the digital twin: the paper's finger with softer ends, fitted to Table I. Only for the paper's finger with noise.
         twin: Option<twin_study::TwinStudy> = twin_study::run(context, tables_one.first());

@@ -1,11 +1,13 @@
 //! Beams against plane continua, as `fixtures/calculix/README.md` states.
 
 use finray_model::Mesh;
-use finray_studies::experiments::continuum::{Constants, Deviation, deviations};
+use finray_studies::claims::criteria::MOST_OF;
+use finray_studies::experiments::continuum::{Constants, Deviation, deviations, tables_one};
 use finray_studies::exports::ExportedFinger;
 use finray_studies::exports::calculix::{PAPER_PLAIN, PROGRAM};
 use finray_studies::statistics::median;
 use finray_studies::truths::fine_mesh;
+use finray_tests::paper;
 
 /// Deviations of README are rounded to 0.01 %. Its arms are exact, those of the scenes rounded to 0.001 mm; 0.25 mm are 5 %, so 0.0005 mm are 0.01 %.
 const ROUNDING: f64 = 2e-4;
@@ -70,4 +72,22 @@ fn beams_without_arms_are_as_far_from_continua_as_stated() {
         (ours[0] - 0.594).abs() < COARSE_ROUNDING && (ours[1] - 0.739).abs() < COARSE_ROUNDING,
         "E alone: {ours:?}"
     );
+}
+
+/// On the continuum the paper's protocol finds a stiffer finger and senses it within some per cent; the paper's finger was sensed 56 % too strong at
+/// node 14, 12 % at 16 and 20 % at 24. The bound is the report's criterion for a cause.
+#[test]
+fn the_continuum_does_not_explain_the_papers_errors_at_tip_and_base() {
+    let tables = tables_one(&paper()).expect("every force has a shape");
+    assert_eq!(tables.iter().map(|table| table.angle_deg).collect::<Vec<_>>(), [-20.0, 0.0, 20.0]);
+    for table in &tables {
+        for row in table.rows.iter().filter(|row| [14, 16, 24].contains(&row.node)) {
+            assert_eq!(row.errors.len(), 3);
+            assert!(row.mean_error < MOST_OF * row.paper_mean_error, "{} deg: {row:?}", table.angle_deg);
+        }
+        let tip = table.rows.iter().find(|row| row.node == 14).expect("node 14");
+        assert!(tip.errors.iter().all(|error| *error < 0.0), "{tip:?}");
+    }
+    // `finray calibrate --kinematics linear` with the table's cases at nodes 17, 19 and 21 finds 74.197 MPa instead of 47.976.
+    assert!((tables[1].modulus_factor - 74.197 / 47.976).abs() < 1e-4, "{}", tables[1].modulus_factor);
 }

@@ -2,7 +2,7 @@
 
 use finray_fixtures::TWIN_SCENE;
 use finray_model::Kinematics;
-use finray_studies::experiments::table_one::table_one;
+use finray_studies::experiments::table_one::{WEIGHTS_G, table_one, weight_n};
 use finray_studies::experiments::twin::TWIN;
 use finray_studies::experiments::twin::fit::{ANGLE_DEG, fit};
 use finray_studies::truths::TruthId;
@@ -37,7 +37,7 @@ fn the_twin_is_shaded_as_table_one() {
     let (paper, twin) = (paper(), finger_of(TWIN_SCENE));
     let mesh = fine_mesh(&twin).expect("a mesh");
     let truth = MeshTruth::new(TruthId::Twin, &mesh, Kinematics::Corotational).expect("a finger");
-    let table = table_one(&paper, &truth, ANGLE_DEG).expect("a table");
+    let table = table_one(&paper, &truth, ANGLE_DEG, &WEIGHTS_G.map(weight_n)).expect("a table");
     assert!((table.modulus_factor - 1.0).abs() < ROUNDED, "{}", table.modulus_factor);
     let shade = |error: f64| {
         if error > 0.25 {

@@ -2,7 +2,7 @@
 
 use super::{MEMBER_MM, ZoneSet};
 use crate::experiments::ExperimentError;
-use crate::experiments::table_one::{TableOne, table_one};
+use crate::experiments::table_one::{TableOne, WEIGHTS_G, table_one, weight_n};
 use crate::prelude::*;
 use crate::truths::{MeshTruth, TruthId};
 use finray_model::finger::{FingerDescription, ImpossibleFinger, Zone};
@@ -103,7 +103,7 @@ fn run(paper: &Finger, set: &ZoneSet, logs: &DVector<f64>) -> Result<(Finger, Ta
     let finger = with_factors(paper, set, factors, modulus[0])?;
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
     let truth = MeshTruth::new(TruthId::Twin, &mesh, Kinematics::Corotational)?;
-    let table = table_one(paper, &truth, ANGLE_DEG)?;
+    let table = table_one(paper, &truth, ANGLE_DEG, &WEIGHTS_G.map(weight_n))?;
     Ok((finger, table))
 }
 

@@ -93,16 +93,17 @@ impl TwinStudy {
         let finger = twin_of(paper)?;
         let mesh = fine_mesh(&finger)?;
         let truth = MeshTruth::new(TruthId::Twin, &mesh, Kinematics::Corotational)?;
+        let forces_n = &WEIGHTS_G.map(weight_n);
         let (after, recalibrated) = rayon::join(
-            || table_one(paper, &truth, ANGLE_DEG),
-            || modulus_factor(paper, &truth, ANGLE_DEG, &LOADED.map(NodeId)),
+            || table_one(paper, &truth, ANGLE_DEG, forces_n),
+            || modulus_factor(paper, &truth, ANGLE_DEG, forces_n, &LOADED.map(NodeId)),
         );
         let after = after?;
         let recalibrated = recalibrated? / after.modulus_factor;
         let all: Vec<_> = std::iter::once(TWIN).chain(OTHERS).take(sets).collect();
         let fits = all.par_iter().map(|set| fit(paper, set)).collect::<Result<_, _>>()?;
         progress();
-        let clean = weighed(&finger, &truth, &LOADED.map(NodeId), &WEIGHTS_G.map(weight_n));
+        let clean = weighed(&finger, &truth, &LOADED.map(NodeId), forces_n);
         let calibrations = (0..repeats as u64)
             .into_par_iter()
             .map(|seed| calibrate(&finger, &clean, noise_mm, seed))
