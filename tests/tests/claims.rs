@@ -23,7 +23,7 @@ fn claims_say_what_was_shown(claims: &[Claim]) {
         ("less than 1.5%", Reproduced),
         ("less than 0.26%", Reproduced),
         ("decreasing element size is not necessary", Depends),
-        ("SOLID45", NotTested),
+        ("SOLID45", Reproduced),
         ("caused by the nonlinearity", NotReproduced),
         // Each of these claims is true for some of the directions that the weights may have had.
         ("the average sensing error at nodes 18, 20, and 22 is less than 3%", Depends),

@@ -13,6 +13,7 @@ pub mod frames;
 pub mod measurements;
 pub mod observations;
 pub mod positions;
+pub mod recording;
 pub mod views;
 
 pub use images::{image_named, image_names, load_image};

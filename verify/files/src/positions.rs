@@ -15,8 +15,17 @@ const MOST_ROWS: usize = 100_000;
 pub struct PositionFrame {
     /// Time of the frame, s, if it is stated.
     pub time_s: Option<f64>,
-    /// The markers, or the reason why a line of the frame is invalid.
-    pub seen: Result<Observation, String>,
+    /// The markers of each finger, in the order in which the fingers appear, or the reason why a line of the frame is invalid.
+    pub seen: Result<Vec<FingerObservation>, String>,
+}
+
+/// The markers of one finger in a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FingerObservation {
+    /// Name of the finger; empty if the stream does not state it.
+    pub finger: String,
+    /// The markers.
+    pub seen: Observation,
 }
 
 /// Reason why a stream of positions cannot be read further.
@@ -42,6 +51,8 @@ struct FrameLine {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct MarkerLine {
+    #[serde(default)]
+    finger: String,
     node: usize,
     x_mm: f64,
     y_mm: f64,
@@ -52,7 +63,7 @@ struct MarkerLine {
 ///
 /// JSON has one line per frame: `{"t_s": 0.04, "markers": [{"node": 13, "x_mm": 146.1, "y_mm": 3.2, "sigma_mm": 0.02}, ...]}`. The keys `t_s`, `image` and
 /// `sigma_mm` may be omitted. CSV has a header and one line per marker. The columns, in any order, are `t_s` or `image`, `node`, `x_mm`, `y_mm`, and optionally
-/// `sigma_mm`. A CSV frame ends where `t_s` or `image` changes.
+/// `sigma_mm`. A CSV frame ends where `t_s` or `image` changes. In a stream of several fingers, each marker also has the key or column `finger`.
 pub struct PositionReader<R> {
     source: R,
     /// Columns of a table. `None` for JSON.
@@ -64,13 +75,14 @@ pub struct PositionReader<R> {
     bytes: Vec<u8>,
 }
 
-/// Name of a row's frame, and the row's marker; `None` for a hidden marker.
-type Row = (String, Result<Option<ObservedMarker>, String>);
+/// Name of a row's frame, and the row's marker with the name of its finger; `None` for a hidden marker.
+type Row = (String, Result<(String, Option<ObservedMarker>), String>);
 
 #[derive(Clone, Copy)]
 struct Columns {
     frame: usize,
     is_time: bool,
+    finger: Option<usize>,
     node: usize,
     at: [usize; 2],
     sigma: Option<usize>,
@@ -128,16 +140,19 @@ impl<R: BufRead> PositionReader<R> {
         let frame: Result<FrameLine, String> = text.and_then(of_text);
         let time_s = frame.as_ref().ok().and_then(|frame| frame.t_s);
         let seen = frame.map(|frame| {
-            let marker = |of: MarkerLine| marker(NodeId(of.node), Vector::new(of.x_mm, of.y_mm), of.sigma_mm);
-            let markers = frame.markers.into_iter().map(marker).collect();
-            Observation { image: frame.image.unwrap_or_default(), markers, base: None }
+            let mut fingers = Fingers::default();
+            for of in frame.markers {
+                let marker = marker(NodeId(of.node), Vector::new(of.x_mm, of.y_mm), of.sigma_mm);
+                fingers.add(&of.finger, Some(marker));
+            }
+            fingers.observations(&frame.image.unwrap_or_default())
         });
         Ok(Some(PositionFrame { time_s, seen }))
     }
 
     fn read_csv(&mut self, columns: Columns) -> Result<Option<PositionFrame>, PositionError> {
         let mut name: Option<String> = None;
-        let mut seen: Result<Vec<ObservedMarker>, String> = Ok(Vec::new());
+        let mut seen: Result<Fingers, String> = Ok(Fingers::default());
         let mut rows = 0;
         loop {
             let (of, marker) = match self.next.take() {
@@ -160,7 +175,7 @@ impl<R: BufRead> PositionReader<R> {
             }
             name = Some(of);
             match (marker, &mut seen) {
-                (Ok(marker), Ok(markers)) => markers.extend(marker),
+                (Ok((finger, marker)), Ok(fingers)) => fingers.add(&finger, marker),
                 (Err(reason), Ok(_)) => seen = Err(reason),
                 (_, Err(_)) => {}
             }
@@ -168,7 +183,29 @@ impl<R: BufRead> PositionReader<R> {
         let Some(name) = name else { return Ok(None) };
         let time_s = columns.is_time.then(|| name.parse().ok()).flatten();
         let image = if columns.is_time { String::new() } else { name };
-        Ok(Some(PositionFrame { time_s, seen: seen.map(|markers| Observation { image, markers, base: None }) }))
+        Ok(Some(PositionFrame { time_s, seen: seen.map(|fingers| fingers.observations(&image)) }))
+    }
+}
+
+/// Markers of a frame by finger.
+#[derive(Default)]
+struct Fingers(Vec<(String, Vec<ObservedMarker>)>);
+
+impl Fingers {
+    /// Adds a marker of a finger; `None` for a hidden marker.
+    fn add(&mut self, finger: &str, marker: Option<ObservedMarker>) {
+        match self.0.iter_mut().find(|(name, _)| name == finger) {
+            Some((_, markers)) => markers.extend(marker),
+            None => self.0.push((finger.to_owned(), marker.into_iter().collect())),
+        }
+    }
+
+    fn observations(self, image: &str) -> Vec<FingerObservation> {
+        let of = |(finger, markers)| {
+            let seen = Observation { image: image.to_owned(), markers, base: None };
+            FingerObservation { finger, seen }
+        };
+        self.0.into_iter().map(of).collect()
     }
 }
 
@@ -187,6 +224,7 @@ impl Columns {
         Ok(Columns {
             frame: column("t_s").map_or_else(|| needed("image"), Ok)?,
             is_time: column("t_s").is_some(),
+            finger: column("finger"),
             node: needed("node")?,
             at: [needed("x_mm")?, needed("y_mm")?],
             sigma: column("sigma_mm"),
@@ -196,7 +234,9 @@ impl Columns {
     fn row(&self, text: &str, line: usize) -> Row {
         let cells: Vec<&str> = text.split(',').map(str::trim).collect();
         let name = cells.get(self.frame).copied().unwrap_or_default().to_owned();
-        (name, self.marker(&cells).map_err(|reason| format!("line {line}: {reason}")))
+        let finger = self.finger.and_then(|column| cells.get(column)).copied().unwrap_or_default();
+        let marker = self.marker(&cells).map(|marker| (finger.to_owned(), marker));
+        (name, marker.map_err(|reason| format!("line {line}: {reason}")))
     }
 
     /// Marker of a row; `None` for a row without coordinates, whose marker is hidden.

@@ -1,18 +1,20 @@
 //! The command `finray live`.
 
+mod finger;
 mod input;
 mod line;
 mod newest;
 
 use super::contacts::Contacts;
 use crate::commands::prelude::*;
+use finger::WatchedFinger;
 use finray_files::frames::LARGEST_SIDE_PX;
+use finray_files::recording::{ContactForce, Recording};
 use finray_files::{open_stream, streamed};
-use finray_imaging::locate::{LocateError, Observer};
-use finray_model::observation::Observation;
-use finray_model::sensor::{RestPositions, SensedForces, SensorOptions, StreamSensor};
-use input::{Content, Format, Frame, Source};
-use line::{Line, State};
+use finray_imaging::locate::Observer;
+use finray_model::sensor::{RestPositions, SensorOptions, StreamSensor};
+use input::{Content, Format, Source};
+use line::{FingerResult, Line};
 use newest::Newest;
 use std::io::Write;
 
@@ -30,11 +32,15 @@ Guide: finray guide live";
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// Scene file (TOML)
-    scene: PathBuf,
-    /// Stream of frames (YUV4MPEG2, or raw with --format rgb24), or of marker positions (JSON lines, CSV); - for standard input
+    #[arg(required_unless_present = "finger")]
+    scene: Option<PathBuf>,
+    /// Name and scene of each of several fingers in the same frames
+    #[arg(long, help_heading = "Input", value_name = "NAME=SCENE", value_parser = named_scene, num_args = 1.., conflicts_with = "scene")]
+    finger: Vec<(String, PathBuf)>,
+    /// Video (YUV4MPEG2, raw) or marker positions (JSON lines, CSV); - for standard input
     #[arg(long, help_heading = "Input", value_name = "FILE", default_value = "-")]
     input: PathBuf,
-    /// Images (PNG, JPEG) instead of a stream, in the order in which they were taken
+    /// Images (PNG, JPEG) instead of a stream, in order of time
     #[arg(long, help_heading = "Input", value_name = "FILE", num_args = 1.., conflicts_with_all = ["input", "format", "size"])]
     image: Vec<PathBuf>,
     /// Format of the stream [default: recognised by the first byte]
@@ -46,7 +52,7 @@ pub struct Arguments {
     /// Evaluate every frame, not only the newest
     #[arg(long, help_heading = "Input")]
     every_frame: bool,
-    /// Measure displacements from the mean of the first N frames, which show the unloaded finger
+    /// Measure displacements from the first N frames (unloaded finger)
     #[arg(long, help_heading = "Input", value_name = "N", default_value_t = 0)]
     rest_frames: usize,
     /// Standard deviation of the noise in one coordinate, mm [default: the scene's, else stated per marker]
@@ -60,6 +66,18 @@ pub struct Arguments {
     /// Result file; - for standard output
     #[arg(long, help_heading = "Output", value_name = "FILE", default_value = "-")]
     out: PathBuf,
+    /// Recording for ROS 2 (MCAP): lines, and forces as WrenchStamped
+    #[arg(long, help_heading = "Output", value_name = "FILE")]
+    record: Option<PathBuf>,
+}
+
+/// Name and scene file of a finger, from `NAME=SCENE`.
+fn named_scene(text: &str) -> Result<(String, PathBuf), String> {
+    let is_name = |name: &str| !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    let named = text.split_once('=').filter(|(name, scene)| is_name(name) && !scene.is_empty());
+    let (name, scene) =
+        named.ok_or("expected NAME=SCENE with a name of letters, digits and _, such as left=left.toml")?;
+    Ok((name.to_owned(), PathBuf::from(scene)))
 }
 
 /// Width and height, px, from `WxH`.
@@ -71,40 +89,39 @@ fn size(text: &str) -> Result<[u32; 2], String> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<String, Failure> {
-    if arguments.image.is_empty() {
-        require_one_standard_input([&arguments.scene, &arguments.input])?;
+    let unnamed = arguments.scene.iter().map(|scene| (String::new(), scene.clone()));
+    let fingers: Vec<(String, PathBuf)> = unnamed.chain(arguments.finger.iter().cloned()).collect();
+    if let Some((name, _)) =
+        fingers.iter().enumerate().find_map(|(i, named)| fingers[..i].iter().find(|(name, _)| *name == named.0))
+    {
+        return Err(bad_input(format!("--finger {name}: expected each name once")));
     }
-    let scene = load_scene(&arguments.scene)?;
-    hints::of_moduli(&arguments.scene, &scene.finger);
+    if arguments.image.is_empty() {
+        require_one_standard_input(fingers.iter().map(|(_, scene)| scene).chain([&arguments.input]))?;
+    }
+    let scenes: Vec<(&str, Scene)> = fingers
+        .iter()
+        .map(|(name, path)| {
+            let scene = load_scene(path)?;
+            hints::of_moduli(path, &scene.finger);
+            Ok((name.as_str(), scene))
+        })
+        .collect::<Result<_, Failure>>()?;
     let networks = Networks::read(&finray_fixtures::NETWORKS)?;
-    // Displacements are measured from the mean of the rest frames, so the noise of this mean adds to that of the frame.
-    let wider = if arguments.rest_frames == 0 { 1.0 } else { (1.0 + 1.0 / arguments.rest_frames as f64).sqrt() };
-    let options = SensorOptions {
-        estimator: arguments.estimator,
-        networks: &networks,
-        noise_mm: arguments.noise_mm.or(scene.noise_mm).map(|noise_mm| wider * noise_mm),
-        mesh_nodes: None,
-    };
-    let sensor = StreamSensor::new(&scene, arguments.contacts.of(&scene, 0.0, None)?, options)?;
     let source = match &arguments.image[..] {
         [] => Source::open(&arguments.input, arguments.format, arguments.size)?,
         images => Source::of_images(images),
     };
-    let observer = match source.shows_pixels() {
-        true => Some(Observer::new(&scene, None).map_err(bad_input)?),
-        false => None,
-    };
-    source.require_size(camera_size_px(&scene))?;
+    let shows_pixels = source.shows_pixels();
+    let mut watched: Vec<WatchedFinger> = scenes
+        .iter()
+        .map(|(name, scene)| watched_finger(arguments, &networks, name, scene, shows_pixels))
+        .collect::<Result<_, Failure>>()?;
+    for (_, scene) in &scenes {
+        source.require_size(camera_size_px(scene))?;
+    }
     let mut out = open_stream(&arguments.out)?;
-    let mut watched = Watched {
-        scene: &scene,
-        sensor,
-        observer,
-        rest: RestPositions::default(),
-        rest_frames: arguments.rest_frames,
-        measures_from_rest: arguments.rest_frames > 0,
-        before: None,
-    };
+    let mut recording = arguments.record.as_deref().map(Recording::create).transpose()?;
     let newest = Newest::of(source, arguments.every_frame)?;
     let (mut counts, mut dropped) = ([0; 4], 0);
     let mut ended = Ok(());
@@ -116,85 +133,73 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
                 break;
             }
         };
-        let line = watched.line(&frame);
+        let results: Vec<FingerResult> = match unknown_finger(&frame.content, &fingers) {
+            None => watched.iter_mut().map(|finger| finger.evaluate(&frame)).collect(),
+            Some(reason) => watched.iter_mut().map(|finger| finger.refuse(reason.clone())).collect(),
+        };
+        let line = Line::new(&frame, &results);
         counts[line.state as usize] += 1;
         dropped += frame.dropped;
+        let mut text = line.to_json()?;
+        if let Some(recording) = &mut recording {
+            let forces: Vec<ContactForce> = results.iter().flat_map(FingerResult::forces).collect();
+            recording.add(frame.time_s, &text, &forces)?;
+        }
         newest.give_back(frame);
-        let text = line.to_json()? + "\n";
+        text.push('\n');
         if let Err(reason) = out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
             streamed(&arguments.out, Err(reason))?;
             break;
         }
     }
+    recording.map(Recording::finish).transpose()?;
     ended?;
     let [in_contact, free, refused, lost] = counts;
     let frames = count(counts.iter().sum(), "frame");
     let states = format!("{in_contact} in contact, {free} free, {refused} refused, {lost} without finger");
-    Ok(summary(format!("{frames}: {states}; {dropped} dropped"), [&arguments.out]))
+    Ok(summary(format!("{frames}: {states}; {dropped} dropped"), [&arguments.out].into_iter().chain(&arguments.record)))
+}
+
+/// Prepares the evaluation of a finger.
+fn watched_finger<'s>(
+    arguments: &Arguments,
+    networks: &'s Networks,
+    name: &'s str,
+    scene: &'s Scene,
+    shows_pixels: bool,
+) -> Result<WatchedFinger<'s>, Failure> {
+    let &Arguments { rest_frames, estimator, noise_mm, .. } = arguments;
+    // Displacements are measured from the mean of the rest frames, so the noise of this mean adds to that of the frame.
+    let wider = if rest_frames == 0 { 1.0 } else { (1.0 + 1.0 / rest_frames as f64).sqrt() };
+    let noise_mm = noise_mm.or(scene.noise_mm).map(|noise_mm| wider * noise_mm);
+    let options = SensorOptions { estimator, networks, noise_mm, mesh_nodes: None };
+    Ok(WatchedFinger {
+        name,
+        scene,
+        sensor: StreamSensor::new(scene, arguments.contacts.of(scene, 0.0, None)?, options)?,
+        observer: shows_pixels.then(|| Observer::new(scene, None)).transpose().map_err(bad_input)?,
+        rest: RestPositions::default(),
+        rest_frames,
+        measures_from_rest: rest_frames > 0,
+        sensed: None,
+    })
+}
+
+/// Reason why a frame of positions is refused: it has markers of a finger that was not named.
+fn unknown_finger(content: &Content, fingers: &[(String, PathBuf)]) -> Option<String> {
+    let Content::Markers(found) = content else { return None };
+    let unknown = found.iter().find(|found| fingers.iter().all(|(name, _)| *name != found.finger))?;
+    let names: Vec<&str> = fingers.iter().map(|(name, _)| name.as_str()).filter(|name| !name.is_empty()).collect();
+    Some(match &names[..] {
+        [] => format!(
+            "expected markers without the name of a finger, or --finger {0}=SCENE, found finger {0:?}",
+            unknown.finger
+        ),
+        names => format!("expected a finger of {}, found {:?}", names.join(", "), unknown.finger),
+    })
 }
 
 /// Width and height of the scene's camera, px.
 fn camera_size_px(scene: &Scene) -> Option<[u32; 2]> {
     scene.camera.map(|camera| camera.lens.size_px())
-}
-
-/// Evaluation of a stream: marker locator, sensor, and positions of the markers on the unloaded finger.
-struct Watched<'s> {
-    scene: &'s Scene,
-    sensor: StreamSensor<'s>,
-    /// Locator of the markers; `None` for a stream of positions.
-    observer: Option<Observer<'s>>,
-    rest: RestPositions,
-    /// Number of frames of the unloaded finger that are still to be read.
-    rest_frames: usize,
-    /// Whether the first frames show the unloaded finger.
-    measures_from_rest: bool,
-    /// Forces of the frame before, if it showed any.
-    before: Option<SensedForces>,
-}
-
-impl Watched<'_> {
-    /// Evaluates a frame. Returns its line of the result.
-    fn line(&mut self, frame: &Frame) -> Line {
-        let seen = match (&frame.content, &mut self.observer) {
-            (Content::Pixels(image), Some(observer)) => observer.observe(image).map_err(|error| match error {
-                LocateError::Size { .. } => (State::Refused, error.to_string()),
-                _ => (State::Lost, error.to_string()),
-            }),
-            (Content::Pixels(_), None) => Err((State::Refused, "expected positions, found an image".to_owned())),
-            (Content::Markers(seen), _) => Ok(seen.clone()),
-            (Content::Unreadable(reason), _) => Err((State::Refused, reason.clone())),
-        };
-        let seen = match seen {
-            Err((state, reason)) => return Line::without_forces(frame, state, 0, Some(reason)),
-            Ok(seen) => seen,
-        };
-        let markers = seen.markers.len();
-        if self.rest_frames == 0 {
-            let seen = if self.measures_from_rest { self.rest.displaced(&seen) } else { seen };
-            return self.sensed(frame, &seen, markers);
-        }
-        // A frame with markers that the finger does not have is refused; as a rest frame it would make every later frame invalid.
-        match seen.for_sensing(self.scene, true, None) {
-            Ok(found) if !found.measurement.markers().is_empty() => {
-                self.rest_frames -= 1;
-                self.rest.add(&seen);
-                Line::without_forces(frame, State::None, markers, None)
-            }
-            Ok(_) => Line::without_forces(frame, State::Refused, markers, Some("no marker is seen".to_owned())),
-            Err(error) => Line::without_forces(frame, State::Refused, markers, Some(error.to_string())),
-        }
-    }
-
-    fn sensed(&mut self, frame: &Frame, seen: &Observation, markers: usize) -> Line {
-        match self.sensor.sense(seen, self.before.take().as_ref()) {
-            Ok(Some(sensed)) => {
-                let line = Line::of_forces(frame, &self.scene.finger, &sensed, markers);
-                self.before = Some(sensed);
-                line
-            }
-            Ok(None) => Line::without_forces(frame, State::None, markers, None),
-            Err(refusal) => Line::without_forces(frame, State::Refused, markers, Some(refusal.to_string())),
-        }
-    }
 }

@@ -2,8 +2,7 @@
 
 use crate::commands::prelude::*;
 use finray_files::frames::{FrameError, FrameLayout, FrameReader};
-use finray_files::positions::{PositionError, PositionFrame, PositionReader};
-use finray_model::observation::Observation;
+use finray_files::positions::{FingerObservation, PositionError, PositionFrame, PositionReader};
 use image::RgbImage;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
@@ -26,8 +25,8 @@ pub enum Format {
 pub enum Content {
     /// An image.
     Pixels(RgbImage),
-    /// Positions of markers.
-    Markers(Observation),
+    /// Positions of markers, by finger.
+    Markers(Vec<FingerObservation>),
     /// Reason why the frame cannot be read.
     Unreadable(String),
 }

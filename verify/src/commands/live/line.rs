@@ -2,7 +2,8 @@
 
 use super::input::Frame;
 use crate::commands::prelude::*;
-use finray_model::sensing::ContactPosition;
+use finray_files::recording::ContactForce;
+use finray_model::sensing::{Contact, ContactPosition};
 use finray_model::sensor::SensedForces;
 
 /// Result of a frame.
@@ -19,18 +20,77 @@ pub enum State {
     Lost,
 }
 
+/// Result of a frame for one finger.
+pub struct FingerResult<'a> {
+    /// Name of the finger; empty for the only finger.
+    pub name: &'a str,
+    /// The finger.
+    pub finger: &'a Finger,
+    /// Whether forces are sensed, and if not, why.
+    pub state: State,
+    /// Number of markers found.
+    pub markers: usize,
+    /// The forces of a finger in contact.
+    pub sensed: Option<&'a SensedForces>,
+    /// Reason why no force is given.
+    pub refused: Option<String>,
+}
+
+impl FingerResult<'_> {
+    /// Component of the sum of all forces along the undeformed inward normal of the front plate, N.
+    fn total_n(&self) -> f64 {
+        self.sensed.map_or(0.0, |sensed| sensed.sum_along(self.finger, self.finger.direction(0.0))[0])
+    }
+
+    fn warning(&self) -> Option<String> {
+        let warnings: Vec<String> = self.sensed?.warnings.iter().map(ToString::to_string).collect();
+        Some(warnings.join("; ")).filter(|warning| !warning.is_empty())
+    }
+
+    /// Contacts with their forces (N) and directions (degrees from the undeformed inward normal).
+    fn contacts(&self) -> impl Iterator<Item = (usize, &SensedForces, &Contact)> {
+        self.sensed
+            .into_iter()
+            .flat_map(|sensed| sensed.contacts.iter().enumerate().map(move |(i, contact)| (i, sensed, contact)))
+    }
+
+    fn lines(&self) -> impl Iterator<Item = ContactLine<'_>> {
+        self.contacts().map(|(i, sensed, contact)| ContactLine {
+            finger: self.name,
+            contact: match contact.position {
+                ContactPosition::Node(node) => node.to_string(),
+                ContactPosition::At(_) => "at".to_owned(),
+            },
+            s_mm: contact.position_mm(self.finger),
+            angle_deg: contact.angle_deg,
+            force_n: sensed.forces_n[i],
+            sigma_n: sensed.sigmas_n[i],
+            interval_n: sensed.interval_n(i),
+        })
+    }
+
+    /// The forces as vectors.
+    pub fn forces(&self) -> impl Iterator<Item = ContactForce> {
+        self.contacts().map(|(i, sensed, contact)| ContactForce {
+            finger: self.name.to_owned(),
+            contact: i + 1,
+            force: self.finger.direction(contact.angle_deg) * sensed.forces_n[i],
+        })
+    }
+}
+
 /// A line of the result: one frame.
 #[derive(Serialize)]
-pub struct Line {
+pub struct Line<'a> {
     /// Number of the frame in the stream, from 0.
     frame: usize,
     /// Time of the frame in its stream, s.
     time_s: Option<f64>,
-    /// Whether forces are sensed, and if not, why.
+    /// State of the finger. For several fingers: the first of contact, refused, lost and none that one of them has.
     pub state: State,
-    /// The contacts, in the order of their positions if these are estimated.
-    contacts: Vec<ContactLine>,
-    /// Component of the sum of all forces along the undeformed inward normal of the front plate, N.
+    /// The contacts, by finger, then in the order of their positions if these are estimated.
+    contacts: Vec<ContactLine<'a>>,
+    /// Component of the sum of all forces along the undeformed inward normal of the front plate, N. For several fingers: the sum of the components.
     total_n: f64,
     /// Number of markers found.
     markers: usize,
@@ -38,15 +98,32 @@ pub struct Line {
     warning: Option<String>,
     /// Reason why no force is given.
     refused: Option<String>,
+    /// Result of each finger; only for several fingers.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    fingers: Vec<FingerLine<'a>>,
     /// Time from the arrival of the frame to this line, ms.
     latency_ms: f64,
     /// Number of frames dropped since the previous line.
     dropped: usize,
 }
 
-/// One contact: its position (mm from the base) and direction (degrees), its force, and the standard deviation and 95 % interval of the force (N).
+/// One of several fingers.
 #[derive(Serialize)]
-struct ContactLine {
+struct FingerLine<'a> {
+    finger: &'a str,
+    state: State,
+    total_n: f64,
+    markers: usize,
+    warning: Option<String>,
+    refused: Option<String>,
+}
+
+/// One contact: its finger if there are several, position (mm from the base) and direction (degrees), its force, and the standard deviation and 95 %
+/// interval of the force (N).
+#[derive(Serialize)]
+struct ContactLine<'a> {
+    #[serde(skip_serializing_if = "str::is_empty")]
+    finger: &'a str,
     contact: String,
     s_mm: Option<f64>,
     angle_deg: f64,
@@ -55,50 +132,40 @@ struct ContactLine {
     interval_n: [f64; 2],
 }
 
-impl Line {
-    /// A line without forces; `refused` says why, unless the finger is free.
-    pub fn without_forces(frame: &Frame, state: State, markers: usize, refused: Option<String>) -> Line {
+impl<'a> Line<'a> {
+    /// The line of a frame from the results of all fingers.
+    pub fn new(frame: &Frame, results: &'a [FingerResult<'a>]) -> Line<'a> {
+        let is_one = matches!(results, [_]);
+        let said = |of: fn(&FingerResult) -> Option<String>| {
+            let said = results.iter().filter_map(|result| {
+                let text = of(result)?;
+                Some(if is_one { text } else { format!("{}: {text}", result.name) })
+            });
+            Some(said.collect::<Vec<_>>().join("; ")).filter(|said| !said.is_empty())
+        };
+        let by_rank = [State::Contact, State::Refused, State::Lost];
+        let state = by_rank.into_iter().find(|state| results.iter().any(|result| result.state == *state));
+        let finger = |result: &'a FingerResult| FingerLine {
+            finger: result.name,
+            state: result.state,
+            total_n: result.total_n(),
+            markers: result.markers,
+            warning: result.warning(),
+            refused: result.refused.clone(),
+        };
         Line {
             frame: frame.number,
             time_s: frame.time_s,
-            state,
-            contacts: Vec::new(),
-            total_n: 0.0,
-            markers,
-            warning: None,
-            refused,
-            latency_ms: 0.0,
+            state: state.unwrap_or(State::None),
+            contacts: results.iter().flat_map(FingerResult::lines).collect(),
+            total_n: results.iter().map(FingerResult::total_n).sum(),
+            markers: results.iter().map(|result| result.markers).sum(),
+            warning: said(|result| result.warning()),
+            refused: said(|result| result.refused.clone()),
+            fingers: if is_one { Vec::new() } else { results.iter().map(finger).collect() },
+            latency_ms: frame.arrived.elapsed().as_secs_f64() * 1e3,
             dropped: frame.dropped,
         }
-        .just_now(frame)
-    }
-
-    /// A line with forces.
-    pub fn of_forces(frame: &Frame, finger: &Finger, sensed: &SensedForces, markers: usize) -> Line {
-        let contact = |(i, contact): (usize, &finray_model::sensing::Contact)| ContactLine {
-            contact: match contact.position {
-                ContactPosition::Node(node) => node.to_string(),
-                ContactPosition::At(_) => "at".to_owned(),
-            },
-            s_mm: contact.position_mm(finger),
-            angle_deg: contact.angle_deg,
-            force_n: sensed.forces_n[i],
-            sigma_n: sensed.sigmas_n[i],
-            interval_n: sensed.interval_n(i),
-        };
-        let warnings: Vec<String> = sensed.warnings.iter().map(ToString::to_string).collect();
-        let [total_n, _] = sensed.sum_along(finger, finger.direction(0.0));
-        Line {
-            contacts: sensed.contacts.iter().enumerate().map(contact).collect(),
-            total_n,
-            warning: Some(warnings.join("; ")).filter(|warning| !warning.is_empty()),
-            ..Line::without_forces(frame, State::Contact, markers, None)
-        }
-        .just_now(frame)
-    }
-
-    fn just_now(self, frame: &Frame) -> Line {
-        Line { latency_ms: frame.arrived.elapsed().as_secs_f64() * 1e3, ..self }
     }
 
     /// The line as JSON, without a line break.
