@@ -37,6 +37,8 @@ pub struct Scene {
     pub finger: Finger,
     /// Largest fibre strain at which the material of each part is linear, dimensionless; `None` for parts without a stated limit.
     pub strain_limits: StrainLimits,
+    /// Relative standard deviation of a sensed force due to the errors of beam theory, dimensionless.
+    pub model_error: f64,
     /// Standard deviation of one measured marker coordinate, mm; `None` if the scene does not state it.
     pub noise_mm: Option<f64>,
     /// Factor on the stated noise of the markers, and error of the finger model at a marker.
@@ -84,6 +86,7 @@ impl Scene {
         let table = top.table(&FINGER)?;
         let description = read_finger(&table, markers.on)?;
         let strain_limits = read_strain_limits(&table)?;
+        let model_error = table.get(&FINGER.model_error)?;
         let finger = Finger::new(description).map_err(|impossible| SceneError {
             line: document.line_of(&impossible.key),
             message: impossible.to_string(),
@@ -112,6 +115,7 @@ impl Scene {
             name,
             finger,
             strain_limits,
+            model_error,
             noise_mm,
             marker_errors: markers.errors,
             camera,

@@ -114,6 +114,10 @@ pub struct SensedForces {
     measured: Option<MeasuredContactForces>,
 }
 
+/// Error of beam theory in a marker coordinate, relative to the largest displacement, as a multiple of the relative error of the sensed force. Fitted to
+/// plane continua of two fingers, `paper` and `thick` in `fixtures/calculix`: the residual is 0.27 % (root mean square) if the force is wrong by 1.04 %.
+const MODEL_ERROR_OF_MARKERS: f64 = 0.26;
+
 /// Without a stated noise, a residual causes a warning if it exceeds both limits: a share of the displacements, and a share of the front plate's length. With
 /// correct contacts, the residual of a real finger is below the first limit. A camera's noise is below the second limit.
 const LARGE_RESIDUAL: [f64; 2] = [0.1, 0.002];
@@ -250,8 +254,8 @@ impl<'s> Sensor<'s> {
         let stated_mm = noise_mm.map(|noise_mm| scene.marker_errors.sd_mm(noise_mm));
         let is_uniform = stated_mm.is_some() || estimator == EstimatorId::Network;
         let ObservedMeasurement { measurement, noise_mm, frame } = found;
-        let noise_mm = stated_mm.or(noise_mm);
         let measurement = if is_uniform { measurement.with_markers(|marker| marker.weight = 1.0) } else { measurement };
+        let (measurement, noise_mm) = self.with_model_error(measurement, stated_mm.or(noise_mm));
         let sensed = match &self.contacts {
             SensorContacts::Asked(questions) => {
                 let object = scene.touched.as_ref().and_then(|touched| touched.seen_from(&frame));
@@ -284,6 +288,20 @@ impl<'s> Sensor<'s> {
         }
     }
 
+    /// Adds the error of beam theory to the errors of the markers. Returns the measurement, and the standard deviation (mm) of a marker of weight 1.
+    fn with_model_error(&self, measurement: Measurement, noise_mm: Option<f64>) -> (Measurement, Option<f64>) {
+        let largest_mm = measurement.markers().iter().map(|marker| marker.displacement.norm()).fold(0.0, f64::max);
+        let model_mm = MODEL_ERROR_OF_MARKERS * self.scene.model_error * largest_mm;
+        let Some(noise_mm) = noise_mm.filter(|noise_mm| model_mm > 0.0 && *noise_mm > 0.0) else {
+            return (measurement, noise_mm);
+        };
+        let both_mm = noise_mm.hypot(model_mm);
+        let weighted = measurement.with_markers(|marker| {
+            marker.weight = both_mm / (noise_mm / marker.weight).hypot(model_mm);
+        });
+        (weighted, Some(both_mm))
+    }
+
     fn answered(&self, question: &Question) -> Result<SensedForces, Refusal> {
         let estimator = self.options.estimator;
         let at_once = question.unloaded.and_then(|unloaded| self.all_at_once(question, unloaded));
@@ -292,7 +310,7 @@ impl<'s> Sensor<'s> {
         if estimator.searches() {
             estimate.widen_for_misfit();
         }
-        estimate.add_force_error(self.scene.contact.force_error);
+        estimate.add_force_error(self.scene.contact.force_error.hypot(self.scene.model_error));
         let is_linear = estimator.is_linear();
         let of_model = estimate.warning.map(|warning| SensorWarning::Model { warning, is_linear });
         let no_residual = estimate.noise_mm.is_infinite().then_some(SensorWarning::NoResidual);
