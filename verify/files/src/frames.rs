@@ -1,5 +1,9 @@
 //! Frames of a video stream: YUV4MPEG2, or raw RGB.
 
+mod writer;
+
+pub use writer::FrameWriter;
+
 use image::RgbImage;
 use std::io::{BufRead, Read};
 

@@ -1,7 +1,7 @@
 //! Forces in a stream: video frames, positions, images; contacts that come and go; streams that end or break.
 
 use crate::kit::*;
-use finray_files::frames::{FrameLayout, FrameReader};
+use finray_files::frames::{FrameLayout, FrameReader, FrameWriter};
 use finray_model::mesh::{FingerShape, Load};
 use finray_model::{Finger, Kinematics, Mesh, NodeId, Vector, statics};
 use finray_tests::{finger_of, random_stream};
@@ -150,6 +150,32 @@ fn decoded_colours_are_those_that_were_encoded() {
         assert!(!reader.read(&mut bytes).expect("the end"));
     }
     assert_eq!(FrameLayout::rgb([7, 5]).byte_count(), 105);
+}
+
+/// Written frames are read with the same colours, in the same order, and with the same rate.
+#[test]
+fn written_frames_are_read_again() {
+    // Each image shows all combinations of 52 values of red and green, from 0 to 255; blue grows from image to image.
+    let image = |blue: u8| RgbImage::from_fn(52, 52, |u, v| image::Rgb([(5 * u) as u8, (5 * v) as u8, blue]));
+    let images: Vec<RgbImage> = (0..=255).step_by(15).map(image).collect();
+    for rate in [None, Some(25.0), Some(29.97), Some(0.5)] {
+        let mut stream = Vec::new();
+        let mut writer = FrameWriter::yuv4mpeg2(&mut stream, [52, 52], rate).expect("a header");
+        images.iter().for_each(|image| writer.write(image).expect("a frame"));
+        assert!(writer.write(&RgbImage::new(52, 50)).is_err(), "a frame of another size");
+        let mut reader = FrameReader::yuv4mpeg2(&stream[..]).expect("a stream");
+        assert_eq!(reader.layout().per_second, rate);
+        let (mut bytes, mut found) = (Vec::new(), RgbImage::new(52, 52));
+        for image in &images {
+            assert!(reader.read(&mut bytes).expect("a frame"));
+            reader.layout().to_rgb(&bytes, &mut found);
+            for (found, expected) in found.iter().zip(image.iter()) {
+                // Luma and chroma are rounded by up to half a step each, so blue errs by up to 0.5 + 1.772 x 0.5 = 1.39 before it is rounded.
+                assert!(found.abs_diff(*expected) <= 1, "{found} for {expected}");
+            }
+        }
+        assert!(!reader.read(&mut bytes).expect("the end"));
+    }
 }
 
 /// Positions as JSON and as a table give the same force and standard deviation as `sense`.
