@@ -1,5 +1,7 @@
 //! The command `finray grasp`.
 
+mod stream;
+
 use crate::commands::prelude::*;
 use clap::value_parser;
 use finray_figures::FigureError;
@@ -10,13 +12,15 @@ use finray_studies::experiments::grasp::file::{force_rows, object_row};
 use finray_studies::experiments::grasp::{
     Eyes, FINENESS, GraspEnd, GraspError, GraspScene, GraspStep, Summary, finger_name,
 };
+use stream::{Streams, stream_of_finger};
 
 /// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
   finray grasp fixtures/scenes/grasp/disc.toml --out disc
-  finray grasp fixtures/scenes/grasp/camera.toml --images --fineness 4 --out watched
+  finray grasp fixtures/scenes/grasp/camera.toml --images --noise-mm 0.01 --out watched
   finray grasp fixtures/scenes/grasp/loop.toml --noise-mm 0.01 --out loop
+  finray grasp scene.toml --images --stream left=- | finray live scene.toml --contact-at auto@auto --every-frame
 
 Guide: finray guide press-and-grasp";
 
@@ -38,6 +42,9 @@ pub struct Arguments {
     /// Standard deviation of the Gaussian image blur, px
     #[arg(long, help_heading = "Sensing", value_name = "S", default_value_t = 0.8, value_parser = not_negative, requires = "images")]
     blur_px: f64,
+    /// Write the images of a finger (left or right) as YUV4MPEG2, a frame per step, for `finray live`; - for standard output
+    #[arg(long, help_heading = "Sensing", value_name = "FINGER=FILE", value_parser = stream_of_finger, requires = "images")]
+    stream: Vec<(usize, PathBuf)>,
     /// Estimator, as in `finray sense`; it assumes exact contacts without friction
     #[arg(long, help_heading = "Sensing", value_name = "E", value_parser = listed(EstimatorId::ALL, EstimatorId::name))]
     estimator: Option<EstimatorId>,
@@ -79,15 +86,17 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
             grey_noise: arguments.grey_noise,
             blur_px: arguments.blur_px,
             outline_noise_mm: noise_mm,
+            renders_free: !arguments.stream.is_empty(),
         }
     } else {
         Eyes::Noise(noise_mm)
     };
     require_folder(&arguments.out)?;
+    let mut streams = Streams::open(&arguments.stream, &scene, grasp.grasp())?;
     let bar = progress_bar(grasp.most_steps() as u64, "grasp");
     bar.tick();
     let mut steps: Vec<GraspStep> = Vec::new();
-    let ended = grasp.run(&eyes, arguments.seed, |step| {
+    let ended = grasp.run_with_images(&eyes, arguments.seed, |step, images| {
         for (finger, of) in step.fingers.iter().enumerate() {
             if let Err(refusal) = &of.sensed {
                 bar.suspend(|| {
@@ -98,14 +107,16 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         bar.set_message(step.phase.to_string());
         bar.inc(1);
         steps.push(step.clone());
+        streams.write(images)
     });
     bar.finish_and_clear();
     let ended = ended.map_err(bad)?;
+    streams.end()?;
     write(arguments, &scene.name, &grasp, &steps, &ended)?;
     match ended {
         GraspEnd::Done => {
             let done = format!("grasp of {} and its figures", count(steps.len(), "step"));
-            Ok(summary(done, [&arguments.out]))
+            Ok(summary(done, arguments.stream.iter().map(|(_, file)| file).chain([&arguments.out])))
         }
         failed => {
             let at = steps.last().map_or("before its first step".to_owned(), |step| {

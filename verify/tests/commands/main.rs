@@ -11,6 +11,7 @@ mod contradictions;
 mod faults;
 mod garbage;
 mod grasp;
+mod grasp_stream;
 mod gripper;
 mod guide;
 mod live;

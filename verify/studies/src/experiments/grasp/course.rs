@@ -41,6 +41,9 @@ pub enum GraspEnd {
     /// The grasp is complete, as defined by the scene.
     #[error("done")]
     Done,
+    /// The caller stopped the grasp.
+    #[error("stopped")]
+    Stopped,
     /// The motor reached its end without contact.
     #[error("out of reach: the fingers touch nothing up to a motor angle of {motor_deg} degrees")]
     OutOfReach {

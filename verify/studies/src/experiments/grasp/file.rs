@@ -6,7 +6,7 @@ use crate::prelude::*;
 /// Row of a contact of a finger in a step of a grasp, or of the total of the finger.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ForceRow {
-    /// Number of the step, from 1.
+    /// Number of the step, from 1. In a stream of images, frame `step - 1` shows this step.
     pub step: usize,
     /// Motor angle, degrees.
     pub motor_deg: f64,

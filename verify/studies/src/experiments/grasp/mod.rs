@@ -30,9 +30,11 @@ use finray_lattice::grasp::{Account, TouchedBody, World, WorldError, surface::Sh
 use finray_model::estimators::network::Networks;
 use finray_model::keys::{GRASP, GRIPPER, OBJECT, SceneTable};
 use finray_model::scene::{GraspDescription, ObjectMotion};
+use image::RgbImage;
 use rapier2d::parry::query::intersection_test;
 use rapier2d::parry::shape::Triangle;
 use rapier2d::prelude::{Pose, Vector as EngineVector};
+use std::ops::ControlFlow;
 
 /// Number of plate segments between two rods. Sensing uses converged beams. With three segments, a wedge that presses with 5 N between two rods causes an
 /// error of 0.5 %, twice the error caused by noise of 0.067 mm. Six segments cause a quarter of the error of three.
@@ -130,6 +132,9 @@ pub struct GraspStep {
     /// Account of the motor's work up to this step, N mm.
     pub energy: Account,
 }
+
+/// Receives every step of a grasp, with the images of both fingers as far as they were rendered.
+type Each<'e> = dyn FnMut(&GraspStep, [Option<RgbImage>; 2]) -> ControlFlow<()> + 'e;
 
 impl GraspStep {
     /// Force of both fingers on the object, N.
@@ -250,6 +255,23 @@ impl GraspScene {
     /// # Errors
     /// [`GraspError`] if the grasp cannot start.
     pub fn run(&self, eyes: &Eyes, seed: u64, mut each: impl FnMut(&GraspStep)) -> Result<GraspEnd, GraspError> {
+        self.run_with_images(eyes, seed, |step, _| {
+            each(step);
+            ControlFlow::Continue(())
+        })
+    }
+
+    /// Runs the grasp. `each` receives every step at rest, and the images of the left and the right finger, as far as they were rendered
+    /// ([`Eyes::Images`]). The grasp ends if `each` returns [`ControlFlow::Break`].
+    ///
+    /// # Errors
+    /// [`GraspError`] if the grasp cannot start.
+    pub fn run_with_images(
+        &self,
+        eyes: &Eyes,
+        seed: u64,
+        mut each: impl FnMut(&GraspStep, [Option<RgbImage>; 2]) -> ControlFlow<()>,
+    ) -> Result<GraspEnd, GraspError> {
         let lattice = Lattice::new(&self.scene.finger, self.fineness)?;
         let mut course = Course::new(self, &lattice)?;
         Ok(self.go_on(&mut course, &lattice, eyes, &mut Noise::new(seed), &mut each))
@@ -261,7 +283,7 @@ impl GraspScene {
         lattice: &Lattice,
         eyes: &Eyes,
         noise: &mut Noise,
-        each: &mut dyn FnMut(&GraspStep),
+        each: &mut Each,
     ) -> GraspEnd {
         loop {
             if let Err(ended) = course.advance() {
@@ -280,12 +302,12 @@ impl GraspScene {
         lattice: &Lattice,
         eyes: &Eyes,
         noise: &mut Noise,
-        each: &mut dyn FnMut(&GraspStep),
+        each: &mut Each,
     ) -> Option<GraspEnd> {
-        let sensed = course.seen().map(|seen| self.sense(lattice, seen, eyes, noise));
-        let step = course.step(sensed);
-        each(&step);
-        course.judge(&step)
+        let [left, right] = course.seen().map(|seen| self.sense(lattice, seen, eyes, noise));
+        let step = course.step([left.0, right.0]);
+        let goes_on = each(&step, [left.1, right.1]);
+        course.judge(&step).or(goes_on.is_break().then_some(GraspEnd::Stopped))
     }
 }
 

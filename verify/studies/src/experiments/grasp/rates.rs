@@ -10,6 +10,8 @@ use crate::experiments::{Context, Evidence, ExperimentError};
 use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use finray_model::scene::GraspDescription;
+use image::RgbImage;
+use std::ops::ControlFlow;
 
 const FRAMES_PER_S: [f64; 7] = [2.0, 5.0, 10.0, 25.0, 50.0, 100.0, 200.0];
 /// Frame rate of the paper's camera, 1/s, at which the loop is checked.
@@ -122,14 +124,20 @@ pub fn closed_loops(settings: &[LoopSetting]) -> Result<LoopStudy, ExperimentErr
     let lattice = Lattice::new(coarse.finger(), FINENESS)?;
     let mut begun: Vec<GraspStep> = Vec::new();
     let mut course = Course::new(&coarse, &lattice)?;
-    coarse.go_on(&mut course, &lattice, &Eyes::Noise(0.0), &mut Noise::new(0), &mut |step| begun.push(step.clone()));
+    coarse.go_on(&mut course, &lattice, &Eyes::Noise(0.0), &mut Noise::new(0), &mut |step, _| {
+        begun.push(step.clone());
+        ControlFlow::Continue(())
+    });
     let fastest = at_rates.iter().max_by(|a, b| frames_per_s(a).total_cmp(&frames_per_s(b))).unwrap_or(&coarse);
     let frames = closing_frames(course.closing_on(fastest), target_n);
     let run = |(of, seed): (usize, u64)| {
         let (setting, scene) = (&settings[of], &at_rates[of]);
         let (mut steps, mut noise, eyes) = (begun.clone(), Noise::new(seed), Eyes::Noise(setting.noise_mm));
         let (mut course, mut ended) = (course.closing_on(scene), None);
-        let mut each = |step: &GraspStep| steps.push(step.clone());
+        let mut each = |step: &GraspStep, _: [Option<RgbImage>; 2]| {
+            steps.push(step.clone());
+            ControlFlow::Continue(())
+        };
         let every = frames_per_s(fastest) / setting.frames_per_s;
         let shared = if every.fract() == 0.0 { &frames[..] } else { &[] };
         for frame in shared.iter().skip(every as usize - 1).step_by(every as usize) {

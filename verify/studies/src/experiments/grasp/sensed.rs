@@ -11,6 +11,7 @@ use finray_imaging::locate::Observer;
 use finray_imaging::render::{Disturbances, RenderRequest, render};
 use finray_lattice::skin::Touch;
 use finray_model::sensor::Refusal;
+use image::RgbImage;
 use nalgebra::Rotation2;
 use std::borrow::Cow;
 
@@ -32,6 +33,8 @@ pub enum Eyes {
         blur_px: f64,
         /// Standard deviation of a coordinate of an outline point, mm.
         outline_noise_mm: f64,
+        /// Whether a finger without contact is rendered too. Without contact, no force is sensed from its image.
+        renders_free: bool,
     },
 }
 
@@ -56,24 +59,49 @@ impl Eyes {
         }
     }
 
-    /// Observes the markers of a deformed finger. Fails if the image does not show the finger.
-    fn observed(&self, finger: &Finger, shape: &FingerShape, noise: &mut Noise) -> Result<Observation, NotSensed> {
-        let (camera, markers, disturbances) = match self {
-            Eyes::Noise(noise_mm) => {
-                let seen = noise.on(&Measurement::of_shape(finger, shape), *noise_mm);
-                return Ok(Observation::of_displacements(&seen));
-            }
-            &Eyes::Images { ref camera, ref markers, grey_noise, blur_px, .. } => {
-                let seed = (noise.evenly([0.0, 1.0]) * f64::from(u32::MAX)) as u64;
-                (camera, markers, Disturbances { grey_noise, blur_px, seed, ..Disturbances::default() })
-            }
+    /// Renders the image of a finger. `None` without a camera, or for a finger without contact whose image is not wanted. Fails if the camera does
+    /// not see the finger. Each image draws one number from `noise`, rendered or not, so that the noise of the other images remains the same.
+    fn image(
+        &self,
+        finger: &Finger,
+        shape: &FingerShape,
+        is_free: bool,
+        noise: &mut Noise,
+    ) -> Option<Result<RgbImage, NotSensed>> {
+        let &Eyes::Images { ref camera, ref markers, grey_noise, blur_px, renders_free, .. } = self else {
+            return None;
         };
-        let not_seen = |reason: &dyn std::fmt::Display| NotSensed::NotSeen(reason.to_string());
+        let seed = (noise.evenly([0.0, 1.0]) * f64::from(u32::MAX)) as u64;
+        let disturbances = Disturbances { grey_noise, blur_px, seed, ..Disturbances::default() };
         let request = RenderRequest { camera, finger, shape, markers, references: &[], hidden: &[], disturbances };
-        let image = render(&request).map_err(|error| not_seen(&error))?;
-        let mut observer = Observer::with(finger, camera, markers, None).map_err(|error| not_seen(&error))?;
-        observer.observe(&image).map_err(|error| not_seen(&error))
+        (renders_free || !is_free).then(|| render(&request).map_err(not_seen))
     }
+
+    /// Observes the markers of a deformed finger, with a camera in its image. Fails if the image does not show the finger.
+    fn observed(
+        &self,
+        finger: &Finger,
+        shape: &FingerShape,
+        image: Option<&Result<RgbImage, NotSensed>>,
+        noise: &mut Noise,
+    ) -> Result<Observation, NotSensed> {
+        match (self, image) {
+            (Eyes::Noise(noise_mm), _) => {
+                let seen = noise.on(&Measurement::of_shape(finger, shape), *noise_mm);
+                Ok(Observation::of_displacements(&seen))
+            }
+            (Eyes::Images { camera, markers, .. }, Some(image)) => {
+                let image = image.as_ref().map_err(Clone::clone)?;
+                let mut observer = Observer::with(finger, camera, markers, None).map_err(not_seen)?;
+                observer.observe(image).map_err(not_seen)
+            }
+            (Eyes::Images { .. }, None) => Err(not_seen("no image was rendered")),
+        }
+    }
+}
+
+fn not_seen(reason: impl std::fmt::Display) -> NotSensed {
+    NotSensed::NotSeen(reason.to_string())
 }
 
 /// A finger at rest in a grasp, before sensing.
@@ -130,7 +158,14 @@ impl FingerStep {
 }
 
 impl GraspScene {
-    pub(super) fn sense(&self, lattice: &Lattice, seen: SeenFinger, eyes: &Eyes, noise: &mut Noise) -> FingerStep {
+    /// Senses the forces on a finger. Also returns its image, if it was rendered.
+    pub(super) fn sense(
+        &self,
+        lattice: &Lattice,
+        seen: SeenFinger,
+        eyes: &Eyes,
+        noise: &mut Noise,
+    ) -> (FingerStep, Option<RgbImage>) {
         let outline = self.outline_of(&seen);
         let finger = &self.scene.finger;
         let contacts = seen_contacts(lattice, &seen.touches, |touch| {
@@ -139,13 +174,14 @@ impl GraspScene {
         });
         let felt: Vec<SeenContact> = contacts.iter().filter(|contact| !contact.clamped).copied().collect();
         let total_n = 0.0 + felt.iter().map(|contact| contact.force.dot(&seen.along)).sum::<f64>();
+        let on_gripper = self.grasp.camera_on_gripper.then_some(&seen.in_gripper);
+        let eyes = eyes.before(on_gripper);
+        let image = eyes.image(finger, &seen.shape, felt.is_empty(), noise);
         let mut sense = || {
             if felt.is_empty() {
                 return Ok(None);
             }
-            let on_gripper = self.grasp.camera_on_gripper.then_some(&seen.in_gripper);
-            let eyes = eyes.before(on_gripper);
-            let observation = eyes.observed(finger, &seen.shape, noise)?;
+            let observation = eyes.observed(finger, &seen.shape, image.as_ref(), noise)?;
             let [marker_noise_mm, outline_noise_mm] = eyes.noise_mm();
             let estimator = OutlineEstimator {
                 scene: &self.scene,
@@ -158,7 +194,7 @@ impl GraspScene {
         };
         let sensed = sense();
         let SeenFinger { placement, shape, on_object, .. } = seen;
-        FingerStep { placement, shape, contacts, on_object, total_n, sensed }
+        (FingerStep { placement, shape, contacts, on_object, total_n, sensed }, image.and_then(Result::ok))
     }
 
     /// Outline of the object about its reference point, in the frame of a finger.
