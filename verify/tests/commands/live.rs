@@ -399,8 +399,11 @@ fn scenes_of_two_fingers(folder: &Folder) -> [String; 2] {
     })
 }
 
-/// Topic, stamp (s), and force (N) of the wrenches, and the lines of JSON, in a recording. Decoded by hand from the standard of CDR.
-fn recorded(bytes: &[u8], options: &[mcap::read::Options]) -> (Vec<(String, f64, [f64; 3])>, Vec<Value>) {
+/// Topic, stamp (s) and force (N) of a recorded wrench.
+type Wrench = (String, f64, [f64; 3]);
+
+/// The wrenches and the lines of JSON in a recording. Decoded by hand from the standard of CDR.
+fn recorded(bytes: &[u8], options: &[mcap::read::Options]) -> (Vec<Wrench>, Vec<Value>) {
     let (mut wrenches, mut found) = (Vec::new(), Vec::new());
     let messages =
         mcap::MessageStream::new_with_options(bytes, options.iter().copied().collect()).expect("a recording");
