@@ -134,7 +134,7 @@ fn squares(truth: &Truth, estimate: &ViewEstimate) -> Vec<f64> {
     quantities.map(|found| ((found.value - true_value(truth, found.sought.quantity)) / found.sigma).powi(2)).collect()
 }
 
-/// The noise of the markers is found, for any stated noise. If the true noise is larger than stated, the excess counts as error of the finger. Over
+/// The fit finds the true noise of the markers, whatever noise is stated. If the true noise is larger than stated, the excess counts as error of the finger. Over
 /// some sets of views, the mean square is right, because the estimate accounts for the fitted parameters.
 #[test]
 fn what_markers_err_by_is_found() {

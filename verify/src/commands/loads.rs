@@ -26,7 +26,7 @@ pub struct Loads {
     /// Force (N) on the front plate, at S_MM from its base and ANGLE_DEG from the inward normal
     #[arg(long, value_name = "S_MM:FORCE,ANGLE_DEG", value_parser = position_load, num_args = 1..)]
     load_at: Vec<PositionLoad>,
-    /// Number of mesh nodes [default: the key nodes; `render` refines until the image converges]
+    /// Number of mesh nodes [default: the number of key nodes; `render` refines the mesh]
     #[arg(long, value_name = "N")]
     mesh_nodes: Option<usize>,
 }

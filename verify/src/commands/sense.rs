@@ -38,7 +38,7 @@ pub struct Arguments {
     /// Standard deviation of the noise in one coordinate, mm [default: the scene's, else the file's, else estimated from the residual]
     #[arg(long, help_heading = "Input", value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
-    /// Friction coefficient; limits the force direction of contacts with +-SD
+    /// Friction coefficient; limits the directions that are given with +-SD
     #[arg(long, help_heading = "Question", value_name = "MU", value_parser = not_negative, default_value_t = 0.0)]
     friction: f64,
     /// Image to evaluate, if the file has several

@@ -77,7 +77,7 @@ pub fn is_papers_finger(finger: &Finger) -> bool {
 
 /// Progress callbacks: one at the start of each part, with its name and number of steps, and one after each step.
 pub trait Progress: Sync {
-    /// Called when a part of `steps` steps begins.
+    /// Called when a part begins; `steps` is the number of its steps.
     fn part(&self, name: &str, steps: usize);
     /// Called after each step of the current part.
     fn step(&self);

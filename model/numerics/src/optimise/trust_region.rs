@@ -65,8 +65,8 @@ impl TrustRegion {
         prediction.reach <= self.longest
     }
 
-    /// The step within the region with the smallest damping, to a factor of `DAMPING_FACTOR`. The search for the damping begins at the last one; `solve`
-    /// returns the step for a damping.
+    /// The step that stays within the region with the least damping. The damping is within a factor of `DAMPING_FACTOR` of the least. Its search begins at
+    /// the last damping; `solve` returns the step for a damping.
     ///
     /// # Errors
     /// The errors of `solve`.

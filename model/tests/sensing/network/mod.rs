@@ -88,7 +88,7 @@ fn random_network(
 fn random_shape(network: &Network, seed: u64) -> Vec<f64> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let z = DVector::from_fn(network.inputs.count(), |_, _| rng.random_range(-2.0..2.0));
-    // The rows are orthogonal: P^T (P P^T)^-1 z.
+    // The input is P^T (P P^T)^-1 z. P P^T is diagonal, because the rows of P are orthogonal.
     let rows = &network.inputs.projection;
     let scaled = DVector::from_fn(z.len(), |i, _| z[i] / rows.row(i).norm_squared());
     (rows.transpose() * scaled).iter().zip(&network.inputs.mean).map(|(x, mean)| x + mean).collect()

@@ -177,11 +177,11 @@ fn how_sure_if_softer(softer: &CoverageRow) -> Option<String> {
     let warned = percent(softer.warned as f64 / samples.max(1) as f64);
     let with = softer.covered_with_warning;
     let with = with.map_or_else(String::new, |with| {
-        format!(" and in {} of the answers with a warning ({warned} of the samples)", percent(with))
+        format!(", and those of answers with a warning ({warned} of the samples) in {}", percent(with))
     });
     Some(format!(
-        " If the ends are softer than modelled, the intervals contain the force in {covered} of the answers without a warning ({share} of {samples} \
-         samples){with}. A wrong model is therefore not detected reliably."
+        " If the ends are softer than modelled, the intervals of answers without a warning ({share} of {samples} samples) contain the force in {covered} \
+         of the cases{with}. Warnings therefore do not detect a wrong model reliably."
     ))
 }
 

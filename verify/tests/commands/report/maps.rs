@@ -144,7 +144,7 @@ fn maps_come_with_what_explains_them() {
     }
 }
 
-/// For pairs of neighbours and of separate nodes, the file agrees with the checks. Only a full report has all pairs and unknown directions.
+/// For pairs of neighbours and of separate nodes, the file agrees with the checks. Only a full report includes every pair and the cases with unknown directions.
 #[test]
 fn four_pairs_are_within_their_tolerances() {
     let summary = PAPERS.summary();

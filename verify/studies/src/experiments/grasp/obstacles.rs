@@ -7,7 +7,7 @@ use finray_model::scene::Support;
 /// A contact of a finger with a body other than the object. Such a contact ends the grasp.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum Obstacle {
-    /// The fingers touch each other, for example around an object thinner than the smallest distance of their tips.
+    /// The fingers touch each other, for example if the object is thinner than the smallest gap between the tips.
     #[error("the fingers touch each other")]
     EachOther,
     /// A finger touches the table that supports the object.

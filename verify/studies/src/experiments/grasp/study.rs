@@ -128,7 +128,7 @@ impl Evidence for GraspStudy {
             zero(
                 "work of the motor that is neither stored nor lost to friction or the resistance in snaps",
                 "energy balance",
-                "what is missing, added up without its sign / largest elastic energy",
+                "sum of absolute energy errors / largest elastic energy",
                 self.noisy.energy.error_nmm / self.noisy.largest_elastic_nmm,
                 ENERGY_TOLERANCE,
             ),

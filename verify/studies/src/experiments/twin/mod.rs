@@ -56,7 +56,7 @@ pub const OTHERS: [ZoneSet; 6] = [
         name: "base, four members of tip alike",
         groups: &[(BASE, 0.72), (&[(Part::Front, 8.0, 12.0), (Part::Back, 8.0, 12.0)], 0.117)],
     },
-    ZoneSet { name: "clamp of the front plate alone, half a member", groups: &[(&[(Part::Front, 0.0, 0.5)], 0.014)] },
+    ZoneSet { name: "half a member at the base of the front plate", groups: &[(&[(Part::Front, 0.0, 0.5)], 0.014)] },
 ];
 
 /// Young's modulus of each zone of a fitted finger, MPa.
