@@ -102,8 +102,8 @@ pub(super) fn place_ribs(d: &FingerDescription) -> Result<Vec<[f64; 2]>, Impossi
             })?;
             require(position == before || position > before + gap, &key, || {
                 format!(
-                    "expected ribs in order from base to tip that do not cross: on the {plate} plate, rib {} at {position:?} mm neither \
-                     follows the rib before it at {before:?} mm nor shares its junction",
+                    "expected ribs in order from base to tip that do not cross: on the {plate} plate, rib {} at {position:?} mm is neither \
+                     nearer to the tip than the previous rib at {before:?} mm nor at the same position",
                     i + 1
                 )
             })?;

@@ -174,7 +174,7 @@ impl RigEstimate {
             values.push((CONTACT.friction_range.path(), None));
         }
         values.extend(self.base_values(scene));
-        // The assembly errors include the uncertainty of calibrated values, so the keys of their standard deviations are removed.
+        // The assembly errors include the uncertainty of calibrated values. The keys for the standard deviations of these values are therefore removed.
         let known = [
             (self.sought(|quantity| *quantity == Quantity::Preload), &ASSEMBLY.preload_sigma_nmm),
             (self.sought(|quantity| *quantity == Quantity::MarkerHeight), &ASSEMBLY.height_sigma_mm),

@@ -84,7 +84,7 @@ impl From<TimedBy> for String {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Start {
-    /// No starting point: a direct solution, or iterations from rest.
+    /// No earlier solution: a direct solution, or iterations that start from rest.
     None,
     /// Least squares on the linear finger, as for an unrelated measurement.
     Cold,

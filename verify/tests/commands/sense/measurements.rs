@@ -35,7 +35,7 @@ fn a_measurement_may_be_written_in_many_ways() {
     }
 }
 
-/// Markers on hinges have other displacements than markers on the junctions of the plate; the force is sensed correctly from both.
+/// Markers on hinges move differently from markers on the junctions of the plate. The force is sensed correctly from both.
 #[test]
 fn markers_on_hinges_are_compared_with_hinges() {
     let folder = Folder::new();

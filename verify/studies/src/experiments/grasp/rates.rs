@@ -20,7 +20,7 @@ const CHECKED_PER_S: f64 = 25.0;
 pub const DELAYS: [usize; 2] = [0, 2];
 /// Number of lattice segments per plate member. The finger then differs by about 1 % from its model, which does not affect the controller.
 const FINENESS: usize = 1;
-/// Steps are frames above this share of the target force.
+/// A frame counts as a step if its force exceeds this share of the target force.
 const FRAMES_FROM: f64 = 0.9;
 const REALISATIONS: u64 = 3;
 /// Tolerance of the difference from the target while the loop holds, relative to the target.
