@@ -108,8 +108,8 @@ tables! {
     poissons_ratio: Number(Quantity("ratio", ""), Above(-1.0, 0.5)), Or(0.0),
         "Poisson's ratio nu. The effective modulus is E / (1 - nu^2), which holds for plates and ribs of a depth much larger than their thickness.";
     model_error: Number(Quantity("share", ""), Within(0.0, 1.0)), Or(0.0),
-        "Relative standard deviation of a sensed force due to the errors of beam theory. sigma_n includes this deviation. `finray guide accuracy` \
-         states values.";
+        "Relative standard deviation of a sensed force due to the errors of beam theory. sigma_n of `finray sense` and `finray live` includes this \
+         deviation; maps do not. `finray guide accuracy` states values.";
 }
 
 tables! {

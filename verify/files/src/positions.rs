@@ -39,6 +39,16 @@ pub enum PositionError {
     Form(String),
 }
 
+/// Latest time of a frame, s: recordings count nanoseconds in 64 bits.
+const LATEST_S: f64 = 1e10;
+
+fn is_time(time_s: &f64) -> bool {
+    (0.0..=LATEST_S).contains(time_s)
+}
+
+/// Largest number of fingers in a frame.
+const MOST_FINGERS: usize = 64;
+
 /// One frame as a line of JSON.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -138,14 +148,20 @@ impl<R: BufRead> PositionReader<R> {
         let line = self.line;
         let of_text = |text: String| serde_json::from_str(&text).map_err(|error| format!("line {line}: {error}"));
         let frame: Result<FrameLine, String> = text.and_then(of_text);
+        let frame = frame.and_then(|frame| match frame.t_s {
+            Some(time_s) if !is_time(&time_s) => {
+                Err(format!("line {line}: t_s: expected a time in s of 0 or more, found {time_s}"))
+            }
+            _ => Ok(frame),
+        });
         let time_s = frame.as_ref().ok().and_then(|frame| frame.t_s);
-        let seen = frame.map(|frame| {
+        let seen = frame.and_then(|frame| {
             let mut fingers = Fingers::default();
             for of in frame.markers {
                 let marker = marker(NodeId(of.node), Vector::new(of.x_mm, of.y_mm), of.sigma_mm);
-                fingers.add(&of.finger, Some(marker));
+                fingers.add(&of.finger, Some(marker)).map_err(|reason| format!("line {line}: {reason}"))?;
             }
-            fingers.observations(&frame.image.unwrap_or_default())
+            Ok(fingers.observations(&frame.image.unwrap_or_default()))
         });
         Ok(Some(PositionFrame { time_s, seen }))
     }
@@ -175,13 +191,22 @@ impl<R: BufRead> PositionReader<R> {
             }
             name = Some(of);
             match (marker, &mut seen) {
-                (Ok((finger, marker)), Ok(fingers)) => fingers.add(&finger, marker),
+                (Ok((finger, marker)), Ok(fingers)) => {
+                    if let Err(reason) = fingers.add(&finger, marker) {
+                        seen = Err(format!("line {}: {reason}", self.line));
+                    }
+                }
                 (Err(reason), Ok(_)) => seen = Err(reason),
                 (_, Err(_)) => {}
             }
         }
         let Some(name) = name else { return Ok(None) };
-        let time_s = columns.is_time.then(|| name.parse().ok()).flatten();
+        let time = columns.is_time.then(|| name.parse().ok().filter(is_time));
+        if time == Some(None) {
+            let line = self.line;
+            seen = Err(format!("line {line}: t_s: expected a time in s of 0 or more, found {name:?}"));
+        }
+        let time_s = time.flatten();
         let image = if columns.is_time { String::new() } else { name };
         Ok(Some(PositionFrame { time_s, seen: seen.map(|fingers| fingers.observations(&image)) }))
     }
@@ -193,11 +218,16 @@ struct Fingers(Vec<(String, Vec<ObservedMarker>)>);
 
 impl Fingers {
     /// Adds a marker of a finger; `None` for a hidden marker.
-    fn add(&mut self, finger: &str, marker: Option<ObservedMarker>) {
+    fn add(&mut self, finger: &str, marker: Option<ObservedMarker>) -> Result<(), String> {
+        let is_full = self.0.len() == MOST_FINGERS;
         match self.0.iter_mut().find(|(name, _)| name == finger) {
             Some((_, markers)) => markers.extend(marker),
+            None if is_full => {
+                return Err(format!("expected at most {MOST_FINGERS} fingers in a frame"));
+            }
             None => self.0.push((finger.to_owned(), marker.into_iter().collect())),
         }
+        Ok(())
     }
 
     fn observations(self, image: &str) -> Vec<FingerObservation> {

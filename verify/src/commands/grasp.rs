@@ -92,6 +92,9 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         Eyes::Noise(noise_mm)
     };
     require_folder(&arguments.out)?;
+    let streams = arguments.stream.iter().map(|(_, file)| file.as_path());
+    require_separate_files(streams.clone(), [arguments.scene.as_path(), &arguments.out])?;
+    streams.clone().try_for_each(require_writable)?;
     let mut streams = Streams::open(&arguments.stream, &scene, grasp.grasp())?;
     let bar = progress_bar(grasp.most_steps() as u64, "grasp");
     bar.tick();

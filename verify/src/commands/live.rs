@@ -73,10 +73,14 @@ pub struct Arguments {
 
 /// Name and scene file of a finger, from `NAME=SCENE`.
 fn named_scene(text: &str) -> Result<(String, PathBuf), String> {
-    let is_name = |name: &str| !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    // Names of ROS 2 topics: a letter first, no two underscores in a row, none at the end.
+    let is_name = |name: &str| {
+        let has_parts = name.split('_').all(|part| !part.is_empty() && part.chars().all(|c| c.is_ascii_alphanumeric()));
+        has_parts && name.starts_with(|first: char| first.is_ascii_alphabetic())
+    };
     let named = text.split_once('=').filter(|(name, scene)| is_name(name) && !scene.is_empty());
     let (name, scene) =
-        named.ok_or("expected NAME=SCENE with a name of letters, digits and _, such as left=left.toml")?;
+        named.ok_or("expected NAME=SCENE, with a name of letters, digits and single _ that begins with a letter, such as left=left.toml")?;
     Ok((name.to_owned(), PathBuf::from(scene)))
 }
 
@@ -96,9 +100,14 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     {
         return Err(bad_input(format!("--finger {name}: expected each name once")));
     }
-    if arguments.image.is_empty() {
-        require_one_standard_input(fingers.iter().map(|(_, scene)| scene).chain([&arguments.input]))?;
+    let scene_files = || fingers.iter().map(|(_, scene)| scene);
+    let streams = [&arguments.input].into_iter().filter(|_| arguments.image.is_empty());
+    require_one_standard_input(scene_files().chain(streams.clone()))?;
+    if arguments.record.as_deref().is_some_and(is_standard_stream) {
+        return Err(bad_input("--record: expected a file, found -: standard output receives the lines"));
     }
+    let inputs = scene_files().chain(streams).chain(&arguments.image).map(PathBuf::as_path);
+    require_separate_files([&arguments.out].into_iter().chain(&arguments.record).map(PathBuf::as_path), inputs)?;
     let scenes: Vec<(&str, Scene)> = fingers
         .iter()
         .map(|(name, path)| {

@@ -75,10 +75,14 @@ impl Loads {
         }
         let finer = Mesh::with_elements_per_member(finger, CHECKED_ELEMENTS);
         let nodes = finer.node_count();
-        let Ok((motion, _)) = self.equilibrium(&finer, kinematics) else {
-            return Some(format!(
-                "the mesh of the key nodes is too coarse: on {nodes} mesh nodes (--mesh-nodes {nodes}) the finger has no equilibrium under these loads"
-            ));
+        let motion = match self.equilibrium(&finer, kinematics) {
+            Ok((motion, _)) => motion,
+            Err(failure) => {
+                return Some(format!(
+                    "the mesh of the key nodes may be too coarse: on {nodes} mesh nodes (--mesh-nodes {nodes}) there is no result: {}",
+                    failure.reason()
+                ));
+            }
         };
         let finer = finer.shape(&motion);
         let pairs = shape.motions().iter().zip(finer.motions());

@@ -138,6 +138,34 @@ fn require_one_standard_input<'p>(inputs: impl IntoIterator<Item = &'p PathBuf>)
     }
 }
 
+/// Checks that each output is a file of its own: neither an input nor another output, whatever the paths. Standard streams and devices pass.
+fn require_separate_files<'p>(
+    outputs: impl IntoIterator<Item = &'p Path>,
+    inputs: impl IntoIterator<Item = &'p Path>,
+) -> Result<(), Failure> {
+    let file = |path: &Path| -> Option<PathBuf> {
+        if is_standard_stream(path) {
+            return None;
+        }
+        match path.canonicalize() {
+            Ok(found) => Some(found).filter(|found| found.is_file() || found.is_dir()),
+            Err(_) => Some(path.parent()?.join(".").canonicalize().ok()?.join(path.file_name()?)),
+        }
+    };
+    let mut known: Vec<PathBuf> = inputs.into_iter().filter_map(file).collect();
+    for output in outputs {
+        let Some(found) = file(output) else { continue };
+        if known.contains(&found) {
+            let path = output.display();
+            return Err(bad_input(format!(
+                "{path}: expected a file of its own for each output, found an input or another output"
+            )));
+        }
+        known.push(found);
+    }
+    Ok(())
+}
+
 impl From<FileError> for Failure {
     fn from(error: FileError) -> Failure {
         if error.is_bad_input() { bad_input(error) } else { not_computed(error) }

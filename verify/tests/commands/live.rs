@@ -531,3 +531,47 @@ fn the_recording_of_a_killed_run_is_readable() {
     assert_eq!(found, lines(&printed));
     assert_eq!(wrenches.len(), 3);
 }
+
+/// An output that is also an input or another output is refused, and the input is kept.
+#[test]
+fn outputs_are_files_of_their_own() {
+    let folder = Folder::new();
+    let (scene, stream) =
+        (folder.put("scene.toml", finray_fixtures::CAMERA_SCENE), folder.put("stream", pressed_frame()));
+    let elsewhere = folder.path("./stream");
+    let live = ["live", &scene, "--contact-at", "auto@0", "--input", &stream];
+    for outputs in [
+        vec!["--record", &elsewhere],
+        vec!["--out", &stream],
+        vec!["--record", &scene],
+        vec!["--out", "a", "--record", "./a"],
+    ] {
+        assert_says(&finray(&[&live[..], &outputs].concat()).refused(), &["expected a file of its own"]);
+    }
+    assert_eq!(folder.read("stream"), pressed_frame());
+    assert_says(&finray(&[&live[..], &["--record", "-"]].concat()).refused(), &["--record: expected a file"]);
+    for name in ["1", "a__b", "a_", "a b", ""] {
+        let finger = format!("{name}={scene}");
+        let refusal = finray(&["live", "--finger", &finger, "--contact-at", "auto@0"]).refused();
+        assert_says(&refusal, &["expected NAME=SCENE"]);
+    }
+}
+
+/// A frame whose time is no number, or with markers of too many fingers, is refused alone.
+#[test]
+fn impossible_times_and_numbers_of_fingers_are_refused() {
+    let [_, rows] = positions(&shape(&[pushed(70.0, 1.0)]), 0.5, 1);
+    let live = ["live", CAMERA, "--contact-at", "auto@0", "--every-frame"];
+    for time in ["NaN", "inf", "-1", "abc", "", "1e30"] {
+        let wrong: String =
+            rows.lines().map(|row| format!("{time},{}\n", row.split_once(',').expect("cells").1)).collect();
+        let table = format!("t_s,node,x_mm,y_mm,sigma_mm\n{wrong}{rows}");
+        let found = lines(&finray_reading(table.as_bytes(), &live).done());
+        assert_eq!(states(&found), ["refused", "contact"], "{time}");
+        assert_says(found[0]["refused"].as_str().expect("a reason"), &["t_s: expected a time in s"]);
+    }
+    let crowd: String = (0..100).map(|i| format!("0.1,13,1.0,2.0,finger{i}\n")).collect();
+    let crowd = format!("t_s,node,x_mm,y_mm,finger\n{crowd}");
+    let found = lines(&finray_reading(crowd.as_bytes(), &live).done());
+    assert_says(found[0]["refused"].as_str().expect("a reason"), &["expected at most 64 fingers"]);
+}

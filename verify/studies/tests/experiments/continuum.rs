@@ -158,21 +158,22 @@ fn sensed_forces_on_continua_are_within_two_per_cent() {
     assert!((residuals / forces - 0.26).abs() < 0.005, "{}", residuals / forces);
 }
 
-/// With the stated error of beam theory, the 95 % intervals on the tested continua contain the force in 90 to 98 % of all samples. Refusals count as
-/// misses. Without the stated error, the intervals contain the force less often.
+/// With the stated error of beam theory, the 95 % intervals on the tested continua contain the force in 90 to 98 % of all samples with the paper's
+/// noise, and in more with less noise. Refusals count as misses. Without the stated error, the intervals contain the force less often.
 #[test]
 fn intervals_with_a_model_error_hold_on_continua() {
     let mut figures = Vec::new();
     for model_error in [MODEL_ERROR, 0.0] {
         for noise_mm in [0.067, 0.02] {
-            let (mut samples, mut held, mut widths) = (0.0, 0.0, 0.0);
+            let (mut samples, mut held, mut widths, mut number) = (0.0, 0.0, 0.0, 0);
             for name in TESTED {
                 let text = scene_text(name).to_owned();
                 let text = text.replacen("[finger]\n", &format!("[finger]\nmodel_error = {model_error:?}\n"), 1);
                 let scene = Scene::from_toml(&text).expect("a scene");
                 assert_eq!(scene.model_error, model_error);
                 let networks = Networks::read(&finray_fixtures::NETWORKS).expect("networks");
-                for (number, case) in cases(exported(name)).enumerate() {
+                for case in cases(exported(name)) {
+                    number += 1;
                     let contact = Contact { angle_deg: case.angle_deg, ..Contact::at_node(case.node) };
                     let options = SensorOptions {
                         estimator: EstimatorId::Nonlinear,
@@ -182,7 +183,7 @@ fn intervals_with_a_model_error_hold_on_continua() {
                     };
                     let sensor =
                         Sensor::new(&scene, SensorContacts::Asked(vec![contact.into()]), options).expect("one contact");
-                    let chance = &mut random_stream(4800, number as u64);
+                    let chance = &mut random_stream(4800, number);
                     for _ in 0..finray_tests::case_count(3, 40) {
                         let mut seen = Observation::default();
                         for node in scene.finger.marked_nodes() {
