@@ -4,6 +4,7 @@ mod finger;
 mod input;
 mod line;
 mod newest;
+mod serve;
 
 use super::contacts::Contacts;
 use crate::commands::prelude::*;
@@ -16,7 +17,9 @@ use finray_model::sensor::{RestPositions, SensorOptions, StreamSensor};
 use input::{Content, Format, Source};
 use line::{FingerResult, Line};
 use newest::Newest;
+use serve::Server;
 use std::io::Write;
+use std::net::SocketAddr;
 
 /// Help text below the options.
 const AFTER_HELP: &str = "\
@@ -52,7 +55,7 @@ pub struct Arguments {
     /// Evaluate every frame, not only the newest
     #[arg(long, help_heading = "Input")]
     every_frame: bool,
-    /// Measure displacements from the first N frames (unloaded finger)
+    /// Take the first N frames (unloaded finger) as reference
     #[arg(long, help_heading = "Input", value_name = "N", default_value_t = 0)]
     rest_frames: usize,
     /// Standard deviation of the noise in one coordinate, mm [default: the scene's, else stated per marker]
@@ -69,6 +72,9 @@ pub struct Arguments {
     /// Recording for ROS 2 (MCAP): lines, and forces as WrenchStamped
     #[arg(long, help_heading = "Output", value_name = "FILE")]
     record: Option<PathBuf>,
+    /// Page that shows finger and forces; port 0: a free port
+    #[arg(long, help_heading = "Output", value_name = "ADDR:PORT", value_parser = address)]
+    serve: Option<SocketAddr>,
 }
 
 /// Name and scene file of a finger, from `NAME=SCENE`.
@@ -92,6 +98,11 @@ fn size(text: &str) -> Result<[u32; 2], String> {
         .ok_or_else(|| format!("expected WIDTHxHEIGHT from 1 to {LARGEST_SIDE_PX} px, such as 1600x1400"))
 }
 
+/// Address and port, from `ADDR:PORT`.
+fn address(text: &str) -> Result<SocketAddr, String> {
+    text.parse().map_err(|_| "expected an IP address and a port, such as 127.0.0.1:8080 or [::1]:8080".to_owned())
+}
+
 pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let unnamed = arguments.scene.iter().map(|scene| (String::new(), scene.clone()));
     let fingers: Vec<(String, PathBuf)> = unnamed.chain(arguments.finger.iter().cloned()).collect();
@@ -108,6 +119,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     }
     let inputs = scene_files().chain(streams).chain(&arguments.image).map(PathBuf::as_path);
     require_separate_files([&arguments.out].into_iter().chain(&arguments.record).map(PathBuf::as_path), inputs)?;
+    let listener = arguments.serve.map(serve::bind).transpose()?;
     let scenes: Vec<(&str, Scene)> = fingers
         .iter()
         .map(|(name, path)| {
@@ -117,6 +129,8 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         })
         .collect::<Result<_, Failure>>()?;
     let networks = Networks::read(&finray_fixtures::NETWORKS)?;
+    let shown = scenes.iter().map(|(name, scene)| (*name, &scene.finger));
+    let server = listener.map(|listener| Server::start(listener, shown)).transpose()?;
     let source = match &arguments.image[..] {
         [] => Source::open(&arguments.input, arguments.format, arguments.size)?,
         images => Source::of_images(images),
@@ -159,6 +173,9 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         if let Err(reason) = out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
             streamed(&arguments.out, Err(reason))?;
             break;
+        }
+        if let Some(server) = &server {
+            server.send(text.trim_end());
         }
     }
     recording.map(Recording::finish).transpose()?;

@@ -313,10 +313,10 @@ fn the_other_answers_are_found_in_files() {
         format!("in {:.0} % of the answers without a warning", 100.0 * value("covered_without_warning", known)),
         format!("({} of {} samples refused)", value("refused", known), value("samples", known)),
         format!(
-            "in {:.0} % of the answers without a warning ({:.0} % of {} samples)",
-            100.0 * value("covered_without_warning", softer),
+            "intervals of answers without a warning ({:.0} % of {} samples) contain the force in {:.0} % of the cases",
             100.0 * value("without_warning", softer) / value("samples", softer),
-            value("samples", softer)
+            value("samples", softer),
+            100.0 * value("covered_without_warning", softer)
         ),
     ];
     assert_says(answer("How sure is an answer?"), &said.each_ref().map(String::as_str));
