@@ -1,0 +1,147 @@
+//! Several fingers in the same frames, and recordings for ROS 2.
+
+use super::*;
+
+/// Two scenes of the camera, with one finger each, whose images do not overlap.
+const PLACES: [(&str, &str); 2] = [("left", "[-75.0, 45.0, 240.0]"), ("right", "[-75.0, -45.0, 240.0]")];
+
+fn scenes_of_two_fingers(folder: &Folder) -> [String; 2] {
+    PLACES.map(|(name, place)| {
+        let scene = finray_fixtures::CAMERA_SCENE.replace("[-75.0, 0.0, 170.0]", place);
+        assert!(scene.contains(place));
+        folder.put(&format!("{name}.toml"), scene)
+    })
+}
+
+/// Topic, stamp (s) and force (N) of a recorded wrench.
+type Wrench = (String, f64, [f64; 3]);
+
+/// The wrenches and the lines of JSON in a recording. Decoded by hand from the standard of CDR.
+fn recorded(bytes: &[u8], options: &[mcap::read::Options]) -> (Vec<Wrench>, Vec<Value>) {
+    let (mut wrenches, mut found) = (Vec::new(), Vec::new());
+    let messages =
+        mcap::MessageStream::new_with_options(bytes, options.iter().copied().collect()).expect("a recording");
+    for message in messages {
+        let message = message.expect("a whole message");
+        let data = &message.data[4..];
+        let whole = |at: usize| u32::from_le_bytes(data[at..at + 4].try_into().expect("four bytes"));
+        if message.channel.topic == "/finray/live" {
+            let text = std::str::from_utf8(&data[4..3 + whole(0) as usize]).expect("text");
+            found.push(serde_json::from_str(text).expect("a line of JSON"));
+            continue;
+        }
+        let schema = message.channel.schema.as_ref().expect("a schema");
+        assert_eq!((schema.name.as_str(), schema.encoding.as_str()), ("geometry_msgs/msg/WrenchStamped", "ros2msg"));
+        let [from, numbers] = [12, (12 + whole(8) as usize).div_ceil(8) * 8];
+        let name = std::str::from_utf8(&data[from..from - 1 + whole(8) as usize]).expect("text");
+        assert_eq!(message.channel.topic.replace("/finray/", "").replace('/', "_"), name);
+        let number =
+            |i: usize| f64::from_le_bytes(data[numbers + 8 * i..numbers + 8 * i + 8].try_into().expect("eight bytes"));
+        assert_eq!(data.len(), numbers + 48);
+        assert_eq!([3, 4, 5].map(number), [0.0; 3], "the torque about the contact");
+        wrenches.push((
+            message.channel.topic.clone(),
+            f64::from(whole(0)) + 1e-9 * f64::from(whole(4)),
+            [0, 1, 2].map(number),
+        ));
+    }
+    (wrenches, found)
+}
+
+/// Two fingers in one image are sensed apart. The recording has the same lines, and the forces as vectors in the finger frame.
+#[test]
+fn two_fingers_in_one_image_are_distinguished_and_recorded() {
+    let folder = Folder::new();
+    let scenes = scenes_of_two_fingers(&folder);
+    let [mut both, right] = [0, 1].map(|i| {
+        let (load, path) = (["80:2,-20", "60:1.5,-20"][i], folder.path("one.png"));
+        finray(&["render", &scenes[i], "--load-at", load, "--grey-noise", "0", "--out", &path]).done();
+        image::open(&path).expect("an image").to_rgb8()
+    });
+    let background = *right.get_pixel(0, 0);
+    for (both, right) in both.pixels_mut().zip(right.pixels()) {
+        if *right != background {
+            *both = *right;
+        }
+    }
+    let (stream, record) =
+        (folder.put("stream", yuv4mpeg2(&[both.clone(), both], "444", [1, 1], true)), folder.path("record.mcap"));
+    let fingers = [0, 1].map(|i| format!("{}={}", PLACES[i].0, scenes[i]));
+    let live = ["live", "--finger", &fingers[0], "--finger", &fingers[1], "--contact-at", "auto@-20", "--every-frame"];
+    let found = lines(&finray(&[&live[..], &["--input", &stream, "--record", &record]].concat()).done());
+    assert_eq!(states(&found), ["contact"; 2]);
+    let (wrenches, in_recording) = recorded(&std::fs::read(&record).expect("a recording"), &[]);
+    assert_eq!(in_recording, found);
+    assert_eq!(wrenches.len(), 4);
+    for (i, (true_n, s_mm)) in [(2.0, 80.0), (1.5, 60.0)].into_iter().enumerate() {
+        let (name, contact) = (PLACES[i].0, &found[1]["contacts"][i]);
+        assert_eq!((&contact["finger"], &found[1]["fingers"][i]["finger"]), (&name.into(), &name.into()));
+        let [force_n, at_mm] = ["force_n", "s_mm"].map(|key| contact[key].as_f64().expect("a number"));
+        assert!((force_n - true_n).abs() < 0.01 && (at_mm - s_mm).abs() < 0.1, "{contact}");
+        let (topic, time_s, force) = &wrenches[2 + i];
+        assert_eq!((topic, time_s), (&format!("/finray/{name}/contact_1"), &0.04));
+        let expected = finger().direction(-20.0) * force_n;
+        // JSON rounds a number to its shortest form.
+        assert_close(&force[..2], expected.as_slice(), 1e-12);
+        assert_eq!(force[2], 0.0);
+    }
+}
+
+/// Positions of several fingers are distinguished by name, as JSON and as a table. A name that is not expected refuses the frame.
+#[test]
+fn positions_of_several_fingers_have_names() {
+    let folder = Folder::new();
+    let fingers = scenes_of_two_fingers(&folder);
+    let fingers = [0, 1].map(|i| format!("{}={}", PLACES[i].0, fingers[i]));
+    let frames = [2.0, 1.0].map(|force_n| positions(&shape(&[pushed(70.0, force_n)]), 0.5, 1));
+    let named = |name: &str, [line, rows]: &[String; 2]| {
+        let markers = line.replace("{\"node\"", &format!("{{\"finger\":\"{name}\",\"node\""));
+        let rows: String = rows.lines().map(|row| format!("{row},{name}\n")).collect();
+        [markers, rows]
+    };
+    let [left, right] = [0, 1].map(|i| named(PLACES[i].0, &frames[i]));
+    let json =
+        format!("{},{}", left[0].trim_end().trim_end_matches("]}"), right[0].split_once('[').expect("markers").1);
+    let table = format!("t_s,node,x_mm,y_mm,sigma_mm,finger\n{}{}", left[1], right[1]);
+    let live = ["live", "--finger", &fingers[0], &fingers[1], "--contact-at", "auto@0", "--every-frame"];
+    for stream in [&json, &table] {
+        let found = lines(&finray_reading(stream.as_bytes(), &live).done());
+        let forces = [0, 1].map(|i| found[0]["contacts"][i]["force_n"].as_f64().expect("a force"));
+        assert!((forces[0] - 2.0).abs() < 0.1 && (forces[1] - 1.0).abs() < 0.1, "{forces:?}");
+    }
+    let found = lines(&finray_reading(left[0].as_bytes(), &live).done());
+    assert_eq!(
+        (&found[0]["fingers"][0]["state"], &found[0]["fingers"][1]["state"]),
+        (&"contact".into(), &"lost".into())
+    );
+    let wrong = lines(&finray_reading(json.replace("right", "rihgt").as_bytes(), &live).done());
+    assert_says(
+        wrong[0]["refused"].as_str().expect("a reason"),
+        &["expected a finger of left, right, found \"rihgt\""],
+    );
+    let twice = ["live", "--finger", &fingers[0], &fingers[0], "--contact-at", "auto@0"];
+    assert_says(&finray(&twice).refused(), &["--finger left", "once"]);
+}
+
+/// All messages up to the last line can be read from the recording of a run that was killed.
+#[test]
+fn the_recording_of_a_killed_run_is_readable() {
+    let folder = Folder::new();
+    let record = folder.path("record.mcap");
+    let mut command = command(&["live", CAMERA, "--contact-at", "auto@0", "--record", &record]);
+    command.stdin(std::process::Stdio::piped()).stdout(std::process::Stdio::piped());
+    let mut child = command.spawn().expect("finray starts");
+    let mut input = child.stdin.take().expect("an input");
+    let mut out = BufReader::new(child.stdout.take().expect("an output"));
+    let mut printed = String::new();
+    for _ in 0..3 {
+        std::io::Write::write_all(&mut input, pressed_frame().as_bytes()).expect("a frame");
+        out.read_line(&mut printed).expect("a line");
+    }
+    child.kill().expect("it still runs");
+    child.wait().expect("the end");
+    let (wrenches, found) =
+        recorded(&std::fs::read(&record).expect("a recording"), &[mcap::read::Options::IgnoreEndMagic]);
+    assert_eq!(found, lines(&printed));
+    assert_eq!(wrenches.len(), 3);
+}
