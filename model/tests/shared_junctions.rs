@@ -1,10 +1,11 @@
 //! Ribs that share a junction or end in a corner of the base: two key nodes at one point have the same motion.
 
+use finray_model::estimators::{BeamEstimator, Estimator};
 use finray_model::finger::{BracketLengths, FingerPoint, Plate, RibPositions};
 use finray_model::frame::{FrameLoad, PlaneFrame};
 use finray_model::measurement::{Marker, Measurement, MeasurementError};
 use finray_model::mesh::{FingerShape, LoadError};
-use finray_model::sensing::{Contact, NonlinearEstimator, SensingError};
+use finray_model::sensing::{Contact, ContactPosition, NonlinearEstimator, SensingError};
 use finray_model::statics::{Statics, equilibria, reaction, solve, solve_frame};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector};
 use finray_tests::{KINEMATICS, motions_apart, shapes_apart};
@@ -276,4 +277,23 @@ fn what_cannot_share_a_junction_is_refused_by_its_key() {
     assert!(brackets.starts_with("finger.ribs.bracket_mm: expected no brackets where"), "{brackets}");
     let rigid = refused(&|d| d.ribs.strip = None);
     assert!(rigid.starts_with("finger.ribs.rigid: expected false where"), "{rigid}");
+}
+
+/// A finger that has buckled contradicts the linear finger and its linearisation. With the residual alone, 2 N were sensed as 49.8 +- 7.5 N.
+#[test]
+fn intervals_of_linear_estimates_hold_on_a_buckled_finger() {
+    let finger = zigzag("rigid");
+    let fine = Mesh::with_elements_per_member(&finger, 8);
+    let coarse = Mesh::key_nodes(&finger);
+    let contact = Contact { position: ContactPosition::At(14.5833), angle_deg: -40.0 };
+    let force_n = 2.0;
+    let shape = solve(&fine, &[contact.load(&finger, force_n)], Kinematics::Corotational).expect("an equilibrium");
+    let seen = Measurement::of_shape(&finger, &shape);
+    let estimator = BeamEstimator::least_squares(&coarse);
+    let mut prepared = estimator.prepare(&[contact], &seen).expect("one contact");
+    let sensed = prepared.estimate(&seen, Some(0.067)).expect("an estimate");
+    let sigma_n = sensed.sigmas_n.expect("a standard deviation")[0];
+    let error_n = sensed.forces_n[0] - force_n;
+    assert!(sensed.warned && error_n.abs() > 10.0, "the linear finger is far off: {error_n} N");
+    assert!(error_n.abs() < 1.96 * sigma_n, "{error_n} +- {sigma_n} N");
 }

@@ -190,14 +190,7 @@ fn intervals_with_a_model_error_hold_on_continua() {
                             let noise: [f64; 2] =
                                 [0, 1].map(|_| noise_mm * Distribution::<f64>::sample(&StandardNormal, chance));
                             let displacement = case.shape.motion(node).displacement + Vector::from(noise);
-                            seen.markers.push(ObservedMarker {
-                                node,
-                                pixel: None,
-                                position: None,
-                                displacement: Some(displacement),
-                                sd_mm: None,
-                                own_sd_mm: None,
-                            });
+                            seen.markers.push(ObservedMarker::displaced(node, displacement));
                         }
                         samples += 1.0;
                         let Ok(sensed) = sensor.sense(&seen) else { continue };
