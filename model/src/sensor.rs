@@ -163,6 +163,10 @@ impl std::fmt::Display for SensorWarning {
         };
         let advice = match warning {
             Warning::UnknownLinearisation => "sigma_n does not include this error",
+            Warning::Residual(_) if *is_linear => {
+                "sigma_n follows from the residual and includes the error of linearisation; --estimator nonlinear avoids this error and warns only \
+                 of other causes, such as wrong contacts"
+            }
             _ if *is_linear => "sigma_n includes the error of linearisation, which --estimator nonlinear avoids",
             Warning::Residual(_) => {
                 "sigma_n follows from the residual and does not include errors of a wrong model; check the contacts, their directions, the finger's \

@@ -166,6 +166,10 @@ impl LinearEstimator {
         let trusted_mm = test.map(|test| test.trusted_noise_mm());
         estimate.noise_mm = trusted_mm.or(stated_mm).or_else(residual_mm).unwrap_or(estimate.noise_mm);
         estimate.sigmas_n = inverse.sigmas_per_noise.iter().map(|per_mm| per_mm * estimate.noise_mm).collect();
+        if let Some(test) = test.filter(ResidualTest::contradicts) {
+            estimate.warning = Some(Warning::Residual(test));
+            estimate.widen_for_misfit();
+        }
         estimate.add_model_error(error.error_n, Warning::Linearisation);
         Ok(estimate)
     }

@@ -244,3 +244,24 @@ fn exact_linear_data_are_not_refused_where_the_corotational_finger_is_lost() {
     assert_eq!(answer(&contacts, &bent, None).err(), Some(SensingError::NotLinearised));
     assert_eq!(answer(&contacts, &bent, Some(CAMERA_NOISE_MM)).err(), Some(SensingError::NotLinearised));
 }
+
+/// Far beyond the linear range, the co-rotational finger may fit better than the linear finger and still explain nothing. The interval is then as wide as
+/// for a wrong model.
+#[test]
+fn the_interval_holds_if_neither_finger_explains_the_measurement() {
+    let finger = paper();
+    let reference = Mesh::with_elements_per_member(&finger, 4);
+    for (s_mm, force_n) in [(38.0, 20.0), (30.0, 25.0), (45.0, 18.0)] {
+        let contacts = [at_position(s_mm, 0.0)];
+        let bent = seen(&reference, &contacts, &[force_n], Kinematics::Corotational).expect("an equilibrium");
+        let estimator = LinearEstimator::new(&finger, &contacts, &bent).expect("identifiable");
+        for prior in [Prior::None, Prior::Gaussian { force_n: 2.0 }] {
+            let mut linearisation = Linearisation::new(&reference, &contacts);
+            let estimate = estimator.estimate_on(&mut linearisation, &bent, Some(CAMERA_NOISE_MM), prior);
+            let Estimate { forces_n, sigmas_n, warning, .. } = estimate.expect("an answer");
+            let error_n = forces_n[0] - force_n;
+            assert!(matches!(warning, Some(Warning::Residual(_))), "{s_mm} mm, {force_n} N: {warning:?}");
+            assert!(error_n.abs() < 1.96 * sigmas_n[0], "{s_mm} mm: {force_n} N, error {error_n} +- {} N", sigmas_n[0]);
+        }
+    }
+}
