@@ -29,16 +29,23 @@ pub(crate) fn run(context: &Context) -> Result<Vec<AccuracyMap>, TruthError> {
         }
     }
     context.progress.part("maps", plans.iter().map(|plan| plan.request.contact_count()).sum());
-    let map = |plan: &Plan| {
-        let mesh = plan.estimator.mesh(finger);
-        let estimator = plan.estimator.on(&mesh, context.networks);
-        let truth = truths.iter().find(|truth| truth.id() == plan.truth);
+    // Maps with the same grid and true finger are computed together, so that each true shape is computed once.
+    let maps = |plans: &[Plan]| {
+        let meshes: Vec<Mesh> = plans.iter().map(|plan| plan.estimator.mesh(finger)).collect();
+        let estimators: Vec<Box<dyn Estimator + '_>> =
+            plans.iter().zip(&meshes).map(|(plan, mesh)| plan.estimator.on(mesh, context.networks)).collect();
+        let estimators: Vec<&dyn Estimator> = estimators.iter().map(AsRef::as_ref).collect();
+        let Plan { truth, request, .. } = &plans[0];
+        let truth = truths.iter().find(|candidate| candidate.id() == *truth);
         let of = |truth: &dyn Truth| {
-            accuracy_maps(finger, truth, &[&*estimator], &plan.request, &|| context.progress.step())
+            accuracy_maps(finger, truth, &estimators, request, &|| {
+                estimators.iter().for_each(|_| context.progress.step())
+            })
         };
         truth.map_or_else(Vec::new, |truth| of(&**truth))
     };
-    Ok(plans.iter().flat_map(map).collect())
+    let share_grid = |a: &Plan, b: &Plan| a.truth == b.truth && a.request == b.request;
+    Ok(plans.chunk_by(share_grid).flat_map(maps).collect())
 }
 
 /// Grid of the map of an estimator on a true finger. Only networks, and least squares on the scene's own beams, get the finest grid. `None` if
