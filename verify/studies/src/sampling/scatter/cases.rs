@@ -137,15 +137,13 @@ impl<'a> CaseRunner<'a> {
                 true
             });
         }
-        let of_draw = |number: &usize| loads(self.mesh, self.contacts, &draws[*number].forces_n);
         // Contacts off the finger have no load.
-        let Some(loads) = open.iter().map(of_draw).collect::<Option<Vec<_>>>() else { return Vec::new() };
-        let found = equilibria(self.mesh, self.kinematics, &loads);
+        let Some(found) = self.motions(draws, &mut open) else { return Vec::new() };
         let mut again = Vec::new();
         for (number, found) in open.into_iter().zip(found) {
             let draw = &mut draws[number];
-            if let Ok(found) = found {
-                let clean = Measurement::of_shape(self.finger, &self.mesh.shape(&found.motion));
+            if let Some(motion) = found {
+                let clean = Measurement::of_shape(self.finger, &self.mesh.shape(&motion));
                 carried[number] = Some((draw.clone(), clean));
             } else {
                 self.scout.get_or_insert_with(|| self.ratio_limits.scout());
@@ -155,6 +153,26 @@ impl<'a> CaseRunner<'a> {
             }
         }
         again
+    }
+
+    /// Motions of the finger under the draws with these indices, `None` without equilibrium. Equilibria under a single force form one path. These draws are
+    /// sorted by force and followed from one to the next, because a finger that folds needs many load steps from rest. `None` for contacts off the finger.
+    fn motions(&self, draws: &[Draw], open: &mut [usize]) -> Option<Vec<Option<FrameMotion>>> {
+        let is_path = self.contacts.len() == 1 && open.iter().all(|&number| draws[number].forces_n[0] > 0.0);
+        if !is_path {
+            let of_draw = |number: &usize| loads(self.mesh, self.contacts, &draws[*number].forces_n);
+            let loads = open.iter().map(of_draw).collect::<Option<Vec<_>>>()?;
+            let found = equilibria(self.mesh, self.kinematics, &loads);
+            return Some(found.into_iter().map(|found| found.ok().map(|found| found.motion)).collect());
+        }
+        let force_n = |number: &usize| draws[*number].forces_n[0];
+        open.sort_by(|a, b| force_n(a).total_cmp(&force_n(b)));
+        let forces_n: Vec<f64> = open.iter().map(force_n).collect();
+        let unit_load = loads(self.mesh, self.contacts, &[1.0])?;
+        let (found, _) = Statics::ladder(self.mesh, self.kinematics).path(&unit_load, &forces_n);
+        let mut motions: Vec<Option<FrameMotion>> = found.into_iter().map(|found| Some(found.motion)).collect();
+        motions.resize(open.len(), None);
+        Some(motions)
     }
 
     fn case(&mut self, request: &ScatterRequest, (draw, clean): &(Draw, Measurement), controlled: bool) -> Case {
