@@ -35,7 +35,7 @@ pub struct ScatterRequest<'m> {
 /// Errors of one quantity: a force, or the sum of all forces.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Scatter {
-    /// Mean of |sensed / true - 1|, dimensionless.
+    /// Mean of |sensed / true - 1|, dimensionless; with the control variate of [`Controlled`], if requested.
     pub mean_error: f64,
     /// Mean of |sensed - true|, N.
     pub mean_error_n: f64,
@@ -65,7 +65,7 @@ pub struct AgainstBound {
 ///
 /// To first order the error is a linear function of the noise, and the bound is its standard deviation. The mean square of z1 = response / bound
 /// is therefore 1 up to sampling error. z and z1 share most of this sampling error. So 1 + mean(z^2 - z1^2) has a much smaller standard error
-/// than mean(z^2) over the same cases.
+/// than mean(z^2) over the same cases. The mean of |error| is controlled likewise: the mean of |response| is sqrt(2 / pi) of the bound.
 ///
 /// Reference: control variates; e.g. Owen, Monte Carlo theory, methods and examples, ch. 8.9.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
@@ -289,6 +289,8 @@ struct Sums {
     cases: usize,
     error: f64,
     error_n: f64,
+    /// Sum of |first-order response / true value| over the controlled cases.
+    response: f64,
     bounded: usize,
     bound: f64,
     standardised: f64,
@@ -316,6 +318,7 @@ impl Sums {
             if first_order.is_finite() {
                 let beyond = (error / bound).powi(2) - (first_order / bound).powi(2);
                 self.controlled += 1;
+                self.response += (first_order / truth).abs();
                 self.beyond += beyond;
                 self.beyond_squared += beyond * beyond;
             }
@@ -335,17 +338,22 @@ impl Sums {
         Controlled { over_bound_controlled: root, standard_error: variance.sqrt() / (2.0 * root) }
     }
 
+    /// Whether every case has its first-order response. A controlled figure over the other cases only would be biased.
+    fn is_controlled(&self) -> bool {
+        self.controlled > 1 && self.controlled == self.cases
+    }
+
     fn mean(&self, noisy: bool) -> Option<Scatter> {
         let over = |sum: f64, count: usize| sum / count as f64;
+        let control = if self.is_controlled() { self.bound - self.response } else { 0.0 };
         (self.cases > 0).then(|| Scatter {
-            mean_error: over(self.error, self.cases),
+            mean_error: over(self.error + control, self.cases),
             mean_error_n: over(self.error_n, self.cases),
             bound: (self.bounded > 0).then(|| AgainstBound {
                 mean_error_bound: over(self.bound, self.bounded),
                 over_bound: over(self.squared, self.bounded).sqrt(),
                 bias_over_bound: over(self.standardised, self.bounded),
-                // `None` if one case lacks its response: a figure over the other cases only would be biased.
-                controlled: (self.controlled > 1 && self.controlled == self.cases).then(|| self.controlled()),
+                controlled: self.is_controlled().then(|| self.controlled()),
             }),
             coverage: (noisy && self.stated > 0).then(|| Coverage {
                 one_sigma: over(self.one_sigma as f64, self.stated),
