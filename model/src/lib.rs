@@ -51,6 +51,7 @@ pub mod scene;
 pub mod sensing;
 pub mod sensor;
 pub mod statics;
+pub mod text;
 pub mod validity;
 
 pub use element::Kinematics;

@@ -3,9 +3,11 @@
 //! A [`Sensor`] combines a scene with contacts, an estimator and a noise level. It turns each [`Observation`] into forces with standard deviations and
 //! warnings, or refuses it with a reason. An observation comes from an image, a table or a simulation.
 
+mod asked;
 mod stream;
 mod unloaded;
 
+pub use asked::{AskedContact, AskedContactsError, AskedDirection, MissingInScene};
 pub use stream::{RestPositions, StreamSensor};
 
 use crate::Vector;
@@ -17,8 +19,8 @@ use crate::mesh::Mesh;
 use crate::observation::{Observation, ObservationError, ObservedMeasurement};
 use crate::scene::Scene;
 use crate::sensing::{
-    Contact, ContactKnowledge, ContactQuestion, Direction, Lean, MeasuredContact, MeasuredContactForces, NearForces,
-    Normal, SensingError, Warning, sense_measured_contacts,
+    Contact, ContactKnowledge, ContactQuestion, MeasuredContact, MeasuredContactForces, NearForces, SensingError,
+    Warning, sense_measured_contacts,
 };
 use crate::statics::StaticsError;
 use crate::validity::{Doubt, Validity};
@@ -390,59 +392,5 @@ impl SensedForces {
             shares.iter().zip(values).map(|(of, value)| share(*of) * value).sum()
         };
         [sum(&self.forces_n, |share| share), sum(&self.sigmas_n, f64::abs)]
-    }
-}
-
-/// Direction of a force as a user states it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum AskedDirection {
-    /// An explicit direction, independent of the scene.
-    Itself(Direction),
-    /// The plate's normal, rotated by the angle of friction from the scene's table `contact`.
-    Friction,
-    /// The normal of the object's outline from the scene's table `contact.object`, rotated by the angle of friction.
-    Object,
-    /// Direction of the measured force that belongs to the image.
-    Measured,
-}
-
-/// A direction needs a value that the scene or the image lacks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum MissingInScene {
-    /// The scene states no friction.
-    #[error(
-        "the direction `friction` needs a coefficient: expected friction or friction_range in the scene's table contact"
-    )]
-    Friction,
-    /// The scene states no object.
-    #[error("the direction `object` needs an outline: expected a table contact.object in the scene")]
-    Object,
-    /// The image has no measured force.
-    #[error("the direction `measured` needs a force: expected the measured force of the image (--forces)")]
-    Measured,
-}
-
-impl AskedDirection {
-    /// Resolves the direction with the friction and the object of a scene. `measured_deg` is the direction of the measured force, degrees from the
-    /// undeformed normal.
-    ///
-    /// # Errors
-    /// [`MissingInScene`] if the direction needs a friction, an object or a measured force that is missing.
-    pub fn of_scene(self, scene: &Scene, measured_deg: Option<f64>) -> Result<Direction, MissingInScene> {
-        let friction = scene.contact.lean;
-        match self {
-            AskedDirection::Itself(direction) => Ok(direction),
-            AskedDirection::Measured => measured_deg.map(Direction::Angle).ok_or(MissingInScene::Measured),
-            AskedDirection::Friction => friction.map(Direction::Leaning).ok_or(MissingInScene::Friction),
-            AskedDirection::Object => {
-                let object = scene.touched.as_ref().ok_or(MissingInScene::Object)?;
-                // Without a pose of the object, only tangency of plate and outline is known.
-                let from = match object.place {
-                    Some(_) => Normal::Object,
-                    None => Normal::Deformed { over_mm: 0.0 },
-                };
-                Ok(Direction::Leaning(Lean { from, ..friction.unwrap_or(Lean::NONE) }))
-            }
-        }
     }
 }

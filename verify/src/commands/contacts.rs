@@ -1,10 +1,8 @@
 //! The contacts given on the command line, at nodes or at positions along the plate.
 
-use super::parse::{AskedContact, contact_at_node, contact_at_position};
 use crate::commands::prelude::*;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
-use finray_model::sensing::{ContactQuestion, MeasuredContact};
-use finray_model::sensor::{AskedDirection, SensorContacts};
+use finray_model::sensor::{AskedContact, AskedDirection, SensorContacts};
 
 const AT_NODES: &str = "contact";
 const AT_POSITIONS: &str = "contact-at";
@@ -14,32 +12,12 @@ const AT_POSITIONS: &str = "contact-at";
 pub struct Contacts(Vec<AskedContact>);
 
 impl Contacts {
-    /// Combines the contacts with the scene's friction and object. `friction` is the coefficient of friction for contacts with a standard deviation of
-    /// position or direction; it confines their forces to a friction cone. `measured_deg` is the direction of the image's measured force, degrees.
+    /// Combines the contacts with a scene, as [`SensorContacts::of_asked`] does.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] if the scene lacks the friction or object that a direction needs, or if only some contacts have standard deviations.
+    /// [`Failure::BadInput`] if the contacts contradict each other or the scene.
     pub fn of(&self, scene: &Scene, friction: f64, measured_deg: Option<f64>) -> Result<SensorContacts, Failure> {
-        if self.0.iter().any(|asked| asked.has_deviation() && asked.measured().is_none()) {
-            return Err(bad_input(
-                "a contact with standard deviations (+-): expected numbers for its position and its direction",
-            ));
-        }
-        let measured: Vec<MeasuredContact> = self.0.iter().filter_map(AskedContact::measured).collect();
-        if !measured.is_empty() {
-            return match measured.len() == self.0.len() {
-                true => Ok(SensorContacts::Measured { contacts: measured, friction }),
-                false => Err(bad_input("expected all contacts with standard deviations (+-), or none")),
-            };
-        }
-        if friction > 0.0 {
-            return Err(bad_input("--friction: expected contacts with standard deviations (+-)"));
-        }
-        let question = |asked: &AskedContact| {
-            let direction = asked.direction.of_scene(scene, measured_deg).map_err(bad_input)?;
-            Ok(ContactQuestion { position: asked.position, direction })
-        };
-        self.0.iter().map(question).collect::<Result<_, Failure>>().map(SensorContacts::Asked)
+        SensorContacts::of_asked(&self.0, scene, friction, measured_deg).map_err(bad_input)
     }
 
     /// Whether any contact of unknown position is given without a direction; its force is then assumed along the undeformed normal.
@@ -65,13 +43,13 @@ impl Args for Contacts {
             .arg(
                 list(AT_NODES)
                     .value_name("NODE[@ANGLE_DEG[+-SD]|normal|friction|object|measured|auto]")
-                    .value_parser(contact_at_node)
+                    .value_parser(AskedContact::at_node)
                     .help("Contact at a node of the front plate, tip included"),
             )
             .arg(
                 list(AT_POSITIONS)
                     .value_name("S_MM[+-SD]|auto[@ANGLE_DEG[+-SD]|normal|friction|object|measured|auto]")
-                    .value_parser(contact_at_position)
+                    .value_parser(AskedContact::at_position)
                     .help("Contact at a position along the front plate, mm from its base; auto: position unknown"),
             )
     }

@@ -1,0 +1,228 @@
+//! Contacts as users state them, in the notation of the options `--contact` and `--contact-at`.
+
+use super::SensorContacts;
+use crate::scene::Scene;
+use crate::sensing::{Contact, ContactPosition, ContactQuestion, Direction, Lean, MeasuredContact, Normal};
+use crate::text::{finite, node, positive};
+
+/// Largest accepted angle, degrees. A larger one is probably not in degrees.
+const FULL_TURN_DEG: f64 = 360.0;
+
+/// A contact as a user states it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AskedContact {
+    /// Position along the front plate; `None` if the position is unknown and to be estimated.
+    pub position: Option<ContactPosition>,
+    /// Standard deviation of a measured position, mm.
+    pub position_sd_mm: Option<f64>,
+    /// Direction of the force; along the undeformed normal if none is given.
+    pub direction: AskedDirection,
+    /// Whether a direction is given.
+    pub is_direction_given: bool,
+    /// Standard deviation of a measured direction, degrees.
+    pub direction_sd_deg: Option<f64>,
+}
+
+/// Contacts that contradict each other, the scene, or the friction coefficient.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum AskedContactsError {
+    /// A contact has a standard deviation, but its position or direction is not a number.
+    #[error("a contact with standard deviations (+-): expected numbers for its position and its direction")]
+    NoNumbers,
+    /// Only some contacts have standard deviations.
+    #[error("expected all contacts with standard deviations (+-), or none")]
+    Mixed,
+    /// A friction coefficient is given, but no contact has standard deviations.
+    #[error("--friction: expected contacts with standard deviations (+-)")]
+    Friction,
+    /// The scene or the image lacks what a direction needs.
+    #[error(transparent)]
+    Missing(#[from] MissingInScene),
+}
+
+impl AskedContact {
+    /// Parses `NODE[@ANGLE_DEG[+-SD]|normal|friction|object|measured|auto]`.
+    ///
+    /// # Errors
+    /// A message that states the expected text.
+    pub fn at_node(text: &str) -> Result<AskedContact, String> {
+        let (position, towards) = split_at_sign(text);
+        let (direction, direction_sd_deg) = direction(towards)?;
+        let position = Some(ContactPosition::Node(node(position)?));
+        Ok(AskedContact {
+            position,
+            position_sd_mm: None,
+            direction,
+            is_direction_given: towards.is_some(),
+            direction_sd_deg,
+        })
+    }
+
+    /// Parses `S_MM[+-SD][@ANGLE_DEG[+-SD]|normal|friction|object|measured|auto]`, or `auto` for the position.
+    ///
+    /// # Errors
+    /// A message that states the expected text.
+    pub fn at_position(text: &str) -> Result<AskedContact, String> {
+        let (position, towards) = split_at_sign(text);
+        let (position, position_sd_mm) = match position.trim() {
+            "auto" => (None, None),
+            number => {
+                let (s_mm, sd_mm) = with_deviation(number)?;
+                (Some(ContactPosition::At(s_mm)), sd_mm)
+            }
+        };
+        let (direction, direction_sd_deg) = direction(towards)?;
+        Ok(AskedContact {
+            position,
+            position_sd_mm,
+            direction,
+            is_direction_given: towards.is_some(),
+            direction_sd_deg,
+        })
+    }
+
+    /// Whether position or direction has a standard deviation.
+    pub fn has_deviation(&self) -> bool {
+        self.position_sd_mm.or(self.direction_sd_deg).is_some()
+    }
+
+    /// The measured contact, if position or direction has a standard deviation and both are numbers.
+    pub fn measured(&self) -> Option<MeasuredContact> {
+        match (self.position, self.direction) {
+            (Some(position), AskedDirection::Itself(Direction::Angle(angle_deg))) if self.has_deviation() => {
+                Some(MeasuredContact {
+                    contact: Contact { position, angle_deg },
+                    direction_sd_rad: self.direction_sd_deg.unwrap_or_default().to_radians(),
+                    position_sd_mm: self.position_sd_mm.unwrap_or_default(),
+                })
+            }
+            _ => None,
+        }
+    }
+}
+
+impl SensorContacts {
+    /// Combines contacts with the friction and the object of a scene. `friction` is the coefficient of friction for contacts with a standard deviation
+    /// of position or direction; it confines their forces to a friction cone. `measured_deg` is the direction of the image's measured force, degrees.
+    ///
+    /// # Errors
+    /// [`AskedContactsError`] if the scene lacks the friction or object that a direction needs, or if only some contacts have standard deviations.
+    pub fn of_asked(
+        asked: &[AskedContact],
+        scene: &Scene,
+        friction: f64,
+        measured_deg: Option<f64>,
+    ) -> Result<SensorContacts, AskedContactsError> {
+        if asked.iter().any(|asked| asked.has_deviation() && asked.measured().is_none()) {
+            return Err(AskedContactsError::NoNumbers);
+        }
+        let measured: Vec<MeasuredContact> = asked.iter().filter_map(AskedContact::measured).collect();
+        if !measured.is_empty() {
+            return match measured.len() == asked.len() {
+                true => Ok(SensorContacts::Measured { contacts: measured, friction }),
+                false => Err(AskedContactsError::Mixed),
+            };
+        }
+        if friction > 0.0 {
+            return Err(AskedContactsError::Friction);
+        }
+        let question = |asked: &AskedContact| {
+            let direction = asked.direction.of_scene(scene, measured_deg)?;
+            Ok(ContactQuestion { position: asked.position, direction })
+        };
+        asked.iter().map(question).collect::<Result<_, _>>().map(SensorContacts::Asked)
+    }
+}
+
+/// Direction of a force as a user states it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum AskedDirection {
+    /// An explicit direction, independent of the scene.
+    Itself(Direction),
+    /// The plate's normal, rotated by the angle of friction from the scene's table `contact`.
+    Friction,
+    /// The normal of the object's outline from the scene's table `contact.object`, rotated by the angle of friction.
+    Object,
+    /// Direction of the measured force that belongs to the image.
+    Measured,
+}
+
+/// A direction needs a value that the scene or the image lacks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum MissingInScene {
+    /// The scene states no friction.
+    #[error(
+        "the direction `friction` needs a coefficient: expected friction or friction_range in the scene's table contact"
+    )]
+    Friction,
+    /// The scene states no object.
+    #[error("the direction `object` needs an outline: expected a table contact.object in the scene")]
+    Object,
+    /// The image has no measured force.
+    #[error("the direction `measured` needs a force: expected the measured force of the image (--forces)")]
+    Measured,
+}
+
+impl AskedDirection {
+    /// Resolves the direction with the friction and the object of a scene. `measured_deg` is the direction of the measured force, degrees from the
+    /// undeformed normal.
+    ///
+    /// # Errors
+    /// [`MissingInScene`] if the direction needs a friction, an object or a measured force that is missing.
+    pub fn of_scene(self, scene: &Scene, measured_deg: Option<f64>) -> Result<Direction, MissingInScene> {
+        let friction = scene.contact.lean;
+        match self {
+            AskedDirection::Itself(direction) => Ok(direction),
+            AskedDirection::Measured => measured_deg.map(Direction::Angle).ok_or(MissingInScene::Measured),
+            AskedDirection::Friction => friction.map(Direction::Leaning).ok_or(MissingInScene::Friction),
+            AskedDirection::Object => {
+                let object = scene.touched.as_ref().ok_or(MissingInScene::Object)?;
+                // Without a pose of the object, only tangency of plate and outline is known.
+                let from = match object.place {
+                    Some(_) => Normal::Object,
+                    None => Normal::Deformed { over_mm: 0.0 },
+                };
+                Ok(Direction::Leaning(Lean { from, ..friction.unwrap_or(Lean::NONE) }))
+            }
+        }
+    }
+}
+
+/// Parses a number with an optional standard deviation, `VALUE+-SD`.
+fn with_deviation(text: &str) -> Result<(f64, Option<f64>), String> {
+    match text.split_once("+-") {
+        None => Ok((finite(text)?, None)),
+        Some((value, sd)) => Ok((finite(value)?, Some(positive(sd)?))),
+    }
+}
+
+/// Parses a direction after `@`: an angle in degrees with optional standard deviation, or a keyword. A missing direction means 0 degrees.
+fn direction(text: Option<&str>) -> Result<(AskedDirection, Option<f64>), String> {
+    let direction = match text.map(str::trim) {
+        None => Direction::Angle(0.0),
+        Some("normal") => Direction::NORMAL,
+        Some("auto") => Direction::Auto,
+        Some("friction") => return Ok((AskedDirection::Friction, None)),
+        Some("object") => return Ok((AskedDirection::Object, None)),
+        Some("measured") => return Ok((AskedDirection::Measured, None)),
+        Some(number) => match with_deviation(number) {
+            Ok((angle_deg, sd_deg)) if angle_deg.abs() <= FULL_TURN_DEG => {
+                return Ok((AskedDirection::Itself(Direction::Angle(angle_deg)), sd_deg));
+            }
+            Ok((angle_deg, _)) => {
+                return Err(format!(
+                    "expected an angle from -{FULL_TURN_DEG} to {FULL_TURN_DEG} degrees, found {angle_deg}"
+                ));
+            }
+            Err(_) => {
+                let expected = "an angle in degrees, `normal`, `friction`, `object`, `measured` or `auto`";
+                return Err(format!("expected {expected}, found \"{number}\""));
+            }
+        },
+    };
+    Ok((AskedDirection::Itself(direction), None))
+}
+
+fn split_at_sign(text: &str) -> (&str, Option<&str>) {
+    text.split_once('@').map_or((text, None), |(position, direction)| (position, Some(direction)))
+}
