@@ -3,7 +3,7 @@
 //! # Entry points
 //! - From an observation to a force: [`sensor::Sensor`] estimates the forces of an [`observation::Observation`]. `finray-imaging` extracts
 //!   observations from images; its example `force_from_image` computes a force from an image file.
-//! - From a force to a shape: [`statics::solve`].
+//! - From a force to a shape: [`statics::solve`]; with the reasons why the shape may be inaccurate, [`checked_shape::CheckedShape`].
 //! - From measured forces to a calibrated finger: [`calibration::factors`] (moduli), [`calibration::calibrate_rig`] (finger, camera and friction from
 //!   images).
 //! - From a scene file to a finger: [`Scene::from_toml`]; [`keys`] lists every key.
@@ -36,6 +36,7 @@
 
 pub mod calibration;
 pub mod camera;
+pub mod checked_shape;
 pub mod compliance;
 pub mod element;
 pub mod estimators;

@@ -30,6 +30,7 @@ mod validity;
 
 use finray_files::{FileError, is_standard_stream};
 use finray_lattice::LatticeError;
+use finray_model::checked_shape::CheckedShapeError;
 use finray_model::estimators::EstimatorError;
 use finray_model::sensing::SensingError;
 use finray_model::sensing::network::NetworkError;
@@ -217,6 +218,15 @@ impl From<finray_train::TrainError> for Failure {
 impl From<finray_model::mesh::MeshSizeError> for Failure {
     fn from(error: finray_model::mesh::MeshSizeError) -> Failure {
         bad_input(format!("--mesh-nodes: {error}"))
+    }
+}
+
+impl From<CheckedShapeError> for Failure {
+    fn from(error: CheckedShapeError) -> Failure {
+        match error {
+            CheckedShapeError::Mesh(inner) => inner.into(),
+            CheckedShapeError::Statics(inner) => inner.into(),
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use super::parse::kinematics;
 use crate::commands::prelude::*;
 use finray_files::displacements;
 use finray_model::Kinematics;
-use finray_model::validity::Validity;
+use finray_model::checked_shape::CheckedShape;
 
 /// Help text below the options.
 const AFTER_HELP: &str = "\
@@ -37,15 +37,10 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     if arguments.loads.is_empty() {
         return Err(bad_input("expected at least one --load NODE:FX,FY or --load-at S_MM:FORCE,ANGLE_DEG"));
     }
-    let kinematics = arguments.kinematics;
-    let mesh = arguments.loads.mesh(&scene.finger)?;
-    let (motion, loads) = arguments.loads.equilibrium(&mesh, kinematics)?;
-    let shape = mesh.shape(&motion);
-    write_file(&arguments.out, &displacements::to_csv(&shape, mesh.finger())?)?;
-    if let Some(doubt) = arguments.loads.doubt_of_mesh(&scene.finger, kinematics, &shape) {
-        print_message(format_args!("warning: {doubt}"));
-    }
-    validity::warn("", &Validity::of(&mesh, &motion, kinematics, &loads).doubts(&scene.strain_limits));
-    let (nodes, largest_mm) = (mesh.finger().key_node_count(), shape.largest_displacement_mm());
+    let checked = arguments.loads.checked_shape(&scene, arguments.kinematics)?;
+    let CheckedShape { shape, .. } = &checked;
+    write_file(&arguments.out, &displacements::to_csv(shape, &scene.finger)?)?;
+    checked.warnings().for_each(|warning| print_message(format_args!("warning: {warning}")));
+    let (nodes, largest_mm) = (scene.finger.key_node_count(), shape.largest_displacement_mm());
     Ok(summary(format!("{} displaced by up to {largest_mm:.3} mm", count(nodes, "node")), [&arguments.out]))
 }

@@ -1,0 +1,120 @@
+//! Displacements under loads, with the reasons why they may be inaccurate.
+
+use crate::Kinematics;
+use crate::mesh::{FingerShape, Load, Mesh, MeshSizeError};
+use crate::scene::Scene;
+use crate::statics::{self, Statics, StaticsError};
+use crate::validity::{Doubt, Validity};
+use std::fmt;
+
+/// Elements per member of the mesh against which the mesh of the key nodes is checked.
+const CHECKED_ELEMENTS: usize = 8;
+/// [`MeshDoubt::Coarse`] if the error of a key node on the mesh of the key nodes exceeds this share of the largest displacement. The paper's finger on this
+/// mesh, which is the paper's, stays below it where its strains are small.
+const COARSE: f64 = 0.1;
+
+/// Displacements of a finger under loads, with the reasons why they may be inaccurate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CheckedShape {
+    /// Displacements of the key nodes.
+    pub shape: FingerShape,
+    /// Reason why the mesh of the key nodes may be too coarse. `None` for a mesh with a given number of nodes.
+    pub mesh_doubt: Option<MeshDoubt>,
+    /// Assumptions of the beam model that fail.
+    pub doubts: Vec<Doubt>,
+}
+
+/// Reason why the mesh of the key nodes may be too coarse.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum MeshDoubt {
+    /// The finer mesh has no equilibrium.
+    NoResult {
+        /// Number of nodes of the finer mesh.
+        nodes: usize,
+        /// Reason why it has none.
+        reason: StaticsError,
+    },
+    /// A key node lies elsewhere on the finer mesh.
+    Coarse {
+        /// Number of nodes of the finer mesh.
+        nodes: usize,
+        /// Largest displacement on the finer mesh, mm.
+        largest_mm: f64,
+        /// Largest distance between the positions of a key node on the two meshes, mm.
+        error_mm: f64,
+    },
+}
+
+/// Reason why displacements cannot be computed.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum CheckedShapeError {
+    /// The number of mesh nodes is out of range.
+    #[error("--mesh-nodes: {0}")]
+    Mesh(#[from] MeshSizeError),
+    /// There is no equilibrium.
+    #[error(transparent)]
+    Statics(#[from] StaticsError),
+}
+
+impl CheckedShape {
+    /// The displacements of a scene's finger under dead loads. Without `mesh_nodes`, the key nodes are the mesh, and a finer mesh checks it.
+    ///
+    /// # Errors
+    /// [`CheckedShapeError`] for a wrong number of mesh nodes, a wrong load, or loads without an equilibrium.
+    pub fn under(
+        scene: &Scene,
+        loads: &[Load],
+        kinematics: Kinematics,
+        mesh_nodes: Option<usize>,
+    ) -> Result<CheckedShape, CheckedShapeError> {
+        let finger = &scene.finger;
+        let mesh = match mesh_nodes {
+            None => Mesh::key_nodes(finger),
+            Some(nodes) => Mesh::with_nodes(finger, nodes)?,
+        };
+        let frame_loads = loads.iter().map(|load| mesh.frame_load(load)).collect::<Result<Vec<_>, _>>();
+        let frame_loads = frame_loads.map_err(StaticsError::from)?;
+        let motion = Statics::ladder(&mesh, kinematics).accurate_equilibrium(&frame_loads)?.motion;
+        let shape = mesh.shape(&motion);
+        let mesh_doubt = if mesh_nodes.is_some() { None } else { MeshDoubt::of(&shape, scene, loads, kinematics) };
+        let doubts = Validity::of(&mesh, &motion, kinematics, &frame_loads).doubts(&scene.strain_limits);
+        Ok(CheckedShape { shape, mesh_doubt, doubts })
+    }
+
+    /// Every reason why the displacements may be inaccurate, in words.
+    pub fn warnings(&self) -> impl Iterator<Item = String> {
+        self.mesh_doubt.iter().map(ToString::to_string).chain(self.doubts.iter().map(ToString::to_string))
+    }
+}
+
+impl MeshDoubt {
+    /// Compares a shape on the mesh of the key nodes with the shape on a finer mesh. `None` if they agree.
+    fn of(shape: &FingerShape, scene: &Scene, loads: &[Load], kinematics: Kinematics) -> Option<MeshDoubt> {
+        let finer = Mesh::with_elements_per_member(&scene.finger, CHECKED_ELEMENTS);
+        let nodes = finer.node_count();
+        let finer = match statics::solve(&finer, loads, kinematics) {
+            Ok(finer) => finer,
+            Err(reason) => return Some(MeshDoubt::NoResult { nodes, reason }),
+        };
+        let pairs = shape.motions().iter().zip(finer.motions());
+        let error_mm = pairs.map(|(a, b)| (a.displacement - b.displacement).norm()).fold(0.0, f64::max);
+        let largest_mm = finer.largest_displacement_mm();
+        (error_mm > COARSE * largest_mm).then_some(MeshDoubt::Coarse { nodes, largest_mm, error_mm })
+    }
+}
+
+impl fmt::Display for MeshDoubt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            MeshDoubt::NoResult { nodes, reason } => write!(
+                f,
+                "the mesh of the key nodes may be too coarse: on {nodes} mesh nodes (--mesh-nodes {nodes}) there is no result: {reason}"
+            ),
+            MeshDoubt::Coarse { nodes, largest_mm, error_mm } => write!(
+                f,
+                "the mesh of the key nodes is too coarse: on {nodes} mesh nodes (--mesh-nodes {nodes}) the largest displacement is {largest_mm:.3} mm, \
+                 and a key node lies {error_mm:.3} mm elsewhere"
+            ),
+        }
+    }
+}
