@@ -10,6 +10,18 @@ pub mod locate;
 pub mod plane_pose;
 pub mod render;
 
+use image::{ImageBuffer, Rgb};
+use std::ops::Deref;
+
+/// An image whose pixels are borrowed: rows from top to bottom without gaps; red, green and blue of each pixel, 8 bits each.
+pub type RgbView<'a> = ImageBuffer<Rgb<u8>, &'a [u8]>;
+
+/// A view of the pixels of an image.
+fn view_of<C: Deref<Target = [u8]>>(image: &ImageBuffer<Rgb<u8>, C>) -> RgbView<'_> {
+    let pixels = image.as_raw().deref();
+    RgbView::from_raw(image.width(), image.height(), pixels).expect("the pixels of an image fill its size")
+}
+
 /// Grey level at a position between pixels, by bilinear interpolation; `None` outside the image.
 fn light(grey: &image::GrayImage, at: &finray_model::camera::Pixel) -> Option<f64> {
     let (u, v) = (at.x.floor(), at.y.floor());

@@ -1,9 +1,10 @@
 //! Candidates for coloured markers: patches of the markers' colours, found on a coarse grid of pixels and refined in the full image.
 
 use super::colour::Colours;
+use crate::RgbView;
 use finray_model::camera::Pixel;
 use finray_model::finger::Plate;
-use image::{GrayImage, Luma, RgbImage};
+use image::{GrayImage, Luma};
 use imageproc::region_labelling::{Connectivity, connected_components};
 
 /// Number of grid cells per marker radius. The patch of a marker then has about 28 cells.
@@ -28,7 +29,7 @@ pub(super) struct Blob {
 }
 
 /// Patches of about a marker's size; `radius_px` is the expected radius of a marker, px.
-pub(super) fn blobs(image: &RgbImage, colours: &Colours, radius_px: f64) -> Vec<Blob> {
+pub(super) fn blobs(image: &RgbView, colours: &Colours, radius_px: f64) -> Vec<Blob> {
     let stride = ((radius_px / ACROSS_RADIUS) as u32).max(1);
     let whole = std::f64::consts::PI * (radius_px / f64::from(stride)).powi(2);
     // For small markers, one cell more or less changes the area considerably.
@@ -50,7 +51,7 @@ pub(super) fn blobs(image: &RgbImage, colours: &Colours, radius_px: f64) -> Vec<
 }
 
 /// Most common radius (px) of discs with the areas of the patches; and the number of patches with about this radius. `None` if no patch is large enough.
-pub(super) fn commonest_radius(image: &RgbImage, colours: &Colours) -> Option<(f64, usize)> {
+pub(super) fn commonest_radius(image: &RgbView, colours: &Colours) -> Option<(f64, usize)> {
     const STRIDE: u32 = 2;
     let radius = |patch: &Patch| (f64::from(patch.cells) / std::f64::consts::PI).sqrt() * f64::from(STRIDE);
     let mut radii: Vec<f64> =
@@ -63,7 +64,7 @@ pub(super) fn commonest_radius(image: &RgbImage, colours: &Colours) -> Option<(f
 }
 
 /// Patches of one colour on the grid that consists of every `stride`-th pixel.
-fn patches(image: &RgbImage, colours: &Colours, stride: u32) -> Vec<Patch> {
+fn patches(image: &RgbView, colours: &Colours, stride: u32) -> Vec<Patch> {
     let (width, height) = (image.width().div_ceil(stride), image.height().div_ceil(stride));
     let row_length = 3 * image.width() as usize;
     let raw = image.as_raw();
@@ -93,7 +94,7 @@ fn patches(image: &RgbImage, colours: &Colours, stride: u32) -> Vec<Patch> {
 
 /// Centre of the pixels of one colour within `reach` px of the pixel `about`; `None` without such pixels.
 pub(super) fn middle_of_colour(
-    image: &RgbImage,
+    image: &RgbView,
     colours: &Colours,
     side: Plate,
     about: &Pixel,

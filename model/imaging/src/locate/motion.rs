@@ -4,7 +4,7 @@
 //! discs have equal sums in all directions. Only gradients of colour are used, because beams and background have no colour.
 
 use super::disc::Disc;
-use image::RgbImage;
+use crate::RgbView;
 use nalgebra::Matrix2;
 
 /// Ratio of the smaller to the larger sum of squared gradients above which blur counts as isotropic. For discs seen at an angle of 20 degrees, the ratio is
@@ -28,7 +28,7 @@ const MOST: f64 = 1e4;
 /// Standard deviation of the motion blur in addition to an isotropic blur, px; `None` for isotropic blur. `blur_px` is the mean standard deviation of the
 /// blur, px.
 pub(super) fn motion_blur_px<'d>(
-    image: &RgbImage,
+    image: &RgbView,
     discs: impl Iterator<Item = &'d Disc>,
     radius_px: f64,
     blur_px: f64,
@@ -58,7 +58,7 @@ pub(super) fn motion_blur_px<'d>(
 }
 
 /// Sums of products of the colour gradients about a disc: xx, xy and yy as a matrix.
-fn gradients(image: &RgbImage, disc: &Disc, reach: f64) -> Matrix2<f64> {
+fn gradients(image: &RgbView, disc: &Disc, reach: f64) -> Matrix2<f64> {
     let mut sums = Matrix2::zeros();
     let within = |axis: usize, size: u32| {
         let from = (disc.pixel[axis] - reach).ceil().max(1.0) as u32;

@@ -6,6 +6,7 @@ use super::error::require_own_junctions;
 use super::pattern::at_rest;
 use super::{LocateError, Located, Locator, LocatorError, require_size};
 use crate::plane_pose::{PlanePoseError, plane_pose};
+use crate::{RgbView, view_of};
 use finray_model::Finger;
 use finray_model::camera::{Camera, Lens, Pose};
 use finray_model::scene::{MarkerLook, Markers};
@@ -69,6 +70,7 @@ impl Rest {
         image: &RgbImage,
     ) -> Result<Rest, RestError> {
         require_own_junctions(finger)?;
+        let image = &view_of(image);
         require_size(lens, image)?;
         // The pose from the pattern of markers takes precedence, because the stated pose may be inaccurate.
         let pose = pose_of_pattern(finger, lens, markers, image)?.or(pose).ok_or(RestError::NoPattern)?;
@@ -95,7 +97,7 @@ fn pose_of_pattern(
     finger: &Finger,
     lens: &Lens,
     markers: &Markers,
-    image: &RgbImage,
+    image: &RgbView,
 ) -> Result<Option<Pose>, RestError> {
     let MarkerLook::Coloured { front_rgb, back_rgb } = markers.look else {
         return Err(LocatorError::NotColoured.into());

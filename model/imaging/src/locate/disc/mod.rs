@@ -15,10 +15,10 @@ mod plane_map;
 mod shades;
 mod sums;
 
+use crate::RgbView;
 use band::{Band, normal_distribution};
 use finray_model::Vector;
 use finray_model::camera::{Camera, Pixel};
-use image::RgbImage;
 use nalgebra::{Complex, Matrix2, SMatrix, SVector, Vector2};
 use plane_map::{Pixels, PlaneMap};
 use shades::{BACKGROUND_PX, KEPT_SECTORS, Shades};
@@ -131,7 +131,7 @@ impl Edge {
 /// An image with its camera, and settings for the measurement of discs.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct View<'a> {
-    pub image: &'a RgbImage,
+    pub image: &'a RgbView<'a>,
     pub camera: &'a Camera,
     /// Height of the discs above the finger's plane, mm.
     pub height_mm: f64,

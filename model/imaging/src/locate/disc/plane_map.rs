@@ -1,9 +1,9 @@
 //! Map from the pixels about a marker to positions in the finger's plane.
 
 use super::Edge;
+use crate::RgbView;
 use finray_model::Vector;
 use finray_model::camera::{Camera, Pixel};
-use image::RgbImage;
 use nalgebra::Matrix2;
 
 /// Brightness as in JPEG and television (0.299 R + 0.587 G + 0.114 B, ITU-R BT.601), and two orthogonal components of colour. The components are scaled so
@@ -78,7 +78,7 @@ impl PlaneMap {
 
     /// Gathers the pixels of the image within `reach` px of the middle. For a disc at the image border, only the visible part of the surroundings is
     /// gathered.
-    pub fn gather(&self, image: &RgbImage, reach: f64, pixels: &mut Pixels) {
+    pub fn gather(&self, image: &RgbView, reach: f64, pixels: &mut Pixels) {
         pixels.at.iter_mut().chain(&mut pixels.light).for_each(Vec::clear);
         let within = |middle: f64, reach: f64, size: u32| {
             let size = f64::from(size);
@@ -195,12 +195,12 @@ mod tests {
         let [width, height] = [64, 48];
         let lens = Lens::new([width, height], [500.0; 2], [31.5, 23.5], Distortion::default()).expect("a lens");
         let camera = Camera { lens, pose: Pose::new([std::f64::consts::PI, 0.0, 0.0], [0.0, 0.0, 100.0]) };
-        let image = RgbImage::new(width, height);
+        let image = image::RgbImage::new(width, height);
         let mut pixels = Pixels::default();
         for (u, v) in [(31.0, 23.0), (-1.0, -2.0), (65.85, 28.8), (65.85, 49.5), (70.0, 20.0), (-9.0, 47.0)] {
             let map = PlaneMap::new(&camera, 0.0, &Pixel::new(u, v), 1.0).expect("a plane");
             for reach in [3.0, 18.25, 100.0] {
-                map.gather(&image, reach, &mut pixels);
+                map.gather(&crate::view_of(&image), reach, &mut pixels);
                 let within = |row: u32, column: u32| (f64::from(column) - u).hypot(f64::from(row) - v) <= reach;
                 let expected = (0..height).flat_map(|row| (0..width).map(move |column| (row, column)));
                 let expected = expected.filter(|(row, column)| within(*row, *column)).count();

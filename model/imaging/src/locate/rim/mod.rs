@@ -10,10 +10,11 @@
 mod votes;
 
 use super::disc::{Buffers, Disc, View};
+use crate::RgbView;
 use finray_model::Vector;
 use finray_model::camera::{Camera, Pixel};
 use finray_model::scene::Shade;
-use image::{GrayImage, RgbImage};
+use image::GrayImage;
 use nalgebra::{Complex, Matrix2, Matrix3, Vector3};
 use votes::Slopes;
 
@@ -90,13 +91,13 @@ pub(super) struct RimShape {
 /// A grey image with its camera and the slopes of its light.
 pub(super) struct GreyView<'a> {
     camera: &'a Camera,
-    image: &'a RgbImage,
+    image: &'a RgbView<'a>,
     grey: GrayImage,
     slopes: Slopes,
 }
 
 impl<'a> GreyView<'a> {
-    pub fn new(camera: &'a Camera, image: &'a RgbImage) -> GreyView<'a> {
+    pub fn new(camera: &'a Camera, image: &'a RgbView<'a>) -> GreyView<'a> {
         let grey = image::imageops::grayscale(image);
         GreyView { camera, image, slopes: Slopes::of(&grey), grey }
     }
