@@ -6,9 +6,11 @@
 mod asked;
 mod stream;
 mod unloaded;
+mod watched;
 
 pub use asked::{AskedContact, AskedContactsError, AskedDirection, MissingInScene};
 pub use stream::{RestPositions, StreamSensor};
+pub use watched::{FingerResult, FrameState, WatchedFinger};
 
 use crate::Vector;
 use crate::estimators::network::Networks;

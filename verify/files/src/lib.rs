@@ -10,6 +10,7 @@ pub mod table;
 
 pub mod displacements;
 pub mod frames;
+pub mod live;
 pub mod measurements;
 pub mod observations;
 pub mod positions;

@@ -1,21 +1,19 @@
 //! The command `finray live`.
 
-mod finger;
 mod input;
-mod line;
 mod newest;
 mod serve;
 
 use super::contacts::Contacts;
 use crate::commands::prelude::*;
-use finger::WatchedFinger;
 use finray_files::frames::LARGEST_SIDE_PX;
+use finray_files::live::{Line, contact_forces};
 use finray_files::recording::{ContactForce, Recording};
 use finray_files::{open_stream, streamed};
 use finray_imaging::locate::Observer;
-use finray_model::sensor::{RestPositions, SensorOptions, StreamSensor};
+use finray_model::observation::Observation;
+use finray_model::sensor::{FingerResult, FrameState, SensorOptions, WatchedFinger};
 use input::{Content, Format, Source};
-use line::{FingerResult, Line};
 use newest::Newest;
 use serve::Server;
 use std::io::Write;
@@ -136,9 +134,12 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         images => Source::of_images(images),
     };
     let shows_pixels = source.shows_pixels();
-    let mut watched: Vec<WatchedFinger> = scenes
+    let mut watched: Vec<(WatchedFinger, Option<Observer>)> = scenes
         .iter()
-        .map(|(name, scene)| watched_finger(arguments, &networks, name, scene, shows_pixels))
+        .map(|(name, scene)| {
+            let finger = watched_finger(arguments, &networks, name, scene)?;
+            Ok((finger, shows_pixels.then(|| Observer::new(scene, None)).transpose().map_err(bad_input)?))
+        })
         .collect::<Result<_, Failure>>()?;
     for (_, scene) in &scenes {
         source.require_size(camera_size_px(scene))?;
@@ -156,17 +157,24 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
                 break;
             }
         };
-        let results: Vec<FingerResult> = match unknown_finger(&frame.content, &fingers) {
-            None => watched.iter_mut().map(|finger| finger.evaluate(&frame)).collect(),
-            Some(reason) => watched.iter_mut().map(|finger| finger.refuse(reason.clone())).collect(),
+        let unknown = unknown_finger(&frame.content, &fingers);
+        let result = |(finger, observer)| {
+            let (finger, observer): (&mut WatchedFinger, &mut Option<Observer>) = (finger, observer);
+            let seen = match &unknown {
+                None => observed(&frame.content, finger.name(), observer.as_mut()),
+                Some(reason) => Err((FrameState::Refused, reason.clone())),
+            };
+            finger.evaluate(seen)
         };
-        let line = Line::new(&frame, &results);
+        let results: Vec<FingerResult> =
+            watched.iter_mut().map(|(finger, observer)| result((finger, observer))).collect();
+        let line = Line::new(&frame.info, &results);
         counts[line.state as usize] += 1;
-        dropped += frame.dropped;
-        let mut text = line.to_json()?;
+        dropped += frame.info.dropped;
+        let mut text = line.to_json().map_err(not_computed)?;
         if let Some(recording) = &mut recording {
-            let forces: Vec<ContactForce> = results.iter().flat_map(FingerResult::forces).collect();
-            recording.add(frame.time_s, &text, &forces)?;
+            let forces: Vec<ContactForce> = results.iter().flat_map(contact_forces).collect();
+            recording.add(frame.info.time_s, &text, &forces)?;
         }
         newest.give_back(frame);
         text.push('\n');
@@ -192,23 +200,28 @@ fn watched_finger<'s>(
     networks: &'s Networks,
     name: &'s str,
     scene: &'s Scene,
-    shows_pixels: bool,
 ) -> Result<WatchedFinger<'s>, Failure> {
     let &Arguments { rest_frames, estimator, noise_mm, .. } = arguments;
-    // Displacements are measured from the mean of the rest frames, so the noise of this mean adds to that of the frame.
-    let wider = if rest_frames == 0 { 1.0 } else { (1.0 + 1.0 / rest_frames as f64).sqrt() };
-    let noise_mm = noise_mm.or(scene.noise_mm).map(|noise_mm| wider * noise_mm);
     let options = SensorOptions { estimator, networks, noise_mm, mesh_nodes: None };
-    Ok(WatchedFinger {
-        name,
-        scene,
-        sensor: StreamSensor::new(scene, arguments.contacts.of(scene, 0.0, None)?, options)?,
-        observer: shows_pixels.then(|| Observer::new(scene, None)).transpose().map_err(bad_input)?,
-        rest: RestPositions::default(),
-        rest_frames,
-        measures_from_rest: rest_frames > 0,
-        sensed: None,
-    })
+    Ok(WatchedFinger::new(name, scene, arguments.contacts.of(scene, 0.0, None)?, options, rest_frames)?)
+}
+
+/// The markers of a finger in a frame, or the state without markers and its reason.
+fn observed(
+    content: &Content,
+    finger: &str,
+    observer: Option<&mut Observer>,
+) -> Result<Observation, (FrameState, String)> {
+    match (content, observer) {
+        (Content::Pixels(image), Some(observer)) => observer.observe_frame(image),
+        (Content::Pixels(_), None) => Err((FrameState::Refused, "expected positions, found an image".to_owned())),
+        (Content::Markers(fingers), _) => match fingers.iter().find(|of| of.finger == finger) {
+            Some(of_this) => Ok(of_this.seen.clone()),
+            None if fingers.is_empty() => Ok(Observation::default()),
+            None => Err((FrameState::Lost, "the frame has no markers of this finger".to_owned())),
+        },
+        (Content::Unreadable(reason), _) => Err((FrameState::Refused, reason.clone())),
+    }
 }
 
 /// Reason why a frame of positions is refused: it has markers of a finger that was not named.

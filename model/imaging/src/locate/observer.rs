@@ -5,8 +5,10 @@ use finray_model::camera::Camera;
 use finray_model::measurement::BaseUncertainty;
 use finray_model::observation::{Observation, ObservedBase, ObservedMarker};
 use finray_model::scene::{Base, MarkerLook, Markers};
+use finray_model::sensor::FrameState;
 use finray_model::{Finger, Scene};
-use image::RgbImage;
+use image::{ImageBuffer, Rgb, RgbImage};
+use std::ops::Deref;
 
 /// Converts images of a finger to observations of its markers.
 #[derive(Debug, Clone)]
@@ -108,11 +110,14 @@ impl<'f> Observer<'f> {
         matches!(self.locator, AnyLocator::Coloured(_))
     }
 
-    /// Observes the finger in the next image of a stream.
+    /// Observes the finger in the next image of a stream. The pixels of the image may be owned or borrowed ([`RgbView`](crate::RgbView)).
     ///
     /// # Errors
     /// [`LocateError`] if the image does not show the finger, or the markers cannot be assigned to nodes uniquely.
-    pub fn observe(&mut self, image: &RgbImage) -> Result<Observation, LocateError> {
+    pub fn observe<C: Deref<Target = [u8]>>(
+        &mut self,
+        image: &ImageBuffer<Rgb<u8>, C>,
+    ) -> Result<Observation, LocateError> {
         let (located, base, radii) = match &mut self.locator {
             AnyLocator::Coloured(locator) => {
                 let located = locator.track(image)?;
@@ -131,6 +136,20 @@ impl<'f> Observer<'f> {
             is_known: base.is_known,
         });
         Ok(Observation { image: String::new(), markers, base })
+    }
+
+    /// Observes the finger in the next image of a stream, for [`WatchedFinger::evaluate`](finray_model::sensor::WatchedFinger::evaluate).
+    ///
+    /// # Errors
+    /// The state of the finger and the reason, if the image does not show the finger or has another size than the camera's images.
+    pub fn observe_frame<C: Deref<Target = [u8]>>(
+        &mut self,
+        image: &ImageBuffer<Rgb<u8>, C>,
+    ) -> Result<Observation, (FrameState, String)> {
+        self.observe(image).map_err(|error| match error {
+            LocateError::Size { .. } => (FrameState::Refused, error.to_string()),
+            _ => (FrameState::Lost, error.to_string()),
+        })
     }
 
     fn marker(&self, seen: &Located, base: Option<&SeenBase>) -> ObservedMarker {

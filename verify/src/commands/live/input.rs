@@ -2,6 +2,7 @@
 
 use crate::commands::prelude::*;
 use finray_files::frames::{FrameError, FrameLayout, FrameReader};
+use finray_files::live::FrameInfo;
 use finray_files::positions::{FingerObservation, PositionError, PositionFrame, PositionReader};
 use image::RgbImage;
 use std::fs::File;
@@ -33,14 +34,8 @@ pub enum Content {
 
 /// A frame of a stream.
 pub struct Frame {
-    /// Number of the frame in the stream, from 0.
-    pub number: usize,
-    /// Time of the frame in its stream, s, if it is known.
-    pub time_s: Option<f64>,
-    /// Time at which the frame had arrived completely.
-    pub arrived: Instant,
-    /// Number of frames that were dropped since the last evaluated frame.
-    pub dropped: usize,
+    /// Number, times and dropped frames.
+    pub info: FrameInfo,
     /// Image or positions.
     pub content: Content,
 }
@@ -139,7 +134,8 @@ impl Source {
     pub fn next(&mut self, number: usize, spare: Option<Frame>) -> Result<Option<Frame>, Failure> {
         let unreadable = |reason| Failure::from(FileError::Unreadable { path: self.path.clone(), reason });
         let wrong = |reason: String| Failure::from(FileError::content(&self.path, reason));
-        let frame = |time_s, arrived, content| Some(Frame { number, time_s, arrived, dropped: 0, content });
+        let frame =
+            |time_s, arrived, content| Some(Frame { info: FrameInfo { number, time_s, arrived, dropped: 0 }, content });
         Ok(match &mut self.frames {
             Frames::Images(reader) => {
                 let layout = reader.layout();

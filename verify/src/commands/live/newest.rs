@@ -61,7 +61,7 @@ impl Newest {
                             waiting = writer.changed.wait(waiting).unwrap_or_else(PoisonError::into_inner);
                         }
                         if let Some(dropped) = waiting.frame.take() {
-                            frame.dropped = dropped.dropped + 1;
+                            frame.info.dropped = dropped.info.dropped + 1;
                             waiting.spare = Some(dropped);
                         }
                         waiting.frame = Some(frame);

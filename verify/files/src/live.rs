@@ -1,0 +1,143 @@
+//! Results of a stream, one line of JSON for each frame.
+
+use crate::recording::ContactForce;
+use finray_model::sensing::ContactPosition;
+use finray_model::sensor::{FingerResult, FrameState};
+use serde::Serialize;
+use std::time::Instant;
+
+/// A frame of a stream, without its content.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrameInfo {
+    /// Number of the frame in the stream, from 0.
+    pub number: usize,
+    /// Time of the frame in its stream, s, if it is known.
+    pub time_s: Option<f64>,
+    /// Time at which the frame had arrived completely.
+    pub arrived: Instant,
+    /// Number of frames that were dropped since the last evaluated frame.
+    pub dropped: usize,
+}
+
+/// A line of the result: one frame.
+#[derive(Serialize)]
+pub struct Line<'a> {
+    /// Number of the frame in the stream, from 0.
+    frame: usize,
+    /// Time of the frame in its stream, s.
+    time_s: Option<f64>,
+    /// State of the finger. For several fingers: the first of contact, refused, lost and none that one of them has.
+    pub state: FrameState,
+    /// The contacts, by finger, then in the order of their positions if these are estimated.
+    contacts: Vec<ContactLine<'a>>,
+    /// Component of the sum of all forces along the undeformed inward normal of the front plate, N. For several fingers: the sum of the components.
+    total_n: f64,
+    /// Number of markers found.
+    markers: usize,
+    /// Warnings about the forces, separated by semicolons.
+    warning: Option<String>,
+    /// Reason why no force is given.
+    refused: Option<String>,
+    /// Result of each finger; only for several fingers.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    fingers: Vec<FingerLine<'a>>,
+    /// Time from the arrival of the frame to this line, ms.
+    latency_ms: f64,
+    /// Number of frames dropped since the previous line.
+    dropped: usize,
+}
+
+/// One of several fingers.
+#[derive(Serialize)]
+struct FingerLine<'a> {
+    finger: &'a str,
+    state: FrameState,
+    total_n: f64,
+    markers: usize,
+    warning: Option<String>,
+    refused: Option<String>,
+}
+
+/// One contact: its finger if there are several, position (mm from the base) and direction (degrees), its force, and the standard deviation and 95 %
+/// interval of the force (N).
+#[derive(Serialize)]
+struct ContactLine<'a> {
+    #[serde(skip_serializing_if = "str::is_empty")]
+    finger: &'a str,
+    contact: String,
+    s_mm: Option<f64>,
+    angle_deg: f64,
+    force_n: f64,
+    sigma_n: f64,
+    interval_n: [f64; 2],
+}
+
+impl<'a> Line<'a> {
+    /// The line of a frame from the results of all fingers.
+    pub fn new(frame: &FrameInfo, results: &'a [FingerResult<'a>]) -> Line<'a> {
+        let is_one = matches!(results, [_]);
+        let said = |of: fn(&FingerResult) -> Option<String>| {
+            let said = results.iter().filter_map(|result| {
+                let text = of(result)?;
+                Some(if is_one { text } else { format!("{}: {text}", result.name) })
+            });
+            Some(said.collect::<Vec<_>>().join("; ")).filter(|said| !said.is_empty())
+        };
+        let by_rank = [FrameState::Contact, FrameState::Refused, FrameState::Lost];
+        let state = by_rank.into_iter().find(|state| results.iter().any(|result| result.state == *state));
+        let finger = |result: &'a FingerResult| FingerLine {
+            finger: result.name,
+            state: result.state,
+            total_n: result.total_n(),
+            markers: result.markers,
+            warning: result.warning(),
+            refused: result.refused.clone(),
+        };
+        Line {
+            frame: frame.number,
+            time_s: frame.time_s,
+            state: state.unwrap_or(FrameState::None),
+            contacts: results.iter().flat_map(contact_lines).collect(),
+            total_n: results.iter().map(FingerResult::total_n).sum(),
+            markers: results.iter().map(|result| result.markers).sum(),
+            warning: said(|result| result.warning()),
+            refused: said(|result| result.refused.clone()),
+            fingers: if is_one { Vec::new() } else { results.iter().map(finger).collect() },
+            latency_ms: frame.arrived.elapsed().as_secs_f64() * 1e3,
+            dropped: frame.dropped,
+        }
+    }
+
+    /// The line as JSON, without a line break.
+    ///
+    /// # Errors
+    /// A `serde_json::Error` from the JSON writer; none is expected.
+    pub fn to_json(&self) -> Result<String, serde_json::Error> {
+        serde_json::to_string(self)
+    }
+}
+
+fn contact_lines<'a>(result: &'a FingerResult<'a>) -> impl Iterator<Item = ContactLine<'a>> {
+    result.contacts().map(|(i, sensed, contact)| ContactLine {
+        finger: result.name,
+        contact: match contact.position {
+            ContactPosition::Node(node) => node.to_string(),
+            ContactPosition::At(_) => "at".to_owned(),
+        },
+        s_mm: contact.position_mm(result.finger),
+        angle_deg: contact.angle_deg,
+        force_n: sensed.forces_n[i],
+        sigma_n: sensed.sigmas_n[i],
+        interval_n: sensed.interval_n(i),
+    })
+}
+
+/// The forces of a frame as vectors.
+pub fn contact_forces(result: &FingerResult) -> Vec<ContactForce> {
+    let forces = result.contacts().map(|(i, sensed, contact)| ContactForce {
+        finger: result.name.to_owned(),
+        contact: i + 1,
+        force: result.finger.direction(contact.angle_deg) * sensed.forces_n[i],
+    });
+    forces.collect()
+}
