@@ -1,16 +1,12 @@
 //! The command `finray press`.
 
-use super::validity::Pressing;
 use crate::commands::prelude::*;
 use clap::value_parser;
 use finray_files::displacements;
 use finray_report::{DrawnPress, press_svg, standalone};
-use finray_studies::experiments::contact_scene::checks::BALANCE_TOLERANCE;
-use finray_studies::experiments::contact_scene::file::load_scene_with_outline;
-use finray_studies::experiments::contact_scene::refined::TOTAL_TOLERANCE;
+use finray_studies::experiments::contact_scene::file::{NO_OBJECT, load_scene_with_outline};
 use finray_studies::experiments::contact_scene::study::SceneWithOutline;
-use finray_studies::experiments::contact_scene::{ContactScene, Refinement, TotalChange, force_rows};
-use finray_studies::sampling::noise::Noise;
+use finray_studies::experiments::contact_scene::{ContactScene, Press};
 
 /// Help text below the options.
 const AFTER_HELP: &str = "\
@@ -44,9 +40,6 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// A warning is printed if the object stops farther than this from its prescribed position, mm; rounding alone causes less.
-const STOPPED_MM: f64 = 1e-6;
-
 pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     if let Some(shape) = &arguments.shape {
         if is_standard_stream(shape) {
@@ -60,56 +53,27 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     }
     let SceneWithOutline { scene, corners, .. } = load_scene_with_outline(&arguments.scene)?;
     let Some(object) = &scene.object else {
-        let message = format!(
-            "{}: line 1: object is missing: expected a table [object] with shape, at_mm and travel_mm or force_n",
-            arguments.scene.display()
-        );
-        return Err(bad_input(message));
+        return Err(FileError::content(&arguments.scene, NO_OBJECT).into());
     };
     let mut contact_scene = ContactScene::new(&scene, object, &corners).map_err(bad_input)?;
     if let Some(fineness) = arguments.fineness {
         contact_scene = contact_scene.with_fineness(fineness.into());
     }
     let noise_mm = arguments.noise_mm.or(scene.noise_mm).unwrap_or(0.0);
-    let mut noise = Noise::new(arguments.seed);
-    let mut steps = Vec::new();
-    let outcome = contact_scene.run(|step| steps.push(step));
-    let mut rows = Vec::new();
-    let mut validity = Pressing::default();
-    let bar = progress_bar(steps.len() as u64, "press");
-    let say = |message: std::fmt::Arguments| bar.suspend(|| print_message(message));
-    for (number, step) in (1..).zip(&steps) {
-        let sensed = contact_scene.sense(step, noise_mm, || noise.standard_normal());
-        if let Err(refusal) = &sensed {
-            say(format_args!("note: step {number}: {refusal}"));
-        }
-        if let Some(imbalance) = step.pressed.imbalance().filter(|imbalance| *imbalance > BALANCE_TOLERANCE) {
-            say(format_args!(
-                "note: step {number}: contact forces and the reaction at the base differ by {imbalance:.1e} of the contact forces"
-            ));
-        }
-        if step.stopped_mm > STOPPED_MM {
-            say(format_args!(
-                "warning: step {number}: the clamped end of the finger stops the object {:.3} mm before its prescribed position",
-                step.stopped_mm
-            ));
-        }
-        rows.extend(force_rows(&contact_scene, number, step, sensed.ok().flatten().as_ref()));
-        validity.examine(&scene, step);
+    let bar = progress_bar(0, "press");
+    let press = Press::run(&scene, &contact_scene, noise_mm, arguments.seed, |notes, steps| {
+        bar.set_length(steps as u64);
+        bar.suspend(|| notes.iter().for_each(print_message));
         bar.inc(1);
-    }
+    });
     bar.finish_and_clear();
-    let ended = match outcome {
-        Ok(Refinement { fineness, change: Some(change) }) if change.share > TOTAL_TOLERANCE => {
-            let TotalChange { step, share } = change;
-            let differ = format!("with half as many segments, the total force differs by {:.1} %", 100.0 * share);
-            print_message(format_args!(
-                "warning: step {step}: a lattice of {fineness} segments per member is coarse: {differ}"
-            ));
+    let Press { steps, rows, .. } = &press;
+    let ended = match &press.ended {
+        Ok(warning) => {
+            warning.iter().for_each(print_message);
             Ok(())
         }
-        Ok(_) => Ok(()),
-        Err(error) => match Failure::from(error) {
+        Err(error) => match Failure::from(error.clone()) {
             Failure::BadInput(message) => return Err(bad_input(format!("{}: {message}", arguments.scene.display()))),
             Failure::NotComputed(message) => {
                 Err(format!("step {} of {}: {message}", steps.len() + 1, contact_scene.step_count()))
@@ -119,21 +83,21 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let Some(last) = steps.last() else {
         return ended.map(|()| summary("no step", None::<&Path>)).map_err(not_computed);
     };
-    let press = DrawnPress {
+    let drawn = DrawnPress {
         finger: &scene.finger,
         name: &scene.name,
         noise_mm,
         outline: &contact_scene.object().outline.points(),
-        rows: &rows,
+        rows,
         last,
     };
-    let files = write(arguments, &press)?;
+    let files = write(arguments, &drawn)?;
     if let Err(message) = ended {
         let force_n = last.pressed.contact_force().norm();
         let until = format!("the steps until then, to a travel of {:.3} mm with {force_n:.3} N", last.travel_mm);
         return Err(not_computed(format!("{message}; {until}, are written")));
     }
-    validity.warn();
+    press.validity_warnings().iter().for_each(print_message);
     let force_n = last.pressed.contact_force().norm();
     let done =
         format!("{}, the last at a travel of {:.3} mm with {force_n:.3} N", count(steps.len(), "step"), last.travel_mm);
