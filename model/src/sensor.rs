@@ -373,6 +373,14 @@ impl<'s> Sensor<'s> {
         let validity = Validity::under(finger, forces.map(|(contact, &force_n)| contact.load(finger, force_n)))?;
         Ok(validity.doubts(&self.scene.strain_limits))
     }
+
+    /// Warnings about the sensed forces, in words: assumptions of the beam model that fail, or no equilibrium.
+    pub fn validity_warnings(&self, sensed: &SensedForces) -> Vec<String> {
+        match self.doubts(sensed) {
+            Ok(doubts) => doubts.iter().map(ToString::to_string).collect(),
+            Err(error) => vec![format!("the finger has no equilibrium under the sensed forces: {error}")],
+        }
+    }
 }
 
 impl SensedForces {

@@ -26,7 +26,6 @@ mod loads;
 mod parse;
 mod prelude;
 mod scenes;
-mod validity;
 
 use finray_files::{FileError, is_standard_stream};
 use finray_lattice::LatticeError;

@@ -4,7 +4,7 @@ pub(super) use super::parse::{degrees_between, listed, not_negative, positive, s
 pub(super) use super::scenes::{camera_and_markers, camera_of, markers_of, networks_of, scene_or_papers};
 pub(super) use super::{
     Failure, bad_input, count, figure_path, hints, not_computed, path_beside_figure, print_message, progress_bar,
-    require_one_standard_input, require_separate_files, summary, validity,
+    require_one_standard_input, require_separate_files, summary,
 };
 pub(super) use finray_files::{
     FileError, csv_text, is_standard_stream, is_stream, load_image, load_scene, name_of, require_folder,

@@ -128,7 +128,8 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         let sensed = sensed(&sensor, &seen, &table)?;
         warn("", &sensed.warnings);
         write_file(&arguments.out, &csv_text(rows(finger, &sensed))?)?;
-        validity::warn_of_forces(&sensor, &sensed);
+        let doubts = sensor.validity_warnings(&sensed);
+        doubts.iter().for_each(|doubt| print_message(format_args!("warning: {doubt}")));
         format!("{} sensed", count(sensed.forces_n.len(), "force"))
     };
     hints::of_displacements(&arguments.displacements, &text, finger);
