@@ -1,0 +1,28 @@
+//! The exceptions of the package.
+
+use pyo3::exceptions::PyException;
+use pyo3::{PyErr, create_exception};
+use std::fmt::Display;
+
+create_exception!(
+    finray,
+    FinrayError,
+    PyException,
+    "The input is wrong, or a result cannot be computed. The message says why."
+);
+create_exception!(
+    finray,
+    Refused,
+    FinrayError,
+    "The input has the right form, but yields no estimate: no finger in an image, or forces that are not identifiable."
+);
+
+/// The exception for wrong input or a result that cannot be computed.
+pub fn failed(reason: impl Display) -> PyErr {
+    FinrayError::new_err(reason.to_string())
+}
+
+/// The exception for valid input without an estimate.
+pub fn refused(reason: impl Display) -> PyErr {
+    Refused::new_err(reason.to_string())
+}

@@ -1,0 +1,45 @@
+//! The Python package `finray`, thin over the crates: scenes, solver, marker locator and sensors, with NumPy arrays in and out.
+//!
+//! `python/finray/__init__.pyi` states the types of everything that Python sees. Errors have the messages of the command `finray`. The interpreter is
+//! released while a function computes. An image is read in the memory of its array, without a copy.
+#![forbid(unsafe_code)]
+
+mod arrays;
+mod error;
+mod locator;
+mod observation;
+mod press;
+mod scene;
+mod sensor;
+mod solve;
+mod stream;
+
+use pyo3::prelude::*;
+
+/// Contact forces of compliant fin-ray fingers from their deformation. Units are N, mm and degrees, unless a name states another unit.
+#[pymodule(gil_used = true)]
+mod _finray {
+    use super::*;
+
+    #[pymodule_export]
+    use super::error::{FinrayError, Refused};
+    #[pymodule_export]
+    use super::locator::{Locator, read_image};
+    #[pymodule_export]
+    use super::observation::Observation;
+    #[pymodule_export]
+    use super::press::{Press, press};
+    #[pymodule_export]
+    use super::scene::Scene;
+    #[pymodule_export]
+    use super::sensor::{Forces, Sensor};
+    #[pymodule_export]
+    use super::solve::{Shape, solve};
+    #[pymodule_export]
+    use super::stream::StreamSensor;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

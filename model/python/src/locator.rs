@@ -1,0 +1,102 @@
+//! Locating markers in images.
+
+use crate::arrays::ImageArgument;
+use crate::error::{failed, refused};
+use crate::observation::Observation;
+use crate::scene::Scene;
+use finray_files::load_image;
+use finray_imaging::locate::{LocateError, Observer, OtherRadius};
+use numpy::{IntoPyArray, PyArray3, PyArrayMethods};
+use pyo3::prelude::*;
+use self_cell::self_cell;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+self_cell!(
+    struct OwnedObserver {
+        owner: Arc<finray_model::Scene>,
+        #[not_covariant]
+        dependent: Observer,
+    }
+);
+
+/// Locates the markers of a scene's finger in images. Coloured markers are tracked from image to image, so the order of images matters.
+#[pyclass(frozen, module = "finray")]
+pub struct Locator {
+    scene: Arc<finray_model::Scene>,
+    observer: Mutex<OwnedObserver>,
+    rest_residual_px: Option<f64>,
+}
+
+#[pymethods]
+impl Locator {
+    /// Args:
+    ///     scene: scene with the tables camera and markers.
+    ///     rest: image of the unloaded finger, as for `locate`; pose and displacements are then measured from this image.
+    ///
+    /// Raises FinrayError for a scene without camera, pose or markers, and for an image that does not show the unloaded finger.
+    #[new]
+    #[pyo3(signature = (scene, rest=None))]
+    fn new(py: Python<'_>, scene: &Scene, rest: Option<&Bound<'_, PyAny>>) -> PyResult<Locator> {
+        let scene = scene.scene.clone();
+        let rest = rest.map(ImageArgument::of).transpose()?;
+        let rest = rest.as_ref().map(ImageArgument::view).transpose()?;
+        let observer = py.detach(|| {
+            let rest =
+                rest.map(|view| image::RgbImage::from_fn(view.width(), view.height(), |u, v| *view.get_pixel(u, v)));
+            OwnedObserver::try_new(scene.clone(), |scene| Observer::new(scene, rest.as_ref())).map_err(failed)
+        })?;
+        let rest_residual_px = observer.with_dependent(|_, observer| observer.rest_residual_px);
+        Ok(Locator { scene, observer: Mutex::new(observer), rest_residual_px })
+    }
+
+    /// Locate the markers in the next image.
+    ///
+    /// Args:
+    ///     image: C-contiguous uint8 array of shape (height, width, 3), in the order red, green, blue. It is read in place and must not change
+    ///         meanwhile. A grey image of shape (height, width) is converted to colour first.
+    ///
+    /// Raises Refused if the image does not show the finger, and FinrayError for an array of another type or size.
+    fn locate(&self, py: Python<'_>, image: &Bound<'_, PyAny>) -> PyResult<Observation> {
+        let image = ImageArgument::of(image)?;
+        let view = image.view()?;
+        let found = py.detach(|| {
+            let mut observer = self.observer.lock().unwrap_or_else(PoisonError::into_inner);
+            observer.with_dependent_mut(|_, observer| {
+                observer.observe(&view).map(|seen| (seen, OtherRadius::of(&self.scene, &[&observer.radii])))
+            })
+        });
+        match found {
+            Ok((seen, others)) => {
+                Ok(Observation::new(seen).with_warnings(others.iter().map(ToString::to_string).collect()))
+            }
+            Err(error @ LocateError::Size { .. }) => Err(failed(error)),
+            Err(error) => Err(refused(error)),
+        }
+    }
+
+    /// Residual standard deviation of one pixel coordinate in the fit of the pose to `rest`, px; None without such a fit.
+    #[getter]
+    fn rest_residual_px(&self) -> Option<f64> {
+        self.rest_residual_px
+    }
+
+    /// Standard deviation of the motion blur in the last image, px; None without motion and for grey markers.
+    #[getter]
+    fn motion_blur_px(&self, py: Python<'_>) -> Option<f64> {
+        py.detach(|| {
+            let observer = self.observer.lock().unwrap_or_else(PoisonError::into_inner);
+            observer.with_dependent(|_, observer| observer.motion_blur_px())
+        })
+    }
+}
+
+/// Read an image file (PNG, JPEG) as the command `finray` does: rotated according to its EXIF orientation.
+///
+/// Returns a uint8 array of shape (height, width, 3), in the order red, green, blue.
+#[pyfunction]
+pub fn read_image(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyArray3<u8>>> {
+    let (image, _) = py.detach(|| load_image(&path)).map_err(failed)?;
+    let size = [image.height() as usize, image.width() as usize, 3];
+    image.into_raw().into_pyarray(py).reshape(size)
+}

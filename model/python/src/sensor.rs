@@ -1,0 +1,244 @@
+//! Forces from observations.
+
+use crate::arrays::{self, not_negative};
+use crate::error::{failed, refused};
+use crate::observation::Observation;
+use crate::scene::Scene;
+use finray_files::load_network;
+use finray_model::estimators::EstimatorId;
+use finray_model::estimators::network::Networks;
+use finray_model::sensing::ContactPosition;
+use finray_model::sensor::{AskedContact, Refusal, SensedForces, SensorContacts, SensorOptions};
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+use self_cell::self_cell;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// What a sensor refers to.
+pub struct SensorBasis {
+    pub scene: Arc<finray_model::Scene>,
+    networks: Networks,
+    estimator: EstimatorId,
+    noise_mm: Option<f64>,
+}
+
+impl SensorBasis {
+    /// Checks the options of a sensor, and reads its networks.
+    pub fn new(
+        scene: &Scene,
+        estimator: &str,
+        network: Option<PathBuf>,
+        noise_mm: Option<f64>,
+    ) -> PyResult<SensorBasis> {
+        let names = || EstimatorId::ALL.iter().map(|estimator| estimator.name()).collect::<Vec<_>>().join(", ");
+        let id = EstimatorId::ALL.iter().copied().find(|id| id.name() == estimator);
+        let estimator =
+            id.ok_or_else(|| failed(format!("estimator: expected one of {}, found {estimator:?}", names())))?;
+        let networks = match (network, estimator) {
+            (None, EstimatorId::Network) => Networks::read(&finray_fixtures::NETWORKS).map_err(failed)?,
+            (None, _) => Networks::of(Vec::new()),
+            (Some(path), EstimatorId::Network) => Networks::of(vec![load_network(&path).map_err(failed)?.0]),
+            (Some(_), _) => {
+                return Err(failed("network: expected the estimator \"network\" too, found another estimator"));
+            }
+        };
+        Ok(SensorBasis {
+            scene: scene.scene.clone(),
+            networks,
+            estimator,
+            noise_mm: not_negative("noise_mm", noise_mm)?,
+        })
+    }
+
+    /// The options of the library's sensors.
+    pub fn options(&self, mesh_nodes: Option<usize>) -> SensorOptions<'_> {
+        SensorOptions { estimator: self.estimator, networks: &self.networks, noise_mm: self.noise_mm, mesh_nodes }
+    }
+}
+
+/// One contact or several, in the notation of the command line.
+#[derive(FromPyObject)]
+pub enum Contacts {
+    /// Position of a contact, mm, or its node.
+    Number(f64),
+    /// One contact.
+    One(String),
+    /// Several contacts.
+    Several(Vec<ContactText>),
+}
+
+/// A contact as a number or in the notation of the command line.
+#[derive(FromPyObject)]
+pub enum ContactText {
+    /// Position of a contact, mm, or its node.
+    Number(f64),
+    /// Position or node, and direction.
+    Text(String),
+}
+
+/// The contacts at positions (`contact_at`), then those at nodes (`contact`).
+pub fn contacts(
+    scene: &Scene,
+    contact_at: Option<Contacts>,
+    contact: Option<Contacts>,
+    friction: f64,
+) -> PyResult<SensorContacts> {
+    let texts = |contacts: Option<Contacts>| match contacts {
+        None => Vec::new(),
+        Some(Contacts::Number(number)) => vec![number.to_string()],
+        Some(Contacts::One(text)) => vec![text],
+        Some(Contacts::Several(several)) => several
+            .into_iter()
+            .map(|contact| match contact {
+                ContactText::Number(number) => number.to_string(),
+                ContactText::Text(text) => text,
+            })
+            .collect(),
+    };
+    let parsed = |name: &str, texts: Vec<String>, parse: fn(&str) -> Result<AskedContact, String>| {
+        let wrong = |reason| failed(format!("{name}: {reason}"));
+        texts.iter().map(|text| parse(text).map_err(wrong)).collect::<PyResult<Vec<_>>>()
+    };
+    let mut asked = parsed("contact_at", texts(contact_at), AskedContact::at_position)?;
+    asked.extend(parsed("contact", texts(contact), AskedContact::at_node)?);
+    SensorContacts::of_asked(&asked, &scene.scene, friction, None).map_err(failed)
+}
+
+self_cell!(
+    struct OwnedSensor {
+        owner: SensorBasis,
+        #[covariant]
+        dependent: ModelSensor,
+    }
+);
+
+type ModelSensor<'s> = finray_model::sensor::Sensor<'s>;
+
+/// Estimates contact forces from observations of a finger, as `finray sense` does.
+#[pyclass(frozen, module = "finray")]
+pub struct Sensor(OwnedSensor);
+
+#[pymethods]
+impl Sensor {
+    /// Args:
+    ///     scene: the finger.
+    ///     contact_at: contacts at positions along the front plate, in the notation of `finray sense --contact-at`: "80@-20" is 80 mm from the base,
+    ///         -20 degrees from the normal; "auto@auto": both unknown; "80" and "auto": along the normal of the undeformed plate.
+    ///     contact: contacts at nodes, in the notation of `--contact`: "19@normal".
+    ///     noise_mm: standard deviation of one coordinate, mm; None: the scene's, else the observation's, else from the residual.
+    ///     estimator: name of the estimator, as in `finray sense --help`.
+    ///     network: file of a network of `finray train`; None: the shipped networks.
+    ///     mesh_nodes: number of mesh nodes of the nonlinear estimator; None: refined until converged.
+    ///     friction: friction coefficient that limits the directions of contacts with standard deviations ("80+-1@0+-5").
+    ///
+    /// Raises FinrayError if the contacts are wrong, or the estimator does not support them.
+    #[new]
+    #[pyo3(signature = (
+        scene, contact_at=None, *, contact=None, noise_mm=None, estimator="nonlinear", network=None, mesh_nodes=None, friction=0.0
+    ))]
+    #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+    fn new(
+        scene: &Scene,
+        contact_at: Option<Contacts>,
+        contact: Option<Contacts>,
+        noise_mm: Option<f64>,
+        estimator: &str,
+        network: Option<PathBuf>,
+        mesh_nodes: Option<usize>,
+        friction: f64,
+    ) -> PyResult<Sensor> {
+        let friction = not_negative("friction", Some(friction))?.unwrap_or_default();
+        let contacts = contacts(scene, contact_at, contact, friction)?;
+        let basis = SensorBasis::new(scene, estimator, network, noise_mm)?;
+        let sensor =
+            OwnedSensor::try_new(basis, |basis| ModelSensor::new(&basis.scene, contacts, basis.options(mesh_nodes)));
+        Ok(Sensor(sensor.map_err(failed)?))
+    }
+
+    /// Estimate the forces of an observation.
+    ///
+    /// Raises FinrayError if the observation does not fit the finger, and Refused if the forces are not identifiable.
+    fn sense(&self, py: Python<'_>, observation: &Observation) -> PyResult<Forces> {
+        let (sensor, seen) = (self.0.borrow_dependent(), &observation.seen);
+        let sensed = py.detach(|| {
+            let sensed = sensor.sense(seen)?;
+            let warnings = sensed.warnings.iter().map(ToString::to_string).chain(sensor.validity_warnings(&sensed));
+            Ok((warnings.collect(), sensed))
+        });
+        let (warnings, sensed) = sensed.map_err(|refusal| match refusal {
+            Refusal::Observation(error) => failed(error),
+            refusal => refused(refusal),
+        })?;
+        let scene = self.0.borrow_owner().scene.clone();
+        Ok(Forces { scene, sensed, warnings })
+    }
+}
+
+/// Estimated forces, in the order of the contacts.
+#[pyclass(frozen, module = "finray")]
+pub struct Forces {
+    scene: Arc<finray_model::Scene>,
+    sensed: SensedForces,
+    warnings: Vec<String>,
+}
+
+#[pymethods]
+impl Forces {
+    /// Node of each contact, or "at" for a contact at a position.
+    #[getter]
+    fn contacts(&self) -> Vec<String> {
+        let name = |contact: &finray_model::sensing::Contact| match contact.position {
+            ContactPosition::Node(node) => node.to_string(),
+            ContactPosition::At(_) => "at".to_owned(),
+        };
+        self.sensed.contacts.iter().map(name).collect()
+    }
+
+    /// Position of each contact along the front plate, mm from the base; shape (k,). NaN if the plate has no such position.
+    #[getter]
+    fn s_mm<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let finger = &self.scene.finger;
+        arrays::column(py, self.sensed.contacts.iter().map(|contact| contact.position_mm(finger).unwrap_or(f64::NAN)))
+    }
+
+    /// Direction of each force, degrees from the inward normal of the undeformed front plate, positive towards the tip; shape (k,).
+    #[getter]
+    fn angle_deg<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        arrays::column(py, self.sensed.contacts.iter().map(|contact| contact.angle_deg))
+    }
+
+    /// Force of each contact along its direction, N; shape (k,).
+    #[getter]
+    fn force_n<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        arrays::column(py, self.sensed.forces_n.iter().copied())
+    }
+
+    /// Standard deviation of each force, N; shape (k,).
+    #[getter]
+    fn sigma_n<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        arrays::column(py, self.sensed.sigmas_n.iter().copied())
+    }
+
+    /// Lower and upper limit of the 95 % interval of each force, N; shape (k, 2).
+    #[getter]
+    fn interval_n<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        arrays::pairs(py, (0..self.sensed.forces_n.len()).map(|contact| self.sensed.interval_n(contact)))
+    }
+
+    /// Reasons why the forces may be less accurate than stated.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.warnings.clone()
+    }
+
+    fn __len__(&self) -> usize {
+        self.sensed.forces_n.len()
+    }
+
+    fn __repr__(&self) -> String {
+        let pairs = self.sensed.forces_n.iter().zip(&self.sensed.sigmas_n);
+        let forces: Vec<String> = pairs.map(|(force_n, sigma_n)| format!("{force_n:.4} +- {sigma_n:.4} N")).collect();
+        format!("<finray.Forces {}>", forces.join(", "))
+    }
+}

@@ -1,0 +1,158 @@
+//! Displacements under loads.
+
+use crate::arrays;
+use crate::error::failed;
+use crate::observation::Observation;
+use crate::scene::{Scene, at_rest, drawing, lines};
+use finray_figures::{Hue, Series};
+use finray_model::checked_shape::CheckedShape;
+use finray_model::mesh::{FingerShape, NodeMotion};
+use finray_model::{Kinematics, Load, NodeId, Vector};
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+use serde::Deserialize;
+use serde::de::IntoDeserializer;
+use serde::de::value::Error;
+use std::sync::Arc;
+
+/// Displacements of the key nodes of a finger; rows are in the order of the nodes.
+#[pyclass(frozen, module = "finray")]
+pub struct Shape {
+    scene: Arc<finray_model::Scene>,
+    shape: FingerShape,
+    warnings: Vec<String>,
+}
+
+impl Shape {
+    /// A shape without warnings.
+    pub fn new(scene: Arc<finray_model::Scene>, shape: FingerShape) -> Shape {
+        Shape { scene, shape, warnings: Vec::new() }
+    }
+
+    fn vectors<'py>(&self, py: Python<'py>, of: impl Fn(&NodeMotion) -> Vector) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        arrays::vectors(py, self.shape.motions().iter().map(of))
+    }
+}
+
+#[pymethods]
+impl Shape {
+    /// Numbers of the key nodes; shape (n,).
+    #[getter]
+    fn nodes<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        arrays::nodes(py, self.shape.motions().iter().map(|motion| motion.node))
+    }
+
+    /// Undeformed positions, mm, finger frame; shape (n, 2).
+    #[getter]
+    fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        self.vectors(py, |motion| motion.position)
+    }
+
+    /// Displacements, mm, finger frame; shape (n, 2).
+    #[getter]
+    fn displacements<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        self.vectors(py, |motion| motion.displacement)
+    }
+
+    /// Rotations, rad, positive from x to y; shape (n,).
+    #[getter]
+    fn rotations<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        arrays::column(py, self.shape.motions().iter().map(|motion| motion.rotation))
+    }
+
+    /// Displacements of the joints between ribs and brackets, mm; shape (n, 2). Equal to `displacements` at nodes without a bracket.
+    #[getter]
+    fn hinge_displacements<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        self.vectors(py, |motion| motion.hinge_displacement)
+    }
+
+    /// Reasons why the displacements may be inaccurate.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.warnings.clone()
+    }
+
+    /// The displacements of the markers as an observation without noise.
+    fn observation(&self) -> Observation {
+        Observation::new(finray_model::observation::Observation::of_shape(&self.scene.finger, &self.shape))
+    }
+
+    /// Drawing of the bent finger, for Jupyter.
+    fn _repr_svg_(&self) -> PyResult<String> {
+        let finger = &self.scene.finger;
+        let bent = lines(finger, |_| true, |at| self.shape.point(at).into());
+        let mut series = at_rest(finger);
+        series.extend(Series::lines("bent", bent, Hue::BLUE, 2.4));
+        drawing(&self.scene.name, "The finger at rest and bent; the base is on the left.", series)
+    }
+
+    fn __repr__(&self) -> String {
+        let (nodes, largest_mm) = (self.shape.motions().len(), self.shape.largest_displacement_mm());
+        format!("<finray.Shape of {nodes} nodes, displaced by up to {largest_mm:.3} mm>")
+    }
+}
+
+/// A load on a node: node, fx_n, fy_n, and optionally a moment, N mm.
+#[derive(FromPyObject)]
+pub enum NodeLoad {
+    #[pyo3(transparent)]
+    Force((usize, f64, f64)),
+    #[pyo3(transparent)]
+    ForceAndMoment((usize, f64, f64, f64)),
+}
+
+impl From<NodeLoad> for Load {
+    fn from(load: NodeLoad) -> Load {
+        let (node, fx_n, fy_n, moment_nmm) = match load {
+            NodeLoad::Force((node, fx_n, fy_n)) => (node, fx_n, fy_n, 0.0),
+            NodeLoad::ForceAndMoment(all) => all,
+        };
+        Load::Node { node: NodeId(node), force: Vector::new(fx_n, fy_n), moment_nmm }
+    }
+}
+
+/// The loads in an argument; `expected` says which tuples it has.
+fn list<'py, T: FromPyObjectOwned<'py>>(value: Option<Bound<'py, PyAny>>, expected: &str) -> PyResult<Vec<T>> {
+    let Some(value) = value else { return Ok(Vec::new()) };
+    let items = value.try_iter().map_err(|_| failed(expected))?;
+    items.map(|item| item?.extract::<T>().map_err(|_| failed(expected))).collect()
+}
+
+/// Compute the displacements of a finger under loads, as `finray solve` does.
+///
+/// Args:
+///     load_at: forces on the front plate, tuples (s_mm, force_n, angle_deg): position from the base, magnitude, and angle from the inward normal.
+///     load: forces on key nodes, tuples (node, fx_n, fy_n) or (node, fx_n, fy_n, moment_nmm), in the finger frame.
+///     kinematics: "corotational", "corotational-chord" or "linear".
+///     mesh_nodes: number of mesh nodes; None for the key nodes.
+///
+/// Raises FinrayError for wrong loads, or without an equilibrium.
+#[pyfunction]
+#[pyo3(signature = (scene, load_at=None, *, load=None, kinematics="corotational", mesh_nodes=None))]
+pub fn solve<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    load_at: Option<Bound<'py, PyAny>>,
+    load: Option<Bound<'py, PyAny>>,
+    kinematics: &str,
+    mesh_nodes: Option<usize>,
+) -> PyResult<Shape> {
+    let on_nodes: Vec<NodeLoad> =
+        list(load, "load: expected tuples (node, fx_n, fy_n) or (node, fx_n, fy_n, moment_nmm)")?;
+    let at: Vec<(f64, f64, f64)> = list(load_at, "load_at: expected tuples (s_mm, force_n, angle_deg)")?;
+    if on_nodes.is_empty() && at.is_empty() {
+        return Err(failed("expected at least one load or load_at"));
+    }
+    let kinematics = Kinematics::deserialize(IntoDeserializer::<Error>::into_deserializer(kinematics))
+        .map_err(|error| failed(format!("kinematics: {error}")))?;
+    let (scene, finger) = (scene.scene.clone(), &scene.scene.finger);
+    let on_plate = |(s_mm, force_n, angle_deg)| Load::at_position(s_mm, finger.direction(angle_deg) * force_n);
+    let loads: Vec<Load> = on_nodes.into_iter().map(Load::from).chain(at.into_iter().map(on_plate)).collect();
+    let checked = py.detach(|| {
+        let checked = CheckedShape::under(&scene, &loads, kinematics, mesh_nodes).map_err(failed)?;
+        let warnings = checked.warnings().collect();
+        Ok::<_, PyErr>((checked.shape, warnings))
+    });
+    let (shape, warnings) = checked?;
+    Ok(Shape { scene, shape, warnings })
+}

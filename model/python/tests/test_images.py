@@ -1,0 +1,158 @@
+"""Markers in images, without copies of the images, and without the interpreter."""
+
+import threading
+import time
+
+import finray
+import numpy as np
+import pytest
+from conftest import SCENES, assert_same, done, refusal, table
+
+
+@pytest.fixture(scope="module")
+def pressed(images):
+    return finray.read_image(images[1])
+
+
+def assert_same_markers(seen, printed, rows):
+    assert_same(seen.nodes, printed["node"][rows])
+    for ours, names in [(seen.pixels, "uv"), (seen.positions, "xy")]:
+        for axis, name in enumerate(names):
+            assert_same(ours[:, axis], printed[f"{name}_{'px' if ours is seen.pixels or names == 'uv' else 'mm'}"][rows])
+    for axis, name in enumerate("xy"):
+        assert_same(seen.displacements[:, axis], printed[f"u{name}_mm"][rows])
+    assert_same(seen.sigma_mm, printed["sigma_mm"][rows])
+
+
+def test_markers_are_those_of_the_program(camera, images):
+    printed = table(done("locate", SCENES / "camera.toml", "--image", *images)[0])
+    locator = finray.Locator(camera)
+    for path in images:
+        rows = [name == path.name for name in printed["image"]]
+        assert_same_markers(locator.locate(finray.read_image(path)), printed, rows)
+
+
+def test_markers_relative_to_an_unloaded_image_are_those_of_the_program(camera, images, pressed):
+    free, path = images
+    printed = table(done("locate", SCENES / "camera.toml", "--image", path, "--rest", free)[0])
+    locator = finray.Locator(camera, rest=finray.read_image(free))
+    assert_same_markers(locator.locate(pressed), printed, slice(None))
+    assert 0 < locator.rest_residual_px < 0.3
+
+
+def test_forces_from_an_image_are_those_of_the_program(camera, images, pressed, tmp_path):
+    nodes = tmp_path / "nodes.csv"
+    done("locate", SCENES / "camera.toml", "--image", images[1], "--out", nodes)
+    printed = table(done("sense", SCENES / "camera.toml", "--displacements", nodes, "--contact-at", "auto@auto")[0])
+    forces = finray.Sensor(camera, "auto@auto").sense(finray.Locator(camera).locate(pressed))
+    for name in ("s_mm", "angle_deg", "force_n", "sigma_n"):
+        assert_same(getattr(forces, name), printed[name])
+
+
+def test_a_moving_base_is_the_program_s(tmp_path):
+    scene, image = SCENES / "bracketed.toml", tmp_path / "bracketed.png"
+    done("render", scene, "--load-at", "40:1,0", "--out", image)
+    printed = table(done("locate", scene, "--image", image)[0])
+    ours = finray.Scene.read(scene)
+    seen = finray.Locator(ours).locate(finray.read_image(image))
+    assert_same_markers(seen, printed, slice(None))
+    assert list(seen.base_pose) == [printed[name][0] for name in ("base_x_mm", "base_y_mm", "base_deg")]
+    assert_same(seen.marker_sigma_mm, printed["marker_sigma_mm"])
+
+
+def test_images_are_read_in_place(camera, pressed):
+    """A read-only array is accepted, and the peak of memory grows by less than one image."""
+    still = pressed.view()
+    still.flags.writeable = False
+    assert len(finray.Locator(camera).locate(still)) == 25
+    # In an address space with room for less than one more image, a copy fails. The image is large, and most of it is outside the camera.
+    large = np.zeros((16000, 16000, 3), np.uint8)
+    before_kb = peak_kb()
+    with pytest.raises(finray.FinrayError, match="expected an image of 1600 x 1400 px"):
+        finray.Locator(camera).locate(large)
+    assert peak_kb() - before_kb < large.nbytes / 1024 / 2
+
+
+def peak_kb():
+    """Peak of the memory of this process, KiB."""
+    import resource
+
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+
+def test_a_grey_image_is_converted(images):
+    """Rims of grey markers have the same positions in a grey image and in a colour image of the same levels."""
+    grey = finray.read_image(images[0])[:, :, 0].copy()
+    scene = finray.Scene.read(SCENES / "camera.toml")
+    results = []
+    for image in (grey, np.repeat(grey[:, :, None], 3, axis=2)):
+        with pytest.raises(finray.Refused) as error:
+            finray.Locator(scene).locate(image)
+        results.append(str(error.value))
+    assert results[0] == results[1]
+
+
+@pytest.mark.parametrize(
+    "change, message",
+    [
+        (lambda image: image[:, ::-1], "C-contiguous"),
+        (lambda image: image[:, :, ::-1], "C-contiguous"),
+        (lambda image: np.asfortranarray(image), "C-contiguous"),
+        (lambda image: image[::2, ::2, 0], "C-contiguous"),
+        (lambda image: np.asfortranarray(image[:, :, 0]), "C-contiguous"),
+        (lambda image: image.astype(float), r"expected an image: a uint8 array .* found float64 of shape \[1400, 1600, 3\]"),
+        (lambda image: np.concatenate([image, image[:, :, :1]], axis=2), "expected an image: a uint8 array"),
+        (lambda image: image[0, 0], "expected an image"),
+        (lambda image: image[:700], "expected an image of 1600 x 1400 px"),
+        (lambda image: np.zeros((0, 0, 3), np.uint8), "expected an image of 1600 x 1400 px"),
+        (lambda image: "image.png", "expected an image: a uint8 array"),
+    ],
+)
+def test_other_arrays_are_errors(camera, pressed, change, message):
+    with pytest.raises(finray.FinrayError, match=message):
+        finray.Locator(camera).locate(change(pressed))
+
+
+def test_an_image_without_a_finger_is_refused_as_by_the_program(camera, tmp_path):
+    scene = SCENES / "camera.toml"
+    path = tmp_path / "none.png"
+    done("render", scene, "--out", path)
+    black = np.zeros((1400, 1600, 3), np.uint8)
+    with pytest.raises(finray.Refused, match="no finger is recognised"):
+        finray.Locator(camera).locate(black)
+
+
+def test_a_scene_without_a_camera_and_a_missing_file_are_errors(paper, tmp_path):
+    with pytest.raises(finray.FinrayError, match=r"the scene has no \[camera\]"):
+        finray.Locator(paper)
+    with pytest.raises(finray.FinrayError, match="none.png: cannot be read"):
+        finray.read_image(tmp_path / "none.png")
+    with pytest.raises(finray.FinrayError) as error:
+        finray.Scene.read(tmp_path / "none.toml")
+    assert str(error.value) == refusal("solve", tmp_path / "none.toml", "--load-at", "80:1")
+    (tmp_path / "wrong.toml").write_text("[finger]\nlength = 3\n")
+    with pytest.raises(finray.FinrayError) as error:
+        finray.Scene.read(tmp_path / "wrong.toml")
+    assert str(error.value) == refusal("solve", tmp_path / "wrong.toml", "--load-at", "80:1")
+
+
+def test_other_threads_run_during_a_computation(camera):
+    """A thread of Python counts while a press is computed; without the interpreter it would stand still."""
+    ticks, is_over = [0], threading.Event()
+
+    def count():
+        while not is_over.is_set():
+            ticks[0] += 1
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    time.sleep(0.02)
+    before, start = ticks[0], time.monotonic()
+    finray.press(finray.Scene.read(SCENES / "contact" / "disc.toml"))
+    took_s = time.monotonic() - start
+    counted = ticks[0] - before
+    is_over.set()
+    thread.join()
+    # A pass takes 1 ms of sleep and more on a busy machine.
+    assert took_s > 0.05 and counted > took_s / 0.02, (took_s, counted)

@@ -1,0 +1,113 @@
+"""Forces in streams: the lines of `finray live`."""
+
+import json
+import subprocess
+import sys
+
+import finray
+import finray.live
+import pytest
+from conftest import SCENES, done, refusal
+
+CAMERA = SCENES / "camera.toml"
+
+
+def without_latency(text):
+    """The lines, each with all keys but the latency."""
+    lines = [json.loads(line) for line in text.splitlines()]
+    assert lines and all(line.pop("latency_ms") > 0 for line in lines)
+    return lines
+
+
+def live(*arguments, **environment):
+    command = [sys.executable, "-m", "finray.live", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, **environment)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [["--contact-at", "auto@-20"], ["--contact-at", "auto@auto", "--rest-frames", "2", "--noise-mm", "0.02"], ["--contact-at", "80@-20"]],
+)
+def test_lines_are_those_of_the_program(images, options, tmp_path):
+    free, pressed = images
+    (tmp_path / "damaged.png").write_bytes(free.read_bytes()[:2000])
+    files = ["--image", free, free, pressed, tmp_path / "none.png", pressed, tmp_path / "damaged.png", free, pressed]
+    theirs = done("live", CAMERA, *options, "--every-frame", *files)[0]
+    ours = live(CAMERA, *options, *files)
+    assert ours.returncode == 0, ours.stderr
+    assert without_latency(ours.stdout) == without_latency(theirs)
+    states = {line["state"] for line in without_latency(theirs)}
+    assert {"contact", "none", "refused"} <= states
+
+
+def test_lines_of_positions_are_those_of_the_program(paper, bent, tmp_path):
+    frames = [0.0, 1.0, 0.5]
+    path = tmp_path / "positions.csv"
+    sensor = finray.StreamSensor(paper, "auto@-20", noise_mm=0.02)
+    rows, ours = ["t_s,node,x_mm,y_mm"], []
+    for number, share in enumerate(frames):
+        at = bent.positions + share * bent.displacements
+        rows.extend(f"{number / 10},{node},{x!r},{y!r}" for node, (x, y) in zip(bent.nodes, at.tolist()))
+        ours.append(sensor.line(finray.Observation(bent.nodes, positions=at), time_s=number / 10))
+    path.write_text("\n".join([*rows, ""]))
+    options = ["--contact-at", "auto@-20", "--noise-mm", "0.02", "--every-frame", "--input", path]
+    theirs = done("live", SCENES / "paper.toml", *options)[0]
+    assert without_latency("\n".join(ours)) == without_latency(theirs)
+
+
+def test_errors_are_those_of_the_program(images):
+    for options in [["--contact-at", "auto@object"], ["--contact", "18@friction"]]:
+        answer = live(CAMERA, *options, "--image", images[0])
+        assert answer.returncode == 2
+        assert answer.stderr == f"error: {refusal('live', CAMERA, *options, '--image', images[0])}\n"
+
+
+FAKE = '''
+import finray
+
+COLOR_BGR2RGB = 4
+
+class VideoCapture:
+    def __init__(self, source):
+        self.source, self.left = source, {frames!r}
+
+    def isOpened(self):
+        return self.source == {source!r}
+
+    def read(self):
+        if not self.left:
+            return False, None
+        return True, finray.read_image(self.left.pop(0))[:, :, ::-1].copy()
+
+    def release(self):
+        print("released", file=__import__("sys").stderr)
+
+def cvtColor(image, code):
+    assert code == COLOR_BGR2RGB
+    return image[:, :, ::-1].copy()
+'''
+
+
+def test_frames_of_a_capture_give_the_lines_of_their_images(images, tmp_path, monkeypatch):
+    """A module with the interface of OpenCV replaces a camera."""
+    frames = [str(path) for path in (images[0], images[1], images[0])]
+    (tmp_path / "cv2.py").write_text(FAKE.format(frames=frames, source=3))
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    ours = live(CAMERA, "--contact-at", "auto@-20", "--camera", 3, "--every-frame")
+    assert (ours.returncode, ours.stderr) == (0, "released\n")
+    theirs = done("live", CAMERA, "--contact-at", "auto@-20", "--every-frame", "--image", *frames)[0]
+    lines = without_latency(ours.stdout)
+    times = [line["time_s"] for line in lines]
+    assert times[0] == 0 and times == sorted(times)
+    assert [{**line, "time_s": None} for line in lines] == without_latency(theirs)
+    newest = without_latency(live(CAMERA, "--contact-at", "auto@-20", "--camera", 3).stdout)
+    assert newest[-1]["frame"] == 2 and len(newest) + sum(line["dropped"] for line in newest) == 3
+    closed = live(CAMERA, "--contact-at", "auto", "--camera", 0)
+    assert (closed.returncode, closed.stderr) == (2, "error: --camera 0: cannot be opened\n")
+
+
+def test_a_camera_without_opencv_is_an_error(tmp_path, monkeypatch):
+    (tmp_path / "cv2.py").write_text("raise ImportError('no module named cv2')")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    answer = live(CAMERA, "--contact-at", "auto", "--camera", 0)
+    assert answer.returncode == 2 and answer.stderr.startswith("error: --camera needs OpenCV (pip install opencv-python)")
