@@ -30,6 +30,7 @@ guides! {
     sense, "sense": "Estimate contact forces from displacements, with their uncertainty";
     photographs, "photographs": "Estimate a force from an image of the markers";
     live, "live": "Sense the forces in a camera's stream";
+    python, "python": "Use solver, marker locator and sensors from Python";
     calibrate, "calibrate": "Find moduli, geometry and friction of a real finger";
     lens, "lens": "Calibrate a camera's lens from images of a grid";
     maps_and_sweeps, "maps-and-sweeps": "Map where a finger senses forces reliably";
