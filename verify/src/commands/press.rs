@@ -73,7 +73,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
             warning.iter().for_each(print_message);
             Ok(())
         }
-        Err(error) => match Failure::from(error.clone()) {
+        Err(error) => match Failure::from(*error) {
             Failure::BadInput(message) => return Err(bad_input(format!("{}: {message}", arguments.scene.display()))),
             Failure::NotComputed(message) => {
                 Err(format!("step {} of {}: {message}", steps.len() + 1, contact_scene.step_count()))
