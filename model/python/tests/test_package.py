@@ -2,6 +2,7 @@
 
 import ast
 import re
+import sys
 import xml.etree.ElementTree
 from pathlib import Path
 
@@ -50,9 +51,11 @@ def test_stubs_have_the_parameters_of_the_module():
                 continue
             owner = getattr(finray, node.name)
             text = owner.__text_signature__ if member.name == "__new__" else getattr(owner, member.name).__text_signature__
-            assert parameters(text) == stated(member), (node.name, member.name)
-            compared += 1
-    assert compared >= 11
+            # Python 3.9 keeps no signature of a class from the stable ABI.
+            if member.name != "__new__" or sys.version_info >= (3, 10):
+                assert parameters(text) == stated(member), (node.name, member.name)
+                compared += 1
+    assert compared >= (11 if sys.version_info >= (3, 10) else 7)
 
 
 def test_everything_has_a_docstring():
