@@ -34,20 +34,29 @@ pub struct Section {
     pub axial_rigidity_n: f64,
     /// Bending rigidity EI, N mm^2.
     pub bending_rigidity_nmm2: f64,
+    /// Ratio EA / (kappa G A) of axial to shear rigidity, dimensionless; zero for a beam without shear deformation.
+    pub shear_flexibility: f64,
 }
 
 impl Section {
-    /// A rectangular strip with the given in-plane thickness (mm), out-of-plane depth (mm) and Young's modulus (MPa).
+    /// A rectangular strip with the given in-plane thickness (mm), out-of-plane depth (mm) and Young's modulus (MPa), without shear deformation.
     pub fn rectangle(thickness_mm: f64, depth_mm: f64, youngs_modulus_mpa: f64) -> Section {
         let axial_rigidity_n = youngs_modulus_mpa * depth_mm * thickness_mm;
-        Section { axial_rigidity_n, bending_rigidity_nmm2: axial_rigidity_n * thickness_mm * thickness_mm / 12.0 }
+        let bending_rigidity_nmm2 = axial_rigidity_n * thickness_mm * thickness_mm / 12.0;
+        Section { axial_rigidity_n, bending_rigidity_nmm2, shear_flexibility: 0.0 }
     }
 
-    /// Returns the section with both rigidities multiplied by a dimensionless factor.
+    /// Shear parameter Phi = 12 EI / (kappa G A L^2) of a beam of this section and of length L (mm), dimensionless.
+    pub fn shear_parameter(&self, length_mm: f64) -> f64 {
+        12.0 * self.bending_rigidity_nmm2 * self.shear_flexibility / (self.axial_rigidity_n * length_mm * length_mm)
+    }
+
+    /// Returns the section with all rigidities multiplied by a dimensionless factor.
     pub fn scaled(self, factor: f64) -> Section {
         Section {
             axial_rigidity_n: self.axial_rigidity_n * factor,
             bending_rigidity_nmm2: self.bending_rigidity_nmm2 * factor,
+            shear_flexibility: self.shear_flexibility,
         }
     }
 }
@@ -129,6 +138,7 @@ impl PlaneFrame {
             length_mm,
             axial_rigidity_n: section.axial_rigidity_n,
             bending_rigidity_nmm2: section.bending_rigidity_nmm2,
+            sway_factor: 1.0 / (1.0 + section.shear_parameter(length_mm)),
         };
         self.members.push(Member { beam, ends });
         self.members.len() - 1

@@ -141,6 +141,7 @@ fn read_finger(table: &TableReader, markers_on: MarkerPoints) -> Result<FingerDe
         depth_mm: table.get(&FINGER.depth_mm)?,
         rod_arm_mm: table.get(&FINGER.rod_arm_mm)?,
         poissons_ratio: table.get(&FINGER.poissons_ratio)?,
+        shear_correction: table.get(&FINGER.shear_correction)?,
         front: front.0,
         back: back.0,
         rigid_ends: [front.1, back.1],

@@ -1,4 +1,4 @@
-//! Validity of the beam model in an equilibrium: strains must be small, shear negligible, and bending must stay in the plane.
+//! Validity of the beam model in an equilibrium: strains must be small, shear negligible or part of the model, and bending must stay in the plane.
 //!
 //! Euler-Bernoulli beams with stress = E times strain give a smooth solution under any load, even an unrealistic one. [`Validity`] computes the neglected
 //! effects in an equilibrium. [`Validity::doubts`] compares strains with the material's limits ([`StrainLimits`], by default [`LARGEST_STRAIN`]) and shear
@@ -95,7 +95,7 @@ pub struct Validity {
     /// Largest fibre strain of each deformable part, in the order front plate, back plate, ribs.
     pub strains: Vec<FibreStrain>,
     /// Shear energy divided by the strain energy of elongation and bending, dimensionless; zero at rest. The shear energy is V^2 l / (2 kappa G A), summed
-    /// over the members, with kappa = [`SHEAR_CORRECTION`] and G = E / (2 (1 + nu)).
+    /// over the members, with kappa = [`SHEAR_CORRECTION`] and G = E / (2 (1 + nu)). Zero if the finger's members deform in shear: nothing is neglected then.
     ///
     /// If shear is included, the work of the loads on a linear finger grows by at most this share. The reason: the section forces of beams with shear
     /// minimise the complementary energy, and the section forces of Euler-Bernoulli beams are admissible in this minimisation.
@@ -210,7 +210,7 @@ fn examine(
             let length_mm = (to.xi - from.xi) * beam.length_mm;
             let (axial, bending) = (beam.axial_rigidity_n, beam.bending_rigidity_nmm2);
             strain_energy += 0.5 * length_mm * (axial * from.axial_strain.powi(2) + bending * mean_square(&from, &to));
-            if length_mm > 0.0 {
+            if length_mm > 0.0 && finger.description().shear_correction == 0.0 {
                 let shear_n = bending * (to.curvature_per_mm - from.curvature_per_mm) / length_mm;
                 // The axial rigidity is E A / (1 - nu^2), so G A is (1 - nu) / 2 times the axial rigidity.
                 shear_energy += 0.5 * length_mm * shear_n.powi(2) / (shear_rigidity * axial);

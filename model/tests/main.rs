@@ -31,6 +31,7 @@ mod statics {
     mod invariance;
     mod ladder;
     mod properties;
+    mod shear;
 }
 mod tapers;
 mod validity;

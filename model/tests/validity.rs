@@ -187,6 +187,20 @@ fn the_share_of_shear_bounds_what_beams_with_shear_add() {
     }
 }
 
+/// The key `shear_correction` gives the finger the stiffness of beams with shear: a force does the same work on it as on the matrices above.
+#[test]
+fn a_finger_with_shear_has_the_stiffness_of_beams_with_shear() {
+    let keys = "depth_mm = 20.0\npoissons_ratio = 0.45\nshear_correction = 0.8333333333333334";
+    let finger = paper_scene_with(&[("depth_mm = 20.0", keys)]).finger;
+    for node in [13, 14, 19, 24].map(NodeId) {
+        let mesh = Mesh::key_nodes(&finger);
+        let (_, motion) = solved(&mesh, Kinematics::Linear, &[Contact::at_node(node).unit_load(&finger)]);
+        let work = motion.displacements[mesh.frame_node(node)].dot(&finger.direction(0.0));
+        let expected = work_with_shear(&finger, node, 1.0);
+        assert!((work / expected - 1.0).abs() < ROUNDING, "node {node}: {work}, expected {expected}");
+    }
+}
+
 /// Small forces on the paper's finger violate no assumption. If a single assumption fails, exactly this assumption is reported.
 #[test]
 fn doubts_name_what_fails() {

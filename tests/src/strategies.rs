@@ -86,6 +86,7 @@ pub fn finger() -> impl Strategy<Value = Finger> {
                 depth_mm,
                 rod_arm_mm: extras.0 * front_length_mm,
                 poissons_ratio: extras.1,
+                shear_correction: 0.0,
                 front,
                 back,
                 rigid_ends: Default::default(),

@@ -28,12 +28,13 @@ impl Beam {
     /// Stations from the first end to the second: two for each segment between ends and loads. Within a segment, axial strain is constant and curvature is
     /// linear, so the stations include the largest values.
     ///
-    /// The motion of the ends gives the deflection w of the cubic beam, w'' = ((6 xi - 4) phi_a + (6 xi - 2) phi_b) / L. A force between the ends
-    /// adds the solution of a beam clamped at both ends. Let q = 1 - p. A force P across the chord at xi = p adds bending moments EI w'': P L p q^2
-    /// at the first end, -2 P L p^2 q^2 at the force and P L p^2 q at the second end. A force F along the chord at xi = p adds the axial force F q
-    /// before this position and -F p after it. For small displacements the sum is exact.
+    /// The motion of the ends gives the deflection w of the cubic beam, w'' = ((6 xi - 4) psi_a + (6 xi - 2) psi_b) / L, with the end slopes psi of the
+    /// axis. A force between the ends adds the solution of a beam clamped at both ends. Let q = 1 - p. A force P across the chord at xi = p adds bending
+    /// moments EI w'': P L p q^2 at the first end, -2 P L p^2 q^2 at the force and P L p^2 q at the second end. With the sway factor r, shear
+    /// deformation adds the moment -P L p q (q - p) (1 - r) (1 - 2 xi) / 2. A force F along the chord at xi = p adds the axial force F q before this
+    /// position and -F p after it. For small displacements the sum is exact.
     ///
-    /// Source: Young and Budynas, Roark's Formulas, table 8.1, case 1d.
+    /// Source without shear: Young and Budynas, Roark's Formulas, table 8.1, case 1d.
     pub(crate) fn stations(
         &self,
         kinematics: Kinematics,
@@ -65,7 +66,8 @@ impl Beam {
     }
 
     fn curvature_of_ends(&self, deformation: &Deformation, xi: f64) -> f64 {
-        ((6.0 * xi - 4.0) * deformation[1] + (6.0 * xi - 2.0) * deformation[2]) / self.length_mm
+        let [by_first, by_second] = self.by_rotations([6.0 * xi - 4.0, 6.0 * xi - 2.0]);
+        (by_first * deformation[1] + by_second * deformation[2]) / self.length_mm
     }
 
     fn curvature_of_loads(&self, loads: &[ChordLoad], xi: f64) -> f64 {
@@ -77,7 +79,8 @@ impl Beam {
             } else {
                 p * p * q - p * p * (1.0 + 2.0 * q) * (1.0 - xi)
             };
-            load.across * self.length_mm * shape
+            let shear = 0.5 * p * q * (q - p) * (1.0 - self.sway_factor) * (1.0 - 2.0 * xi);
+            load.across * self.length_mm * (shape - shear)
         };
         loads.iter().map(moment).sum::<f64>() / self.bending_rigidity_nmm2
     }

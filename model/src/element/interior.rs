@@ -13,17 +13,18 @@ struct Shape {
 }
 
 impl Shape {
-    /// The shape for the point at the fraction `xi` of the cubic beam's length.
-    fn at(xi: f64, length_mm: f64) -> Shape {
-        let rest = 1.0 - xi;
-        Shape { shares: [rest, xi], levers: [length_mm * xi * rest * rest, -length_mm * xi * xi * rest] }
+    /// The shape for the point at the fraction `xi` of the beam's length.
+    fn at(xi: f64, beam: &Beam) -> Shape {
+        let (rest, length_mm) = (1.0 - xi, beam.length_mm);
+        let of_slopes = [length_mm * xi * rest * rest, -length_mm * xi * xi * rest];
+        Shape { shares: [rest, xi], levers: beam.by_rotations(of_slopes) }
     }
 
     /// Derivative of [`at`](Shape::at) by `xi`.
-    fn slope_at(xi: f64, length_mm: f64) -> Shape {
-        let rest = 1.0 - xi;
-        let levers = [length_mm * rest * (1.0 - 3.0 * xi), -length_mm * xi * (2.0 - 3.0 * xi)];
-        Shape { shares: [-1.0, 1.0], levers }
+    fn slope_at(xi: f64, beam: &Beam) -> Shape {
+        let (rest, length_mm) = (1.0 - xi, beam.length_mm);
+        let of_slopes = [length_mm * rest * (1.0 - 3.0 * xi), -length_mm * xi * (2.0 - 3.0 * xi)];
+        Shape { shares: [-1.0, 1.0], levers: beam.by_rotations(of_slopes) }
     }
 }
 
@@ -31,10 +32,10 @@ impl Beam {
     /// Work of a dead force (N) at the fraction `xi` of the undeformed length, N mm. Its derivatives are the consistent nodal loads.
     ///
     /// The loaded point is p = (1 - xi) p_a + xi p_b + w n, with n the unit vector across the chord. The deflection w is cubic,
-    /// w = L (phi_a xi (1 - xi)^2 - phi_b xi^2 (1 - xi)). With linear kinematics the derivatives are the classical equivalent nodal loads
-    /// of the cubic beam, so displacements at the ends are exact.
+    /// w = L (psi_a xi (1 - xi)^2 - psi_b xi^2 (1 - xi)), with the end slopes psi of the axis. With linear kinematics the derivatives are the classical
+    /// equivalent nodal loads of the beam, with or without shear deformation, so displacements at the ends are exact.
     pub fn interior_work(&self, kinematics: Kinematics, xi: f64, force: Vector, motion: &[EndMotion; 2]) -> Response {
-        self.work_on(kinematics, Shape::at(xi, self.length_mm), force, motion)
+        self.work_on(kinematics, Shape::at(xi, self), force, motion)
     }
 
     /// Derivative of the nodal loads of [`interior_work`](Beam::interior_work) by the position of the force, in N/mm and N.
@@ -46,17 +47,24 @@ impl Beam {
         motion: &[EndMotion; 2],
     ) -> ElementVector {
         // Work and its derivatives are linear in the shape.
-        self.work_on(kinematics, Shape::slope_at(xi, self.length_mm), force, motion).gradient / self.length_mm
+        self.work_on(kinematics, Shape::slope_at(xi, self), force, motion).gradient / self.length_mm
     }
 
     /// Rotation of the beam's axis at the fraction `xi` of its length, rad: the rotation of the chord plus the slope of the deflection.
     pub fn interior_rotation(&self, xi: f64, motion: &[EndMotion; 2]) -> f64 {
         let chord = Chord::deformed(self, motion);
         let deformation = chord.deformation(motion);
-        let levers = Shape::slope_at(xi, self.length_mm).levers;
+        let levers = Shape::slope_at(xi, self).levers;
         // The rotation of the first end counts full turns; `chord.rotation` does not.
         let chord_rotation = motion[0].rotation - deformation[1];
         chord_rotation + (levers[0] * deformation[1] + levers[1] * deformation[2]) / self.length_mm
+    }
+
+    /// Converts derivatives by the end slopes psi of the axis to derivatives by the end rotations phi. With the sway factor r, the shear angle of the whole
+    /// beam is (1 - r) / 2 times the sum of the rotations: psi = phi - (1 - r) (phi_a + phi_b) / 2.
+    pub(super) fn by_rotations(&self, by_slopes: [f64; 2]) -> [f64; 2] {
+        let by_shear = 0.5 * (1.0 - self.sway_factor) * (by_slopes[0] + by_slopes[1]);
+        by_slopes.map(|by_slope| by_slope - by_shear)
     }
 
     fn work_on(&self, kinematics: Kinematics, shape: Shape, force: Vector, motion: &[EndMotion; 2]) -> Response {

@@ -53,7 +53,10 @@ pub struct Response<R = f64> {
     pub tangent: SMatrix<R, 6, 6>,
 }
 
-/// A straight, slender (Euler-Bernoulli) beam with constant cross-section.
+/// A straight beam with constant cross-section.
+///
+/// A beam without shear deformation is an Euler-Bernoulli beam. With shear deformation it is a Timoshenko beam: sections rotate by the shear angle
+/// relative to the axis. The shear angle is constant between loads, so the axis remains a cubic.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Beam<R = f64> {
     /// Unit vector from the first to the second end of the undeformed beam.
@@ -64,6 +67,8 @@ pub struct Beam<R = f64> {
     pub axial_rigidity_n: R,
     /// Bending rigidity EI, N mm^2.
     pub bending_rigidity_nmm2: R,
+    /// Factor 1 / (1 + Phi) by which shear reduces the stiffness against sway, with Phi = 12 EI / (kappa G A L^2); 1 without shear deformation.
+    pub sway_factor: R,
 }
 
 impl<R: Number> Beam<R> {
@@ -75,7 +80,8 @@ impl<R: Number> Beam<R> {
     ///
     /// gradient = d^T U',   tangent = d^T U'' d + sum_i U'_i (second derivative of deformation i).
     ///
-    /// Source: Crisfield, Non-linear Finite Element Analysis of Solids and Structures, vol. 1, sec. 7.3.
+    /// Source: Crisfield, Non-linear Finite Element Analysis of Solids and Structures, vol. 1, sec. 7.3; shear: Przemieniecki, Theory of Matrix
+    /// Structural Analysis, sec. 5.6.
     #[inline(always)]
     pub fn response(&self, kinematics: Kinematics, motion: &[EndMotion<R>; 2]) -> Response<R> {
         if kinematics == Kinematics::Linear {

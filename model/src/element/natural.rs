@@ -5,6 +5,9 @@ use super::{Beam, EndMotion, Response};
 use crate::number::Number;
 use nalgebra::{SMatrix, SVector, Vector2, Vector3};
 
+/// Coefficients of a quadratic form of the two end rotations: of both squares, and of the product.
+type EndForm<R> = [R; 2];
+
 /// Coefficient of the end rotations in the axial strain, dimensionless: 1 / 30 with bowing, 0 without.
 fn arch(bowing: bool) -> f64 {
     if bowing { 1.0 / 30.0 } else { 0.0 }
@@ -23,7 +26,25 @@ impl<R: Number> Beam<R> {
         Vector2::new(self.direction.x * self.length_mm, self.direction.y * self.length_mm)
     }
 
-    /// Axial strain eps = e / L + (2 phi_a^2 - phi_a phi_b + 2 phi_b^2) / 30.
+    /// End moments per end rotation, in units of EI / L: at the rotated end 1 + 3 r, at the other end 3 r - 1. r is the sway factor.
+    #[inline(always)]
+    fn end_stiffness(&self) -> [R; 2] {
+        let one = self.sway_factor.constant(1.0);
+        let sway = self.sway_factor * 3.0;
+        [sway + one, sway - one]
+    }
+
+    /// The form 2 psi_a^2 - psi_a psi_b + 2 psi_b^2 of the axis' end slopes psi, in terms of the end rotations phi. The sum of the slopes is r times the
+    /// sum of the rotations, with the sway factor r; their difference equals the difference of the rotations.
+    #[inline(always)]
+    fn slope_form(&self) -> EndForm<R> {
+        let five = self.sway_factor.constant(5.0);
+        let sway = self.sway_factor * self.sway_factor * 3.0;
+        [(sway + five) * 0.25, (sway - five) * 0.5]
+    }
+
+    /// Axial strain eps = e / L + (2 psi_a^2 - psi_a psi_b + 2 psi_b^2) / 30, with the end slopes psi of the axis relative to the chord. Without shear
+    /// deformation, these are the end rotations phi.
     ///
     /// The second term is the mean of w'^2 / 2 over the cubic deflection w (shallow arch). It is zero without `bowing`. Returns the strain (dimensionless), and
     /// its derivatives by the two end rotations, multiplied by the beam's length, mm.
@@ -31,22 +52,27 @@ impl<R: Number> Beam<R> {
     pub(super) fn axial_strain(&self, bowing: bool, deformation: &Deformation<R>) -> (R, [R; 2]) {
         let (a, b) = (deformation[1], deformation[2]);
         let arch = arch(bowing);
-        let strain = deformation[0] * self.per_length() + (a * 2.0 * a - a * b + b * 2.0 * b) * arch;
-        (strain, [(a * 4.0 - b) * (self.length_mm * arch), (b * 4.0 - a) * (self.length_mm * arch)])
+        let [square, product] = self.slope_form();
+        let strain = deformation[0] * self.per_length() + (a * square * a + a * product * b + b * square * b) * arch;
+        let twice = square * 2.0;
+        let lever_mm = self.length_mm * arch;
+        (strain, [(a * twice + b * product) * lever_mm, (b * twice + a * product) * lever_mm])
     }
 
-    /// Energy U = EA L eps^2 / 2 + 2 EI / L (phi_a^2 + phi_a phi_b + phi_b^2), N mm. The gradient of U consists of the axial force (N) and the end
-    /// moments (N mm).
+    /// Energy U = EA L eps^2 / 2 + EI / (2 L) (k phi_a^2 + 2 k' phi_a phi_b + k phi_b^2), N mm, with k and k' of [`end_stiffness`](Beam::end_stiffness):
+    /// 4 and 2 without shear deformation. The gradient of U consists of the axial force (N) and the end moments (N mm).
     #[inline(always)]
     fn natural_forces(&self, (strain, [by_a, by_b]): (R, [R; 2]), deformation: &Deformation<R>) -> (R, Vector3<R>) {
         let (a, b) = (deformation[1], deformation[2]);
         let flexural = self.bending_rigidity_nmm2 * self.per_length();
         let force = strain * self.axial_rigidity_n;
-        let energy = force * 0.5 * strain * self.length_mm + (a * a + a * b + b * b) * (flexural * 2.0);
+        let [near, far] = self.end_stiffness();
+        let half = near * 0.5;
+        let energy = force * 0.5 * strain * self.length_mm + (a * a * half + a * b * far + b * b * half) * flexural;
         let gradient = Vector3::new(
             force,
-            force * by_a + (a * 4.0 + b * 2.0) * flexural,
-            force * by_b + (a * 2.0 + b * 4.0) * flexural,
+            force * by_a + (a * near + b * far) * flexural,
+            force * by_b + (a * far + b * near) * flexural,
         );
         (energy, gradient)
     }
@@ -73,8 +99,9 @@ impl<R: Number> Beam<R> {
         let flexural = self.bending_rigidity_nmm2 * self.per_length();
         let curvature = natural[0] * self.length_mm * arch(bowing);
         let (axial_a, axial_b) = (by_a * axial_stiffness, by_b * axial_stiffness);
-        let mixed = axial_a * by_b + flexural * 2.0 - curvature;
-        let bending = (curvature + flexural) * 4.0;
+        let ([near, far], [square, product]) = (self.end_stiffness(), self.slope_form());
+        let mixed = axial_a * by_b + flexural * far + curvature * product;
+        let bending = curvature * (square * 2.0) + flexural * near;
         let (bending_a, bending_b) = (axial_a * by_a + bending, axial_b * by_b + bending);
 
         let (axial, a, b) = (natural.x, natural.y, natural.z);

@@ -118,6 +118,8 @@ pub struct FingerDescription {
     pub rod_arm_mm: f64,
     /// Poisson's ratio, dimensionless. Strips are wide compared with their thickness, so their effective modulus is E / (1 - nu^2).
     pub poissons_ratio: f64,
+    /// Shear correction factor kappa of plates and ribs, dimensionless: the shear rigidity is kappa G A. Zero for members without shear deformation.
+    pub shear_correction: f64,
     /// The front plate.
     pub front: Strip,
     /// The back plate.

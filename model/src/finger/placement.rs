@@ -25,6 +25,7 @@ pub(super) fn check_sizes(d: &FingerDescription) -> Result<(), ImpossibleFinger>
     check(&FINGER.depth_mm, &d.depth_mm)?;
     check(&FINGER.rod_arm_mm, &d.rod_arm_mm)?;
     check(&FINGER.poissons_ratio, &d.poissons_ratio)?;
+    check(&FINGER.shear_correction, &d.shear_correction)?;
     for (keys, strip, ends) in [(&FRONT, d.front, d.rigid_ends[0]), (&BACK, d.back, d.rigid_ends[1])] {
         check(&keys.thickness_mm, &strip.thickness_mm)?;
         strip.tip_thickness_mm.map_or(Ok(()), |thickness_mm| check(&keys.tip_thickness_mm, &thickness_mm))?;

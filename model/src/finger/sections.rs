@@ -1,6 +1,6 @@
 //! Cross-sections of a finger's plates and ribs.
 
-use super::{Finger, Part, Plate, Strip};
+use super::{Finger, FingerDescription, Part, Plate, Strip};
 use crate::frame::Section;
 
 impl Finger {
@@ -42,7 +42,15 @@ impl Finger {
     fn section_of(&self, strip: &Strip) -> Section {
         let modulus =
             strip.youngs_modulus_mpa / (1.0 - self.description.poissons_ratio * self.description.poissons_ratio);
-        Section::rectangle(strip.thickness_mm, self.description.depth_mm, modulus)
+        let section = Section::rectangle(strip.thickness_mm, self.description.depth_mm, modulus);
+        Section { shear_flexibility: self.shear_flexibility(), ..section }
+    }
+
+    /// Ratio EA / (kappa G A) of all sections, dimensionless: EA / (1 - nu^2) is the axial rigidity and G = E / (2 (1 + nu)), so the ratio is
+    /// 2 / (kappa (1 - nu)). Zero without shear deformation.
+    pub(crate) fn shear_flexibility(&self) -> f64 {
+        let FingerDescription { shear_correction, poissons_ratio, .. } = self.description;
+        if shear_correction > 0.0 { 2.0 / (shear_correction * (1.0 - poissons_ratio)) } else { 0.0 }
     }
 
     /// Section of a rib, including the effect of zones; ribs are numbered from 0 at the base. `None` for undeformable ribs.

@@ -84,6 +84,7 @@ impl Member {
                 length_mm: like.constant(beam.length_mm),
                 axial_rigidity_n: like.constant(beam.axial_rigidity_n),
                 bending_rigidity_nmm2: like.constant(beam.bending_rigidity_nmm2),
+                sway_factor: like.constant(beam.sway_factor),
             },
             ends: [first.in_numbers(like), second.in_numbers(like)],
         }

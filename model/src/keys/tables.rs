@@ -107,6 +107,8 @@ tables! {
         "Length of the rigid arm at each end of each member. Members are the ribs and the segments of plates between nodes.";
     poissons_ratio: Number(Quantity("ratio", ""), Above(-1.0, 0.5)), Or(0.0),
         "Poisson's ratio nu. The effective modulus is E / (1 - nu^2), which holds for plates and ribs of a depth much larger than their thickness.";
+    shear_correction: Number(Quantity("factor", ""), Within(0.0, 1.0)), Or(0.0),
+        "Shear correction factor kappa: plates and ribs have the shear rigidity kappa A E / (2 (1 + nu)). 5/6 for rectangles; 0 for no shear deformation.";
     model_error: Number(Quantity("share", ""), Within(0.0, 1.0)), Or(0.0),
         "Relative standard deviation of a sensed force due to the errors of beam theory. sigma_n of `finray sense` and `finray live` includes this \
          deviation; maps do not. `finray guide accuracy` states values.";

@@ -11,7 +11,8 @@ pub(super) fn element_start([from, to]: [f64; 2], elements: usize, i: usize) -> 
 }
 
 impl Finger {
-    /// Section with the mean compliances of a plate segment, including the effect of zones.
+    /// Section with the mean compliances of a plate segment, including the effect of zones. Shear and axial compliance have the same mean, because both
+    /// rigidities are proportional to modulus times thickness.
     pub(super) fn plate_section(&self, plate: Plate, from_mm: f64, to_mm: f64) -> Section {
         let d = self.description();
         let zones: Vec<Zone> = d.zones.iter().filter(|zone| zone.part == Part::from(plate)).copied().collect();
@@ -23,6 +24,7 @@ impl Finger {
             axial_rigidity_n: of_base.axial_rigidity_n * (1.0 / mean(&|from, to| self.stretching(plate, from, to))),
             bending_rigidity_nmm2: of_base.bending_rigidity_nmm2
                 * (1.0 / mean(&|from, to| self.bending(plate, from, to))),
+            shear_flexibility: of_base.shear_flexibility,
         }
     }
 

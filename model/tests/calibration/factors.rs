@@ -4,6 +4,7 @@ use finray_model::calibration::{CalibrationCase, CalibrationError, FactorEstimat
 use finray_model::finger::{Finger, FingerDescription, Joints, Part, Zone};
 use finray_model::measurement::Measurement;
 use finray_model::statics::Statics;
+use finray_model::validity::SHEAR_CORRECTION;
 use finray_model::{Kinematics, Load, Mesh, NodeId, Vector, statics};
 use finray_tests::{CAMERA_NOISE_MM, STANDARD_ERRORS, paper};
 use rand::{RngExt, SeedableRng};
@@ -97,7 +98,7 @@ fn zones_may_share_a_factor() {
     assert_eq!(unknowns[0].to_string(), "zone_1+2_modulus_factor");
 }
 
-/// Sensitivities of the key nodes equal central differences, for elastic ribs on pins, undeformable ribs, arms, and zones that overlap and end inside
+/// Sensitivities of the key nodes equal central differences, for elastic ribs on pins, undeformable ribs, arms with shear deformation, and zones that overlap and end inside
 /// elements.
 #[test]
 fn sensitivities_are_those_of_differences() {
@@ -108,7 +109,12 @@ fn sensitivities_are_those_of_differences() {
         zone(Part::Back, 100.0, 153.0, 0.3),
         zone(Part::Ribs, 30.0, 120.0, 0.2),
     ];
-    let rigid = FingerDescription { zones: zones.clone(), rod_arm_mm: 1.25, ..paper.clone() };
+    let rigid = FingerDescription {
+        zones: zones.clone(),
+        rod_arm_mm: 1.25,
+        shear_correction: SHEAR_CORRECTION,
+        ..paper.clone()
+    };
     let mut hinged = FingerDescription { zones: zones.clone(), ..paper.clone() };
     hinged.ribs.joints = Joints::Hinged;
     let mut undeformable = FingerDescription { zones, ..paper };

@@ -34,6 +34,7 @@ fn a_buckling_load_is_not_jumped_over() {
         depth_mm: 8.0,
         rod_arm_mm: 0.0,
         poissons_ratio: 0.0,
+        shear_correction: 0.0,
         front: strip(1.94819, 181.17),
         back: strip(0.5, 353.372),
         rigid_ends: Default::default(),

@@ -1,13 +1,13 @@
 //! A finger as a lattice of rigid bodies and springs: a second discretisation that verifies the beam solver.
 //!
 //! The lattice uses neither the elements nor the solver of the beam model. Its springs have the stiffnesses EA / l, 12 EI / l^3 and EI / l of the
-//! beams' sections. It therefore verifies solver and kinematics, but not the Euler-Bernoulli theory.
+//! beams' sections; shear deformation reduces the second. It therefore verifies solver and kinematics, but not beam theory.
 //!
 //! Plates and ribs are cut into short segments, with a rigid body between two segments and at every rod (junction). Each segment becomes one axial spring and
 //! up to three bending springs ([`springs`]). The equilibrium is found in two ways. [`settling`] lets the bodies move in the physics engine rapier until they
 //! rest; Newton's method minimises the springs' [`energy`]. Comparing both results separates errors of the lattice from errors of settling.
 //!
-//! No parameter is fitted. For small displacements the displacements of the key nodes are exact, as in a frame of slender beams. The geometrically
+//! No parameter is fitted. For small displacements the displacements of the key nodes are exact, as in a frame of beams. The geometrically
 //! nonlinear error decreases with the third to fourth power of the segment length.
 //!
 //! The lattice supports every finger: rigid arms, zones, hinged ribs and undeformable ribs. An undeformable rib with rigid joints forms one body with its two

@@ -62,7 +62,7 @@ pub struct Segment {
     pub direction: Vector,
     /// Length, mm.
     pub length_mm: f64,
-    /// Axial rigidity EA (N) and bending rigidity EI (N mm^2).
+    /// Axial rigidity EA (N), bending rigidity EI (N mm^2) and shear flexibility.
     pub section: Section,
 }
 
@@ -100,10 +100,12 @@ impl Segment {
     /// Between two unpinned ends the elastic energy of a slender beam is EI / (2 l) turn^2 + 12 EI / (2 l^3) across^2. Here `turn` is the relative rotation
     /// of the ends, and `across` the gap at the middle if both halves stayed straight. For symmetry, two springs of half the stiffness resist the
     /// gap: one normal to the direction of the first end, one normal to the direction of the second end. A segment with one pin is a cantilever,
-    /// clamped at the unpinned end, with the stiffness 3 EI / l^3. A segment with two pins has only the axial spring.
+    /// clamped at the unpinned end, with the stiffness 3 EI / l^3. A segment with two pins has only the axial spring. With shear deformation, the
+    /// stiffness 12 EI / l^3 is divided by 1 + Phi, and 3 EI / l^3 by 1 + Phi / 4, with the shear parameter Phi.
     pub fn springs(&self, axial: AxialSprings) -> Vec<Spring> {
         let length = self.length_mm;
         let bending = self.section.bending_rigidity_nmm2;
+        let shear = self.section.shear_parameter(length);
         let inset = self.direction * (length * axial.inset);
         let [first, second] = self.ends;
         let insets = self.pinned.map(|pinned| if pinned { Vector::zeros() } else { inset });
@@ -118,22 +120,23 @@ impl Segment {
             deformation: Deformation::Across { direction: self.direction },
             stiffness,
         };
+        let cantilever = 3.0 * bending / length.powi(3) / (1.0 + 0.25 * shear);
         match self.pinned {
             [false, false] => {
                 let half = self.direction * (0.5 * length);
                 let middle = [first.moved(half), second.moved(-half)];
-                let stiffness = 6.0 * bending / length.powi(3);
+                let stiffness = 6.0 * bending / length.powi(3) / (1.0 + shear);
                 springs.push(across(middle, stiffness));
                 springs.push(across([middle[1], middle[0]], stiffness));
                 springs.push(Spring { ends: middle, deformation: Deformation::Turn, stiffness: bending / length });
             }
             [false, true] => {
                 let reach = self.direction * length;
-                springs.push(across([first.moved(reach), second], 3.0 * bending / length.powi(3)));
+                springs.push(across([first.moved(reach), second], cantilever));
             }
             [true, false] => {
                 let reach = self.direction * length;
-                springs.push(across([second.moved(-reach), first], 3.0 * bending / length.powi(3)));
+                springs.push(across([second.moved(-reach), first], cantilever));
             }
             [true, true] => {}
         }

@@ -9,7 +9,11 @@ use finray_tests::{contact_node, finger_of, paper, paper_scene_with, shapes_apar
 /// Tolerance between the settled lattice and its equilibrium, as a share of the largest displacement.
 const SETTLING_TOLERANCE: f64 = 5e-4;
 
-/// Lattices with arms, zones, hinges or undeformable ribs settle at the minimum of their energy, and beams agree.
+fn with_shear(scene: &str) -> String {
+    scene.replacen("[finger]\n", "[finger]\nshear_correction = 0.8\n", 1)
+}
+
+/// Lattices with arms, zones, hinges, undeformable ribs or shear deformation settle at the minimum of their energy, and beams agree.
 #[test]
 fn other_fingers_settle_where_beams_are() {
     for (text, force_n, tolerance) in [
@@ -19,6 +23,8 @@ fn other_fingers_settle_where_beams_are() {
         (finray_fixtures::HINGED_SCENE, 1.0, 1e-3),
         (finray_fixtures::HINGED_RIGID_SCENE, 1.0, 1e-3),
         (finray_fixtures::RIGID_RIBS_SCENE, 0.5, 2e-3),
+        (&with_shear(finray_fixtures::ARMS_SCENE), 1.0, 1e-3),
+        (&with_shear(finray_fixtures::HINGED_SCENE), 1.0, 1e-3),
     ] {
         let finger = finger_of(text);
         let lattice = Lattice::new(&finger, 2).expect("a lattice");

@@ -36,13 +36,13 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 /// What beam theory neglects, and where beams are worst, from the comparison with a plane continuum.
 fn beam_theory(continuum: &ContinuumStudy) -> String {
     let of = |constants| continuum.with_rods(constants);
-    let (Some(modulus), Some(arms)) = (of(Constants::Modulus), of(Constants::Arms)) else {
+    let (Some(modulus), Some(arms)) = (of(Constants::Modulus), of(Constants::ArmsAndShear)) else {
         return NO_CONTINUUM.to_owned();
     };
     format!(
         "A plane continuum of CalculiX shows what beam theory neglects (no check; {COMPARISONS_CSV}): over {} forces up to {LARGEST_FORCE_N} N, not on the tip, beams \
-         with Young's modulus alone move {:.2} times as far in the median. With Poisson's ratio and rigid arms at the rods they differ by {} of the largest \
-         displacement in the median, and by {} at most: at node {}, with the force on node {}.",
+         with Young's modulus alone move {:.2} times as far in the median. With Poisson's ratio, rigid arms at the rods and shear they differ by {} of the \
+         largest displacement in the median, and by {} at most: at node {}, with the force on node {}.",
         arms.cases,
         modulus.scale,
         percent(arms.median),

@@ -11,7 +11,7 @@ use std::str::FromStr;
 /// states the number of ribs and another scene states the positions of the same ribs.
 const DIGITS: i32 = 10;
 
-/// SHA-256 hash of the numbers that define a finger: key nodes, rigid arms, clips and ends, rigidities, tapers, rib thicknesses, joints, brackets with the
+/// SHA-256 hash of the numbers that define a finger: key nodes, rigid arms, clips and ends, rigidities, shear, tapers, rib thicknesses, joints, brackets with the
 /// points of markers, and zones. Names, the order of zones, the notation of the ribs, and other tables of the scene have no effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Fingerprint([u8; 32]);
@@ -30,6 +30,9 @@ impl Fingerprint {
             }
         }
         numbers.number("arm_mm", finger.description().rod_arm_mm);
+        if finger.shear_flexibility() > 0.0 {
+            numbers.number("shear_flexibility", finger.shear_flexibility());
+        }
         numbers.part(finger, "front", Part::Front);
         numbers.part(finger, "back", Part::Back);
         if finger.rib_count() > 0 {

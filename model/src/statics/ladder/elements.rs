@@ -142,6 +142,7 @@ impl<R: Number> ParallelLines<'_, R> {
             length_mm: like.of_lanes(|lane| beam(lane).length_mm),
             axial_rigidity_n: like.of_lanes(|lane| beam(lane).axial_rigidity_n),
             bending_rigidity_nmm2: like.of_lanes(|lane| beam(lane).bending_rigidity_nmm2),
+            sway_factor: like.of_lanes(|lane| beam(lane).sway_factor),
         }
     }
 

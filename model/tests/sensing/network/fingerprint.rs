@@ -55,6 +55,8 @@ fn every_number_counts_in_a_fingerprint() {
         changed(|d| d.depth_mm *= a_bit),
         changed(|d| d.rod_arm_mm = 1e-3),
         changed(|d| d.poissons_ratio = 1e-3),
+        changed(|d| d.shear_correction = 0.8),
+        changed(|d| d.shear_correction = 0.8 * a_bit),
         changed(|d| d.front.thickness_mm *= a_bit),
         changed(|d| d.front.youngs_modulus_mpa *= a_bit),
         changed(|d| d.back.thickness_mm *= a_bit),

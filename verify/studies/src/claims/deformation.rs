@@ -55,7 +55,7 @@ pub fn solid(continuum: &ContinuumStudy, words: &Words) -> Result<Claim, ClaimEr
     let without_arms = [Constants::Modulus, Constants::PlaneStrain].map(|constants| continuum.with_rods(constants));
     let large: Vec<ClaimVerdict> =
         without_arms.into_iter().flatten().map(|row| statement(row.median > MUCH_SHARE)).collect();
-    let arms = continuum.with_rods(Constants::Arms);
+    let arms = continuum.with_rods(Constants::ArmsAndShear);
     let medians =
         |rows: [Option<&BeamTheoryRow>; 3]| rows.into_iter().flatten().map(|row| row.median).collect::<Vec<_>>();
     let numbers = context! {

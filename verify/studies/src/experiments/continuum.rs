@@ -1,6 +1,6 @@
 //! What beam theory neglects: beams against the same finger as a plane continuum of CalculiX.
 //!
-//! Beams lack the rods' extent, plane strain and shear. The deviation is one of the theory, not of a solver: no tolerance applies.
+//! Slender beams lack the rods' extent, plane strain and shear. The deviation is one of the theory, not of a solver: no tolerance applies.
 
 use super::table_one::{TableOne, table_one};
 use super::{Context, Evidence, ExperimentError};
@@ -41,20 +41,20 @@ pub enum Constants {
     Modulus,
     /// Poisson's ratio too: E / (1 - nu^2).
     PlaneStrain,
-    /// Rigid arms at the key nodes too.
-    Arms,
+    /// Rigid arms at the key nodes and shear deformation too.
+    ArmsAndShear,
 }
 
 impl Constants {
     /// All variants, from fewest to most properties.
-    pub const ALL: [Constants; 3] = [Constants::Modulus, Constants::PlaneStrain, Constants::Arms];
+    pub const ALL: [Constants; 3] = [Constants::Modulus, Constants::PlaneStrain, Constants::ArmsAndShear];
 
     /// The beam model in words.
     pub fn in_words(self) -> &'static str {
         match self {
             Constants::Modulus => "beams with E",
             Constants::PlaneStrain => "beams with E / (1 - nu^2)",
-            Constants::Arms => "beams with E / (1 - nu^2) and rod arms",
+            Constants::ArmsAndShear => "beams with E / (1 - nu^2), rod arms and shear",
         }
     }
 
@@ -65,9 +65,11 @@ impl Constants {
     pub fn of(self, finger: &Finger) -> Result<Finger, ProblemError> {
         let all = finger.description().clone();
         let description = match self {
-            Constants::Modulus => FingerDescription { poissons_ratio: 0.0, rod_arm_mm: 0.0, ..all },
-            Constants::PlaneStrain => FingerDescription { rod_arm_mm: 0.0, ..all },
-            Constants::Arms => all,
+            Constants::Modulus => {
+                FingerDescription { poissons_ratio: 0.0, rod_arm_mm: 0.0, shear_correction: 0.0, ..all }
+            }
+            Constants::PlaneStrain => FingerDescription { rod_arm_mm: 0.0, shear_correction: 0.0, ..all },
+            Constants::ArmsAndShear => all,
         };
         Finger::new(description).map_err(|error| ProblemError::Reference(error.to_string()))
     }

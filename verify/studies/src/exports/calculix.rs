@@ -44,13 +44,14 @@ pub const PROGRAM: Program = Program {
         },
     ],
     is_exported: has_drawing_of,
-    ignored: ". The continuum has the E and nu of its export; poissons_ratio, rod_arm_mm and a common factor on all moduli of the scene may differ",
+    ignored: ". The continuum has the E and nu of its export; poissons_ratio, rod_arm_mm, shear_correction and a common factor on all moduli of the scene may differ",
 };
 
 /// Tolerance of ratios of moduli, relative: a common factor is rounded in each modulus, and in a scene file to about fifteen digits.
 const SAME_RATIO: f64 = 1e-12;
 
-/// Whether two fingers differ only in what a beam model assumes of one printed finger: Poisson's ratio, arms, and a common factor on all moduli.
+/// Whether two fingers differ only in what a beam model assumes of one printed finger: Poisson's ratio, arms, shear, and a common factor on all
+/// moduli.
 fn has_drawing_of(finger: &Finger, exported: &Finger) -> bool {
     let moduli = [finger, exported].map(|finger| moduli_mpa(finger.description()));
     let factor = moduli[0][0] / moduli[1][0];
@@ -67,7 +68,8 @@ fn moduli_mpa(description: &FingerDescription) -> Vec<f64> {
 }
 
 fn without_material(finger: &Finger) -> FingerDescription {
-    let mut description = FingerDescription { poissons_ratio: 0.0, rod_arm_mm: 0.0, ..finger.description().clone() };
+    let drawn = finger.description().clone();
+    let mut description = FingerDescription { poissons_ratio: 0.0, rod_arm_mm: 0.0, shear_correction: 0.0, ..drawn };
     for strip in [Some(&mut description.front), Some(&mut description.back), description.ribs.strip.as_mut()]
         .into_iter()
         .flatten()

@@ -29,7 +29,11 @@ pub(super) fn cantilever(elements: usize, axial_rigidity_n: f64) -> (PlaneFrame,
     let mut frame = PlaneFrame::default();
     let nodes: Vec<_> = (0..=elements).map(|i| frame.add_node(Vector::new(i as f64 / elements as f64, 0.0))).collect();
     for pair in nodes.windows(2) {
-        frame.add_beam(pair[0], pair[1], Section { axial_rigidity_n, bending_rigidity_nmm2: 1.0 });
+        frame.add_beam(
+            pair[0],
+            pair[1],
+            Section { axial_rigidity_n, bending_rigidity_nmm2: 1.0, shear_flexibility: 0.0 },
+        );
     }
     frame.support(nodes[0], [true; 3]);
     (frame, nodes)

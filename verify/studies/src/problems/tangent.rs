@@ -6,7 +6,9 @@
 use super::ProblemError;
 use crate::prelude::*;
 use finray_model::element::{Beam, EndMotion, Response};
+use finray_model::finger::FingerDescription;
 use finray_model::statics::Assembly;
+use finray_model::validity::SHEAR_CORRECTION;
 
 const KINEMATICS: [Kinematics; 3] = [Kinematics::Linear, Kinematics::Corotational, Kinematics::CorotationalChord];
 /// End displacements (mm) and rotations (rad) of a strongly bent and elongated beam: x, y and rotation of each end.
@@ -73,34 +75,47 @@ fn of_finger(mesh: &Mesh, loads: &[FrameLoad], kinematics: Kinematics) -> [f64; 
     ]
 }
 
-/// Two checks each for an element, a load between its ends, and the finger, over all kinematics.
+/// Two checks each for an element, a load between its ends, and the finger, over all kinematics, without and with shear
+/// deformation.
 pub(crate) fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
-    let beam = Beam {
+    // Without shear deformation, and with shear deformation of the same size as the deflection by bending in sway.
+    let beams = [1.0, 0.5].map(|sway_factor| Beam {
         direction: Vector::new(0.8, 0.6),
         length_mm: 10.0,
         axial_rigidity_n: 1440.0,
         bending_rigidity_nmm2: 270.0,
-    };
+        sway_factor,
+    });
     let force = Vector::new(-0.4, 1.9);
-    let mesh = Mesh::with_elements_per_member(finger, 2);
+    let with_shear = FingerDescription { shear_correction: SHEAR_CORRECTION, ..finger.description().clone() };
+    let with_shear = Finger::new(with_shear).map_err(|error| ProblemError::Reference(error.to_string()))?;
+    let meshes = [finger, &with_shear].map(|finger| Mesh::with_elements_per_member(finger, 2));
     let tip = Load::Node { node: finger.tip(), force, moment_nmm: 3.0 };
     let between = Load::at_position(0.4 * finger.description().front_length_mm, force);
     let loads = [tip, between]
         .iter()
-        .map(|load| mesh.frame_load(load))
+        .map(|load| meshes[0].frame_load(load))
         .collect::<Result<Vec<_>, _>>()
         .map_err(|e| ProblemError::Statics(e.into()))?;
-    let of_all = |figures: &dyn Fn(Kinematics) -> [f64; 2]| {
-        let all = KINEMATICS.map(figures);
-        [0, 1].map(|i| worst(all.iter().map(|figures| figures[i])))
+    let of_all = |figures: &dyn Fn(Kinematics, usize) -> [f64; 2]| {
+        let all = KINEMATICS.map(|kinematics| [0, 1].map(|shear| figures(kinematics, shear)));
+        [0, 1].map(|i| worst(all.iter().flatten().map(|figures| figures[i])))
     };
     let parts = [
-        ("one bent element", of_all(&|kinematics| of_element(|motion| beam.response(kinematics, motion)))),
+        (
+            "one bent element",
+            of_all(&|kinematics, shear| of_element(|motion| beams[shear].response(kinematics, motion))),
+        ),
         (
             "load between the ends of an element",
-            of_all(&|kinematics| of_element(|motion| beam.interior_work(kinematics, 0.3, force, motion))),
+            of_all(&|kinematics, shear| {
+                of_element(|motion| beams[shear].interior_work(kinematics, 0.3, force, motion))
+            }),
         ),
-        ("bent finger with loads at and between nodes", of_all(&|kinematics| of_finger(&mesh, &loads, kinematics))),
+        (
+            "bent finger with loads at and between nodes",
+            of_all(&|kinematics, shear| of_finger(&meshes[shear], &loads, kinematics)),
+        ),
     ];
     Ok(parts
         .into_iter()

@@ -18,7 +18,8 @@ pub(super) const CONTINUUM: TruthRow = TruthRow {
     name: "continuum",
     label: "continuum",
     help: "The finger as a plane continuum with stiff rods, solved by CalculiX: exported shapes of five fingers, as for mujoco. It has the \
-           material of its export (nu = 0.45); poissons_ratio, rod_arm_mm and a common factor on all moduli of the scene do not change it",
+           material of its export (nu = 0.45); poissons_ratio, rod_arm_mm, shear_correction and a common factor on all moduli of the scene do not \
+           change it",
     kinematics: None,
     mesh: |finger| Ok(Mesh::key_nodes(finger)),
     on: |mesh| exported(TruthId::Continuum, &calculix::PROGRAM, mesh.finger()),

@@ -57,7 +57,7 @@ fn figures(found: &[Deviation]) -> [f64; 2] {
 #[test]
 fn beams_with_arms_are_as_near_to_continua_as_stated() {
     for (name, cases, with_arms, _) in README {
-        let found = compared(exported(name), Constants::Arms, fine);
+        let found = compared(exported(name), Constants::ArmsAndShear, fine);
         assert_eq!(found.len(), cases, "{name}: beams carry every force");
         let ours = figures(&found);
         for (ours, stated) in ours.iter().zip(with_arms) {
