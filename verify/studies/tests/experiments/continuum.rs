@@ -17,18 +17,21 @@ use finray_tests::{paper, random_stream};
 use rand_distr::{Distribution, StandardNormal};
 
 /// Deviations of README are rounded to 0.01 %. Its arms are exact, those of the scenes rounded to 0.001 mm; 0.25 mm are 5 %, so 0.0005 mm are 0.01 %.
+/// The rounded shear correction changes less.
 const ROUNDING: f64 = 2e-4;
+/// Largest deviation of beams on fingers to which the rule of arms was not fitted.
+const LARGEST_DEVIATION: f64 = 0.02;
 /// README rounds deviations above 20 % to 0.1 %.
 const COARSE_ROUNDING: f64 = 6e-4;
 
-/// Name, forces, and median and largest deviation of README: beams with arms by the rule; E / (1 - nu^2) without arms.
+/// Name, forces, and median and largest deviation of README: beams with shear and arms by the rule; E / (1 - nu^2) without shear and arms.
 const README: [(&str, usize, [f64; 2], [f64; 2]); 6] = [
-    ("paper", 165, [0.0028, 0.0254], [0.267, 0.353]),
-    ("paper-plain", 54, [0.0070, 0.0472], [0.0465, 0.0628]),
-    ("asymmetric", 54, [0.0113, 0.0179], [0.441, 0.681]),
-    ("thick", 54, [0.0084, 0.0552], [0.258, 0.316]),
-    ("thin", 53, [0.0019, 0.0103], [0.229, 0.465]),
-    ("soft-zone", 54, [0.0070, 0.0282], [0.358, 0.470]),
+    ("paper", 165, [0.0068, 0.0120], [0.267, 0.353]),
+    ("paper-plain", 54, [0.0156, 0.0296], [0.0465, 0.0628]),
+    ("asymmetric", 54, [0.0066, 0.0123], [0.441, 0.681]),
+    ("thick", 54, [0.0055, 0.0233], [0.258, 0.316]),
+    ("thin", 53, [0.0030, 0.0109], [0.229, 0.465]),
+    ("soft-zone", 54, [0.0046, 0.0160], [0.358, 0.470]),
 ];
 
 fn exported(name: &str) -> &'static ExportedFinger {
@@ -55,7 +58,7 @@ fn figures(found: &[Deviation]) -> [f64; 2] {
 }
 
 #[test]
-fn beams_with_arms_are_as_near_to_continua_as_stated() {
+fn beams_with_arms_and_shear_are_as_near_to_continua_as_stated() {
     for (name, cases, with_arms, _) in README {
         let found = compared(exported(name), Constants::ArmsAndShear, fine);
         assert_eq!(found.len(), cases, "{name}: beams carry every force");
@@ -63,6 +66,8 @@ fn beams_with_arms_are_as_near_to_continua_as_stated() {
         for (ours, stated) in ours.iter().zip(with_arms) {
             assert!((ours - stated).abs() < ROUNDING, "{name}: {ours}, not {stated}");
         }
+        // The target on fingers to which the rule was not fitted.
+        assert!(!TESTED.contains(&name) || ours[1] < LARGEST_DEVIATION, "{name}: {ours:?}");
     }
 }
 
@@ -100,7 +105,7 @@ fn the_continuum_does_not_explain_the_papers_errors_at_tip_and_base() {
 }
 
 /// Relative error of beam theory in sensed forces that the scene states below: the root mean square over the forces on `paper` and `thick`, rounded.
-const MODEL_ERROR: f64 = 0.01;
+const MODEL_ERROR: f64 = 0.008;
 
 /// Relative errors of the sensed forces without noise, up to 3 N and not on the tip, and their residuals (root mean square) relative to the largest
 /// displacement, of one finger.
@@ -140,13 +145,13 @@ fn rms(errors: &[f64]) -> f64 {
 const FITTED: [&str; 2] = ["paper", "thick"];
 const TESTED: [&str; 3] = ["asymmetric", "thin", "soft-zone"];
 
-/// Forces on the tested fingers are sensed within 2 %. The stated error of beam theory, and its ratio of residual to force, follow from the fitted ones.
+/// Forces on the tested fingers are sensed within 1 %, rounded to 0.1 %. The stated error of beam theory, and its ratio of residual to force, follow from the fitted ones.
 #[test]
-fn sensed_forces_on_continua_are_within_two_per_cent() {
+fn sensed_forces_on_continua_are_within_one_per_cent() {
     for name in TESTED {
         let (forces, _) = errors_of_beams(exported(name));
         assert!(forces.len() > 50);
-        assert!(forces.iter().all(|error| error.abs() < 0.02), "{name}: {forces:?}");
+        assert!(forces.iter().all(|error| error.abs() < 0.0105), "{name}: {forces:?}");
     }
     let [forces, residuals] = {
         let fitted = FITTED.map(|name| errors_of_beams(exported(name)));
@@ -155,7 +160,7 @@ fn sensed_forces_on_continua_are_within_two_per_cent() {
     };
     assert!((forces - MODEL_ERROR).abs() < 0.0005, "{forces}");
     // `MODEL_ERROR_OF_MARKERS` in the sensor.
-    assert!((residuals / forces - 0.26).abs() < 0.005, "{}", residuals / forces);
+    assert!((residuals / forces - 0.23).abs() < 0.005, "{}", residuals / forces);
 }
 
 /// With the stated error of beam theory, the 95 % intervals on the tested continua contain the force in 90 to 98 % of all samples with the paper's
