@@ -107,7 +107,7 @@ fn sizes_must_be_positive_finite_numbers() {
         let expected = "finger.poissons_ratio: expected a ratio above -1 and up to 0.5";
         assert_refused("depth_mm = 20.0", &ratio, "poissons_ratio", &[expected]);
     }
-    let shear = "finger.shear_correction: expected a factor from 0 to 1, found 1.2";
+    let shear = "finger.shear_correction: expected a factor, 0 to 1, found 1.2";
     assert_refused("depth_mm = 20.0", "depth_mm = 20.0\nshear_correction = 1.2", "shear_correction", &[shear]);
     // The material of rigid ribs is checked although it has no effect.
     let rigid = [("joints = \"rigid\"\nthickness_mm = 1.5", "joints = \"rigid\"\nrigid = true\nthickness_mm = -1.5")];

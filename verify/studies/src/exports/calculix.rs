@@ -1,4 +1,4 @@
-//! Fingers as plane continua, solved by CalculiX: plates and ribs with their thickness, rods as stiff discs, plane strain, Poisson's ratio 0.45.
+//! Fingers as plane continua, solved by CalculiX: plates and ribs with their thickness, rods as stiff discs, plane strain, Poisson's ratio 0.45 (one: 0.35).
 //! `fixtures/calculix/README.md` describes the export and its accuracy.
 
 use super::{ExportedFinger, Program};
@@ -16,6 +16,25 @@ pub const PAPER_PLAIN: ExportedFinger = ExportedFinger {
     scene: finray_fixtures::CONTINUUM_PAPER_PLAIN_SCENE,
     csv: finray_fixtures::CONTINUUM_PAPER_PLAIN,
 };
+
+/// Fingers with rods that were solved after the rule of arms was found, at some nodes. They are no true fingers, only tests of the rule.
+pub const FURTHER: [ExportedFinger; 3] = [
+    ExportedFinger {
+        name: "wide-rods",
+        scene: finray_fixtures::CONTINUUM_WIDE_RODS_SCENE,
+        csv: finray_fixtures::CONTINUUM_WIDE_RODS,
+    },
+    ExportedFinger {
+        name: "thin-ribs",
+        scene: finray_fixtures::CONTINUUM_THIN_RIBS_SCENE,
+        csv: finray_fixtures::CONTINUUM_THIN_RIBS,
+    },
+    ExportedFinger {
+        name: "unequal",
+        scene: finray_fixtures::CONTINUUM_UNEQUAL_SCENE,
+        csv: finray_fixtures::CONTINUUM_UNEQUAL,
+    },
+];
 
 /// CalculiX's fingers, all with rods. A finger has the shapes of an export if both have the same drawing, whatever the beams assume of the material.
 pub const PROGRAM: Program = Program {

@@ -9,7 +9,7 @@ use finray_model::sensor::{Sensor, SensorContacts, SensorOptions};
 use finray_model::{Mesh, Scene, Vector};
 use finray_studies::claims::criteria::MOST_OF;
 use finray_studies::experiments::continuum::{Constants, Deviation, deviations, tables_one};
-use finray_studies::exports::calculix::{PAPER_PLAIN, PROGRAM};
+use finray_studies::exports::calculix::{FURTHER, PAPER_PLAIN, PROGRAM};
 use finray_studies::exports::{ExportedFinger, StaticCase};
 use finray_studies::statistics::median;
 use finray_studies::truths::fine_mesh;
@@ -25,17 +25,26 @@ const LARGEST_DEVIATION: f64 = 0.02;
 const COARSE_ROUNDING: f64 = 6e-4;
 
 /// Name, forces, and median and largest deviation of README: beams with shear and arms by the rule; E / (1 - nu^2) without shear and arms.
-const README: [(&str, usize, [f64; 2], [f64; 2]); 6] = [
+const README: [(&str, usize, [f64; 2], [f64; 2]); 9] = [
     ("paper", 165, [0.0068, 0.0120], [0.267, 0.353]),
     ("paper-plain", 54, [0.0156, 0.0296], [0.0465, 0.0628]),
     ("asymmetric", 54, [0.0066, 0.0123], [0.441, 0.681]),
     ("thick", 54, [0.0055, 0.0233], [0.258, 0.316]),
     ("thin", 53, [0.0030, 0.0109], [0.229, 0.465]),
     ("soft-zone", 54, [0.0046, 0.0160], [0.358, 0.470]),
+    ("wide-rods", 24, [0.0055, 0.0102], [0.852, 1.240]),
+    ("thin-ribs", 24, [0.0101, 0.0173], [0.151, 0.207]),
+    ("unequal", 24, [0.0048, 0.0094], [0.399, 0.707]),
 ];
 
 fn exported(name: &str) -> &'static ExportedFinger {
-    PROGRAM.fingers.iter().chain([&PAPER_PLAIN]).find(|exported| exported.name == name).expect("a finger")
+    PROGRAM
+        .fingers
+        .iter()
+        .chain([&PAPER_PLAIN])
+        .chain(&FURTHER)
+        .find(|exported| exported.name == name)
+        .expect("a finger")
 }
 
 fn compared(
@@ -67,7 +76,8 @@ fn beams_with_arms_and_shear_are_as_near_to_continua_as_stated() {
             assert!((ours - stated).abs() < ROUNDING, "{name}: {ours}, not {stated}");
         }
         // The target on fingers to which the rule was not fitted.
-        assert!(!TESTED.contains(&name) || ours[1] < LARGEST_DEVIATION, "{name}: {ours:?}");
+        let is_fitted = FITTED.contains(&name) || name == PAPER_PLAIN.name;
+        assert!(is_fitted || ours[1] < LARGEST_DEVIATION, "{name}: {ours:?}");
     }
 }
 
@@ -145,13 +155,17 @@ fn rms(errors: &[f64]) -> f64 {
 const FITTED: [&str; 2] = ["paper", "thick"];
 const TESTED: [&str; 3] = ["asymmetric", "thin", "soft-zone"];
 
-/// Forces on the tested fingers are sensed within 1 %, rounded to 0.1 %. The stated error of beam theory, and its ratio of residual to force, follow from the fitted ones.
+/// Forces on the tested fingers are sensed within 1.0 %, on the further fingers within 1.4 %. The stated error of beam theory, and its ratio of residual to force, follow from the fitted ones.
 #[test]
-fn sensed_forces_on_continua_are_within_one_per_cent() {
+fn sensed_forces_on_continua_are_as_near_as_stated() {
     for name in TESTED {
         let (forces, _) = errors_of_beams(exported(name));
         assert!(forces.len() > 50);
         assert!(forces.iter().all(|error| error.abs() < 0.0105), "{name}: {forces:?}");
+    }
+    for exported in &FURTHER {
+        let (forces, _) = errors_of_beams(exported);
+        assert!(forces.iter().all(|error| error.abs() < 0.0145), "{}: {forces:?}", exported.name);
     }
     let [forces, residuals] = {
         let fitted = FITTED.map(|name| errors_of_beams(exported(name)));
