@@ -8,6 +8,10 @@ use crate::keys::{BACK, FINGER, FRONT, Key, Kind, RIBS, ZONE};
 /// other checks of geometry use this share as a relative margin.
 pub(super) const SMALLEST_SPACING: f64 = 1e-9;
 
+/// Largest shear parameter 12 EI / (kappa G A L^2) of a member, dimensionless: a member some hundred times as thick as long. Stiffness matrices lose the
+/// stiffness against sway to rounding as this parameter grows; at this limit, ten digits remain.
+const LARGEST_SHEAR_PARAMETER: f64 = 1e6;
+
 fn require(holds: bool, key: &str, reason: impl FnOnce() -> String) -> Result<(), ImpossibleFinger> {
     if holds { Ok(()) } else { Err(ImpossibleFinger { key: key.to_owned(), reason: reason() }) }
 }
@@ -188,7 +192,33 @@ pub(super) fn check_room(finger: &Finger) -> Result<(), ImpossibleFinger> {
             })?;
         }
     }
-    Ok(())
+    if d.shear_correction > 0.0 { check_shear(finger) } else { Ok(()) }
+}
+
+/// Checks that no member is so thick for its length that shear deformation leaves it without stiffness against sway.
+fn check_shear(finger: &Finger) -> Result<(), ImpossibleFinger> {
+    let d = &finger.description;
+    let of_plate = |plate: Plate| {
+        let thickest_mm = [0.0, finger.plate_length_mm(plate)].map(|s_mm| finger.thickness_mm(plate, s_mm));
+        let positions_mm = finger.plate_positions_mm(plate);
+        let free = |member: usize| {
+            let arms_mm = finger.member_arms_mm(plate, member);
+            positions_mm[member + 1] - positions_mm[member] - arms_mm[0] - arms_mm[1]
+        };
+        let lengths_mm: Vec<f64> = (0..=finger.rib_count()).map(free).filter(|length_mm| *length_mm > 0.0).collect();
+        lengths_mm.into_iter().map(move |length_mm| thickest_mm[0].max(thickest_mm[1]) / length_mm)
+    };
+    let of_rib = |rib: usize| {
+        let thickness_mm = d.ribs.strip.map_or(0.0, |strip| strip.thickness_mm);
+        thickness_mm / (finger.rib_length_mm(rib) - 2.0 * d.rod_arm_mm)
+    };
+    let ratios = [Plate::Front, Plate::Back].into_iter().flat_map(of_plate).chain((0..finger.rib_count()).map(of_rib));
+    let most = finger.shear_flexibility() * ratios.fold(0.0, f64::max).powi(2);
+    require(most <= LARGEST_SHEAR_PARAMETER, &FINGER.shear_correction.path(), || {
+        format!(
+            "expected members with a shear parameter 12 EI / (kappa G A L^2) up to {LARGEST_SHEAR_PARAMETER:e}, found {most:e}"
+        )
+    })
 }
 
 /// Checks for each rib that the joint on one plate is farther from the other plate than that plate's bracket reaches. Each rib then has a positive length, and

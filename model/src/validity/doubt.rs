@@ -84,7 +84,7 @@ impl fmt::Display for Doubt {
                 f,
                 "members are too thick for their length: shear, which Euler-Bernoulli beams neglect, increases the displacement of the loads by up \
                  to {} % (limit {} %: Timoshenko's shear energy over the strain energy), mostly in {member}; such a finger needs Timoshenko beams \
-                 or a solid model",
+                 (finger.shear_correction in the scene) or a solid model",
                 percent(*share),
                 percent(LARGEST_SHEAR_SHARE)
             ),

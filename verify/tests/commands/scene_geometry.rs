@@ -109,6 +109,9 @@ fn sizes_must_be_positive_finite_numbers() {
     }
     let shear = "finger.shear_correction: expected a factor, 0 to 1, found 1.2";
     assert_refused("depth_mm = 20.0", "depth_mm = 20.0\nshear_correction = 1.2", "shear_correction", &[shear]);
+    let soft =
+        "finger.shear_correction: expected members with a shear parameter 12 EI / (kappa G A L^2) up to 1e6, found";
+    assert_refused("depth_mm = 20.0", "depth_mm = 20.0\nshear_correction = 1e-9", "shear_correction", &[soft]);
     // The material of rigid ribs is checked although it has no effect.
     let rigid = [("joints = \"rigid\"\nthickness_mm = 1.5", "joints = \"rigid\"\nrigid = true\nthickness_mm = -1.5")];
     assert_says(

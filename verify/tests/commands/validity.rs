@@ -82,7 +82,10 @@ fn thick_members_are_warned_of() {
     let scene = folder.put("thick.toml", paper_with(&[("thickness_mm = 1.5", "thickness_mm = 6.0")]));
     let (_, warnings) = finray(&["solve", &scene, "--load", &paper_load(19, 3.0, 0.0)]).warned();
     assert_eq!(warnings.len(), 1, "{warnings:?}");
-    assert_says(&warnings[0], &["shear, which Euler-Bernoulli beams neglect", "limit 5 %", "length / thickness"]);
+    assert_says(
+        &warnings[0],
+        &["shear, which Euler-Bernoulli beams neglect", "limit 5 %", "length / thickness", "finger.shear_correction"],
+    );
 }
 
 /// Sensed forces of every estimator are checked against the limits, like loads.

@@ -118,8 +118,8 @@ fn nothing_claims_more_independence_than_there_is() {
         });
         found.and_then(|entry| entry["ours"].as_f64()).expect("a comparison")
     };
-    let (with_modulus, with_arms) = (median("beams with E"), median("and rod arms"));
-    assert!(with_modulus > 100.0 * with_arms, "{with_modulus} and {with_arms}");
+    let (with_modulus, with_arms) = (median("beams with E"), median("rod arms and shear"));
+    assert!(with_modulus > 50.0 * with_arms, "{with_modulus} and {with_arms}");
     assert!(PAPERS.pages().contains(&format!("differ by {:.2} % of the largest displacement", 100.0 * with_arms)));
     assert!(SPRING_STEELS.pages().contains("this finger was not solved as a continuum"));
 }
