@@ -13,6 +13,8 @@ const ABOUT: &str = "External: results of another program: OpenSees and MuJoCo w
                      Material and joints of a real finger are not verified here.";
 /// Text for a finger that no program solved as a continuum.
 const NO_CONTINUUM: &str = "Nor is beam theory: this finger was not solved as a continuum.";
+/// The same on the first page, with the guide that contains the figures of other fingers.
+const NO_CONTINUUM_IN_SHORT: &str = "This finger was not solved as a continuum. The guide \"your-finger\" states the error of beam theory on other fingers.";
 /// Text on the checks that exist only for the paper's scene.
 const OF_ANOTHER_FINGER: &str = "Reference values of other programs (OpenSees) and the paper's Table I exist for the paper's finger alone, and so do the \
                                  spring lattice and the hard cases; they are left out for this scene.";
@@ -49,6 +51,23 @@ fn beam_theory(continuum: &ContinuumStudy) -> String {
         percent(arms.worst),
         arms.node,
         arms.load
+    )
+}
+
+/// What beam theory costs and where, in two sentences for the first page.
+pub(super) fn beam_theory_in_short(study: &Study) -> String {
+    let of = |constants| study.continuum.with_rods(constants);
+    let (Some(modulus), Some(best)) = (of(Constants::Modulus), of(Constants::ArmsAndShear)) else {
+        return NO_CONTINUUM_IN_SHORT.to_owned();
+    };
+    format!(
+        "Beams with Young's modulus alone move {:.1} times as far as a continuum. With Poisson's ratio, rod arms and shear they differ by {} of the \
+         largest displacement (median; at most {}, under a force {} mm from the base of the {} mm plate).",
+        modulus.scale,
+        percent(best.median),
+        percent(best.worst),
+        study.finger.front_position_mm(NodeId(best.load)).unwrap_or_default().round(),
+        study.finger.plate_length_mm(Plate::Front).round()
     )
 }
 

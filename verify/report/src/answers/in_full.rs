@@ -203,7 +203,8 @@ fn physics(study: &Study) -> String {
         None => "not tested here",
     };
     format!(
-        "Solvers and estimators pass {} checks.{beyond} Whether a real finger bends as beams do is {tested}.",
-        list(passed, ", ")
+        "Solvers and estimators pass {} checks. {}{beyond} Whether a real finger bends as beams do is {tested}.",
+        list(passed, ", "),
+        checks::beam_theory_in_short(study)
     )
 }
