@@ -1,6 +1,7 @@
 //! Forces in a stream: video frames, positions, images; contacts that come and go; streams that end or break.
 
 mod fingers;
+mod memory;
 mod page;
 
 use crate::kit::*;
