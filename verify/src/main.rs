@@ -8,6 +8,7 @@ mod commands;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 #[cfg(feature = "train")]
 use commands::train;
+use commands::{Failure, bad_input, not_computed};
 use commands::{
     calibrate, grasp, gripper, guide, lens, live, locate, map, merge, press, render, report, sense, solve, sweep, words,
 };
@@ -57,6 +58,11 @@ enum Command {
         /// Shell that reads the script
         shell: clap_complete::Shell,
     },
+    /// Print a man page in roff, for instance: finray man sense > ~/.local/share/man/man1/finray-sense.1
+    Man {
+        /// Command of the page [default: the whole program]
+        command: Option<String>,
+    },
 }
 
 fn main() -> ExitCode {
@@ -87,8 +93,9 @@ fn main() -> ExitCode {
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Arguments::command(), "finray", &mut script);
-            write_file(Path::new("-"), script).map(|()| None).map_err(commands::Failure::from)
+            write_file(Path::new("-"), script).map(|()| None).map_err(Failure::from)
         }
+        Command::Man { command } => man_page(command.as_deref()).map(|()| None),
     };
     match outcome {
         Ok(done) => {
@@ -97,4 +104,22 @@ fn main() -> ExitCode {
         }
         Err(failure) => failure.report(),
     }
+}
+
+/// Prints the man page of a command, or of the program.
+fn man_page(command: Option<&str>) -> Result<(), Failure> {
+    let mut program = Arguments::command();
+    // Building names the subcommands "finray sense" and adds the options of all commands to them.
+    program.build();
+    let page_of = match command {
+        None => program,
+        Some(name) => {
+            let all: Vec<&str> = program.get_subcommands().map(clap::Command::get_name).collect();
+            let unknown = || bad_input(format!("COMMAND: expected one of {}, found {name:?}", all.join(", ")));
+            program.find_subcommand(name).cloned().ok_or_else(unknown)?
+        }
+    };
+    let mut page = Vec::new();
+    clap_mangen::Man::new(page_of).render(&mut page).map_err(not_computed)?;
+    Ok(write_file(Path::new("-"), page)?)
 }

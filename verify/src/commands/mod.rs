@@ -111,12 +111,12 @@ fn progress_bar(steps: u64, what: &str) -> ProgressBar {
 }
 
 /// Failure because of bad input.
-fn bad_input(reason: impl ToString) -> Failure {
+pub(crate) fn bad_input(reason: impl ToString) -> Failure {
     Failure::BadInput(reason.to_string())
 }
 
 /// Failure because a result could not be computed.
-fn not_computed(reason: impl ToString) -> Failure {
+pub(crate) fn not_computed(reason: impl ToString) -> Failure {
     Failure::NotComputed(reason.to_string())
 }
 

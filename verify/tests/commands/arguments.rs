@@ -36,7 +36,8 @@ fn the_help_of_a_command_is_one_page_that_names_its_guide() {
     let commands =
         help.lines().skip_while(|line| !line.starts_with("Commands:")).skip(1).take_while(|line| !line.is_empty());
     let names: Vec<&str> = commands.filter_map(|line| line.strip_prefix("  ")?.split(' ').next()).collect();
-    let names: Vec<_> = names.into_iter().filter(|name| !["", "guide", "completions", "help"].contains(name)).collect();
+    let names: Vec<_> =
+        names.into_iter().filter(|name| !["", "guide", "completions", "man", "help"].contains(name)).collect();
     assert!(COMMANDS.iter().all(|command| names.contains(command)), "{names:?}");
     for name in names {
         let page = finray(&[name, "--help"]).done();
@@ -72,6 +73,17 @@ fn shells_get_their_completions() {
         assert_says(&script, &["finray", "calibrate", "displacements"]);
     }
     finray(&["completions", "cmd"]).refused();
+}
+
+/// The program and each command have a man page with the options of their help.
+#[test]
+fn every_command_has_a_man_page() {
+    assert_says(&finray(&["man"]).done(), &[".TH finray 1", ".SH NAME", "Exit codes"]);
+    for (command, option) in [("sense", "displacements"), ("live", "contact"), ("merge", "out")] {
+        let page = finray(&["man", command]).done();
+        assert_says(&page, &[&format!(".TH finray-{command} 1"), ".SH OPTIONS", option, "quiet", "Examples"]);
+    }
+    assert_says(&finray(&["man", "sens"]).refused(), &["COMMAND", "sense", "\"sens\""]);
 }
 
 #[test]
