@@ -1,5 +1,6 @@
-//! Calibrates moduli from measured shapes under known loads, by eq. (11) of Xu et al. (2021). There is one method for the [co-rotational
-//! finger](corotational_modulus), and one for [several moduli at once](factors). [`calibrate_rig`] calibrates finger, camera and friction from images.
+//! Calibrates moduli from measured shapes under known loads, by eq. (11) of Xu et al. (2021). One function fits [one modulus of the co-rotational
+//! finger](corotational_modulus), another fits [several moduli at once](factors). [`calibrate_rig`] calibrates finger, camera and friction from
+//! images.
 
 mod factors;
 mod modulus;
@@ -104,7 +105,7 @@ pub enum CalibrationError {
         /// Reason for which the view is refused.
         error: ViewError,
     },
-    /// All measured forces are too large or too small, by one large factor, for the bending of the scene's finger in the images.
+    /// All measured forces differ by one large factor from the forces that would bend the scene's finger as in the images.
     #[error(
         "measured forces are {times:.3} times (median) the forces that bend the scene's finger as the images show, expected about 1: a negative \
          ratio means a wrong sign or frame, any other ratio a wrong unit (N) or wrong moduli in the scene"

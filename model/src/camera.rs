@@ -35,7 +35,7 @@ pub enum ViewError {
     /// The point is behind the camera.
     #[error("is behind the camera")]
     Behind,
-    /// The distortion model folds the image closer to the optical axis than the point, so that two points share a pixel.
+    /// The point lies beyond a fold of the distortion model, so that another point has the same pixel.
     #[error("lies where the distortion of the lens folds the image")]
     Folded,
     /// The ray of the pixel does not meet the plane, or meets it at an angle below one degree.

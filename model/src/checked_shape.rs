@@ -9,8 +9,8 @@ use std::fmt;
 
 /// Elements per member of the mesh against which the mesh of the key nodes is checked.
 const CHECKED_ELEMENTS: usize = 8;
-/// [`MeshDoubt::Coarse`] if the error of a key node on the mesh of the key nodes exceeds this share of the largest displacement. The paper's finger on this
-/// mesh, which is the paper's, stays below it where its strains are small.
+/// [`MeshDoubt::Coarse`] is reported if the error of a key node on the mesh of the key nodes exceeds this share of the largest displacement. The
+/// paper uses this mesh for its finger; the error is below this share while strains are small.
 const COARSE: f64 = 0.1;
 
 /// Displacements of a finger under loads, with the reasons why they may be inaccurate.
@@ -20,7 +20,7 @@ pub struct CheckedShape {
     pub shape: FingerShape,
     /// Reason why the mesh of the key nodes may be too coarse. `None` for a mesh with a given number of nodes.
     pub mesh_doubt: Option<MeshDoubt>,
-    /// Assumptions of the beam model that fail.
+    /// Violated assumptions of the beam model.
     pub doubts: Vec<Doubt>,
 }
 
@@ -31,10 +31,10 @@ pub enum MeshDoubt {
     NoResult {
         /// Number of nodes of the finer mesh.
         nodes: usize,
-        /// Reason why it has none.
+        /// Reason why the finer mesh has no equilibrium.
         reason: StaticsError,
     },
-    /// A key node lies elsewhere on the finer mesh.
+    /// A key node has a different displacement on the finer mesh.
     Coarse {
         /// Number of nodes of the finer mesh.
         nodes: usize,
@@ -57,7 +57,8 @@ pub enum CheckedShapeError {
 }
 
 impl CheckedShape {
-    /// The displacements of a scene's finger under dead loads. Without `mesh_nodes`, the key nodes are the mesh, and a finer mesh checks it.
+    /// The displacements of a scene's finger under dead loads. Without `mesh_nodes`, the mesh consists of the key nodes and is compared with a finer
+    /// mesh.
     ///
     /// # Errors
     /// [`CheckedShapeError`] for a wrong number of mesh nodes, a wrong load, or loads without an equilibrium.
@@ -88,7 +89,7 @@ impl CheckedShape {
 }
 
 impl MeshDoubt {
-    /// Compares a shape on the mesh of the key nodes with the shape on a finer mesh. `None` if they agree.
+    /// Compares a shape on the mesh of the key nodes with the shape on a finer mesh. `None` if the two shapes agree.
     fn of(shape: &FingerShape, scene: &Scene, loads: &[Load], kinematics: Kinematics) -> Option<MeshDoubt> {
         let finer = Mesh::with_elements_per_member(&scene.finger, CHECKED_ELEMENTS);
         let nodes = finer.node_count();

@@ -1,7 +1,8 @@
 //! Displacements of the markers under unit forces: the columns of the compliance matrix that sensing needs.
 //!
 //! With one element per member, the solution of the linear finger is exact at the key nodes, so the coarsest mesh suffices. Only two kinds of members
-//! are approximated: members of tapered plates, and members within which a zone starts or ends. Their mean compliances are used.
+//! are approximated: members of tapered plates, and members within which a zone starts or ends. The solution for these members uses their mean
+//! compliances.
 
 use crate::element::quarter_turn;
 use crate::finger::{Finger, NodeId};
@@ -46,8 +47,8 @@ impl Compliance {
 
 /// Compliance of the linear finger for forces and moments on its key nodes. Its solutions are reused for many loads.
 ///
-/// A load between two key nodes displaces all key nodes as its consistent nodal loads on these two nodes do (exact for the cubic beam). One solution
-/// per key node therefore suffices; it is computed when a load first needs it.
+/// A load between two key nodes is replaced by its consistent nodal loads on these two nodes. For the cubic beam, the displacements of all key nodes
+/// stay exactly the same. One solution per key node therefore suffices. Each solution is computed when a load first needs it.
 #[derive(Debug, Clone)]
 pub struct NodalCompliance {
     mesh: Mesh,

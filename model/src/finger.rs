@@ -87,8 +87,8 @@ impl Finger {
         self.clamped_nodes().contains(&self.junction(node))
     }
 
-    /// The node that represents all key nodes at the point of `node`, which move and rotate together. It is the base node if the base is at this
-    /// point, otherwise the node of the rib nearest to the base. Returns `node` if no other key node is at this point.
+    /// The node that represents all key nodes at the point of `node`. These key nodes move and rotate together. The result is the base node if the
+    /// base is at this point, otherwise the node of the rib nearest to the base. Returns `node` if no other key node is at this point.
     pub fn junction(&self, node: NodeId) -> NodeId {
         let last = self.key_node_count();
         if !(1..=last).contains(&node.0) {

@@ -84,7 +84,8 @@ pub struct LinkagePose {
 }
 
 impl LinkagePose {
-    /// Whether rocker and link are collinear. This pose is an end of the nut's reach, where the derivative of the opening by the motor's angle is infinite.
+    /// Whether rocker and link are collinear. A collinear pose is an end of the nut's reach, at which the derivative of the opening by the motor's
+    /// angle is infinite.
     pub fn is_singular(&self) -> bool {
         (self.phi1_rad + self.phi2_rad).sin().abs() < SINGULAR_SINE
     }

@@ -3,7 +3,7 @@
 //! # Entry points
 //! - From an observation to a force: [`sensor::Sensor`] estimates the forces of an [`observation::Observation`]. `finray-imaging` extracts
 //!   observations from images; its example `force_from_image` computes a force from an image file.
-//! - From a force to a shape: [`statics::solve`]; with the reasons why the shape may be inaccurate, [`checked_shape::CheckedShape`].
+//! - From a force to a shape: [`statics::solve`]. [`checked_shape::CheckedShape`] also states reasons why the shape may be inaccurate.
 //! - From measured forces to a calibrated finger: [`calibration::factors`] (moduli), [`calibration::calibrate_rig`] (finger, camera and friction from
 //!   images).
 //! - From a scene file to a finger: [`Scene::from_toml`]; [`keys`] lists every key.
@@ -13,9 +13,9 @@
 //! Angles of forces are measured from the inward normal of the undeformed front plate, positive towards the tip. In names, `sd` and `sigma` mean standard
 //! deviation.
 //!
-//! Data flows one way. A [`Scene`] describes a [`Finger`], a [`Mesh`] divides it into beam elements, and [`statics`] solves for its equilibrium under
-//! [`Load`]s. An [`observation`] contains the measured positions or displacements of markers. [`estimators`] and the [`sensor`] estimate the contact
-//! forces from an observation.
+//! Data flows one way. A [`Scene`] describes a [`Finger`]. A [`Mesh`] divides the finger into beam elements, and [`statics`] computes its equilibrium
+//! under [`Load`]s. An [`observation`] contains the measured positions or displacements of markers. [`estimators`] and the [`sensor`] estimate the
+//! contact forces from an observation.
 //!
 //! The crate is pure: it reads no files, prints nothing, uses no clock, and draws no random numbers. Functions that need random numbers accept a
 //! generator.

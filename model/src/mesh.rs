@@ -158,7 +158,7 @@ impl Mesh {
         }
     }
 
-    /// Vector from a key node to its marker, mm: undeformed if `linear`, else rotated by the motion.
+    /// Vector from a key node to its marker, mm: undeformed if `linear`, otherwise rotated by the motion.
     pub(crate) fn marker_lever(&self, node: NodeId, motion: &FrameMotion, linear: bool) -> Vector {
         let undeformed = self.finger.marker_offset(node);
         if linear {

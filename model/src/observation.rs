@@ -181,8 +181,8 @@ impl Observation {
         Ok((ObservedMeasurement { noise_mm: Some(noise_mm), ..found }, base))
     }
 
-    /// Whether displacements refer to an image of the unloaded finger. This is so if the reference positions of the displacements differ from the
-    /// unloaded marker positions of `finger`.
+    /// Whether displacements refer to an image of the unloaded finger: their reference positions then differ from the unloaded marker positions of
+    /// `finger`.
     pub(crate) fn counts_from_rest(&self, finger: &Finger) -> bool {
         let from = |marker: &ObservedMarker| Some(marker.position? - marker.displacement?);
         let is_elsewhere = |marker: &ObservedMarker| {

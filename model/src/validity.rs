@@ -18,8 +18,8 @@ use crate::{Kinematics, NodeId, Vector};
 /// Default limit of the fibre strain, dimensionless, for a material without a stated limit. Up to this strain, stress is assumed to be E times strain.
 ///
 /// An incompressible rubber in tension has the stress E / 3 (l - 1 / l^2) at the stretch ratio l (neo-Hookean; Treloar, The Physics of Rubber
-/// Elasticity, 1975, ch. 5), or E eps (1 - eps + ...). At 5 % strain the stress is 5 % below E eps, and engineering and logarithmic strain differ by
-/// 2.5 %. Flexural tests of plastics by beam formulas also end at this strain of the outer fibre (ASTM D790).
+/// Elasticity, 1975, ch. 5). At the strain eps = l - 1, this is E eps (1 - eps + ...). At 5 % strain, the stress is 5 % below E eps, and engineering
+/// and logarithmic strain differ by 2.5 %. Flexural tests of plastics by beam formulas also end at this strain of the outer fibre (ASTM D790).
 pub const LARGEST_STRAIN: f64 = 0.05;
 
 /// Number of elements per member when an equilibrium is solved only for examination. Shapes are then accurate to 0.04 % under a force of 3 N.
@@ -58,7 +58,7 @@ impl StrainLimits {
         }
     }
 
-    /// Limit of a part, dimensionless: the stated limit, else [`LARGEST_STRAIN`].
+    /// Limit of a part, dimensionless: the stated limit, otherwise [`LARGEST_STRAIN`].
     pub fn of(&self, part: Part) -> f64 {
         self.stated(part).unwrap_or(LARGEST_STRAIN)
     }

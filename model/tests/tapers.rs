@@ -55,8 +55,8 @@ fn cantilever(finger: &Finger, elements: usize, force: Vector, moment_nmm: f64) 
     (motion.displacements[node], motion.rotations[frame.rotation_of(node)])
 }
 
-/// Stretching, and bending by a moment, are exact on any mesh, because the compliances of elements are means: P ln(t_0 / t_1) / (E d k) and
-/// 6 M (t_0 + t_1) L / (E d t_0^2 t_1^2). Under a force across, 12 P / (E d k^3) (ln(t_1 / t_0) + 2 (t_1 / t_1 - t_1 / t_0) - (1 - t_1^2 / t_0^2) / 2),
+/// Stretching, and bending by a moment, are exact on any mesh, because the compliances of elements are means: P ln(t_1 / t_0) / (E d k) and
+/// 6 M (t_0 + t_1) L / (E d t_0^2 t_1^2). Under a force across, 12 P / (E d k^3) (ln(t_1 / t_0) + 2 (1 - t_1 / t_0) - (1 - t_1^2 / t_0^2) / 2),
 /// with k = (t_1 - t_0) / L, the error falls with the square of the elements' length.
 #[test]
 fn a_tapered_cantilever_bends_as_its_closed_form() {

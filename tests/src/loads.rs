@@ -39,9 +39,9 @@ pub fn force_for_deflection(finger: &Finger, node: NodeId, angle_deg: f64, share
 /// Number of iterations for the direction of the plate under a pad.
 const SETTLED_AFTER: usize = 12;
 
-/// Forces, N, that are statically equivalent to an object that presses on a pad: equal forces at `parts` positions along the pad, and a couple at
-/// its ends. The couple is the moment of the shear force, which acts at the pad's surface. The forces of the object are normal to the deformed plate,
-/// whose direction is found by iteration. The estimator's model of a pad differs: it has two forces.
+/// Forces, N, that are statically equivalent to an object that presses on a pad: equal forces at `parts` positions along the pad, and a couple at its
+/// ends. The couple is the moment of the shear force, which acts at the pad's surface. The forces of the object are normal to the deformed plate,
+/// whose direction is found by iteration. The estimator models a pad differently, by two forces.
 ///
 /// # Panics
 /// If the finger has no equilibrium under these forces, or part of the pad is not on the plate.

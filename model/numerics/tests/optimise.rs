@@ -1,4 +1,4 @@
-//! The optimiser against problems that are solved by hand.
+//! Tests the optimiser on problems with closed-form solutions.
 
 use finray_numerics::optimise::{
     Convergence, FromFunction, LeastSquaresProblem, LevenbergMarquardt, Outcome, Prior, Refusal, StepBounds,
@@ -7,18 +7,18 @@ use nalgebra::{DMatrix, DVector, dmatrix, dvector};
 
 mod gram_schmidt;
 
-/// A line through five readings, from the closed form of two unknowns: offset and slope.
+/// Linear problem of a line through five measurements. The unknowns are offset and slope.
 fn line() -> (DMatrix<f64>, DVector<f64>) {
     (dmatrix![1.0, -2.0; 1.0, -1.0; 1.0, 0.0; 1.0, 1.0; 1.0, 2.0], dvector![-3.1, -0.8, 1.1, 3.2, 4.6])
 }
 
-/// A x - b, with what the tests add to it.
+/// The residual A x - b, with optional priors and bounds.
 struct Linear {
     matrix: DMatrix<f64>,
     right: DVector<f64>,
     priors: Vec<(usize, f64, f64)>,
     bounds: Vec<(usize, [f64; 2])>,
-    /// Points that were evaluated.
+    /// Number of evaluated points.
     evaluated: usize,
 }
 
@@ -54,7 +54,7 @@ impl LeastSquaresProblem for Linear {
     }
 }
 
-/// Rosenbrock's valley, 10 (y - x^2) and 1 - x: its bottom is (1, 1).
+/// Residuals 10 (y - x^2) and 1 - x of Rosenbrock's valley, whose minimum is (1, 1).
 fn rosenbrock(at: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
     let residual = dvector![10.0 * (at[1] - at[0] * at[0]), 1.0 - at[0]];
     (residual, dmatrix![-20.0 * at[0], 10.0; -1.0, 0.0])
@@ -70,7 +70,7 @@ fn finds_the_bottom_of_rosenbrocks_valley() {
     }
 }
 
-/// By hand: x sums to zero, so the offset is the mean and the slope sum(x y) / sum(x^2).
+/// Closed-form solution of `line`: x sums to zero, so the offset is the mean of y, and the slope is sum(x y) / sum(x^2).
 fn best_line() -> DVector<f64> {
     dvector![1.0, (6.2 + 0.8 + 3.2 + 9.2) / 10.0]
 }
@@ -81,11 +81,11 @@ fn a_linear_problem_takes_one_undamped_step() {
     let undamped = LevenbergMarquardt { first_damping: 0.0, ..LevenbergMarquardt::default() };
     let fit = undamped.minimise(&mut problem, dvector![100.0, -100.0]).unwrap();
     assert!((&fit.point - best_line()).amax() < 1e-13, "{fit:?}");
-    // Its end is seen from there: the next step is too small.
+    // The search ends at the second point, because the next step would be negligible.
     assert_eq!((fit.outcome, fit.iterations, problem.evaluated), (Outcome::Converged, 2, 2));
 }
 
-/// The first damping leaves a thousandth of the way, the second one of ten thousand of that, and so on.
+/// After the first damped step, a thousandth of the distance remains. The second step leaves a ten-thousandth of this rest, and so on.
 #[test]
 fn damping_fades_from_step_to_step() {
     let mut problem = Linear::new(line());
@@ -94,10 +94,10 @@ fn damping_fades_from_step_to_step() {
     assert!(fit.iterations <= 4 && problem.evaluated == fit.iterations, "{} {}", fit.iterations, problem.evaluated);
 }
 
-/// Without the bound the slope is 1.94. Held at 1.5, the residual's minimum over the offset is the mean of y - 1.5 x.
+/// Without the bound, the slope is 1.94. If the bound holds the slope at 1.5, the best offset is the mean of y - 1.5 x.
 #[test]
 fn a_bound_that_is_active_holds_its_unknown_and_lets_the_others_follow() {
-    // Readings whose x has a mean, so that the offset follows the slope.
+    // The mean of x is not zero, so the best offset depends on the slope.
     let x = [0.0, 1.0, 2.0, 3.0, 4.0];
     let (_, right) = line();
     let matrix = DMatrix::from_fn(5, 2, |i, j| if j == 0 { 1.0 } else { x[i] });
@@ -106,7 +106,7 @@ fn a_bound_that_is_active_holds_its_unknown_and_lets_the_others_follow() {
     let fit = LevenbergMarquardt::default().minimise(&mut problem, dvector![50.0, 0.0]).unwrap();
     assert!(fit.has_converged(), "{fit:?}");
     assert!((fit.point[1] - 1.5).abs() < 1e-15 && (fit.point[0] - (1.0 - 1.5 * 2.0)).abs() < 1e-6, "{fit:?}");
-    // Where it is not active it changes nothing.
+    // A bound that is not active does not change the solution.
     problem.bounds = vec![(1, [-1.0, 2.5])];
     let fit = LevenbergMarquardt::default().minimise(&mut problem, dvector![50.0, 0.0]).unwrap();
     assert!((&fit.point - dvector![1.0 - 1.94 * 2.0, 1.94]).amax() < 1e-6, "{fit:?}");
@@ -138,12 +138,12 @@ fn no_point_that_is_tried_is_out_of_bounds() {
     }
     let mut problem = Bounded(FromFunction::new(function));
     let fit = LevenbergMarquardt::default().minimise(&mut problem, dvector![-1.2, 1.0]).unwrap();
-    // At x = 0.8 the valley's bottom is y = x^2.
+    // At the bound x = 0.8, the bottom of the valley is at y = x^2.
     assert!((&fit.point - dvector![0.8, 0.64]).amax() < 1e-9, "{fit:?}");
     assert!(farthest <= 0.8 + 1e-15, "{farthest}");
 }
 
-/// A prior of mean m and standard deviation s counts as a reading of that unknown alone with the same error.
+/// A prior has the same effect as a measurement of its unknown with the prior's mean and standard deviation.
 #[test]
 fn a_prior_is_a_further_reading() {
     let (matrix, right) = line();
@@ -155,7 +155,7 @@ fn a_prior_is_a_further_reading() {
     let mut with_reading = Linear::new((stacked, right.push(expected / sd)));
     let fits = [&mut with_prior, &mut with_reading]
         .map(|problem| LevenbergMarquardt::default().minimise(problem, dvector![0.0, 0.0]).unwrap());
-    // By hand: the slope is the mean of both, weighed by their information, 10 and 1 / s^2.
+    // Closed form: the slope is the mean of the measured and the expected slope, weighted by 10 and 1 / sd^2.
     let slope = (19.4 + expected / (sd * sd)) / (10.0 + 1.0 / (sd * sd));
     assert!((fits[0].point[1] - slope).abs() < 1e-6, "{} {slope}", fits[0].point[1]);
     assert!((&fits[0].point - &fits[1].point).amax() < 1e-12, "{fits:?}");
@@ -164,20 +164,20 @@ fn a_prior_is_a_further_reading() {
     assert!((&covariances[0] - &covariances[1]).amax() < 1e-15, "{covariances:?}");
 }
 
-/// (J^T J)^-1 of the line is diagonal: 1 / 5 and 1 / sum(x^2).
+/// For the line, (J^T J)^-1 is diagonal with the entries 1 / 5 and 1 / sum(x^2).
 #[test]
 fn the_covariance_of_a_linear_problem_is_the_inverse_of_its_normal_equations() {
     let fit = LevenbergMarquardt::default().minimise(&mut Linear::new(line()), dvector![0.0, 0.0]).unwrap();
     let covariance = fit.covariance().unwrap();
     assert!((covariance - dmatrix![0.2, 0.0; 0.0, 0.1]).amax() < 1e-15);
-    // Two unknowns of which the readings show the sum alone have none.
+    // If the measurements determine only the sum of two unknowns, these unknowns have no covariance.
     let same = Linear::new((DMatrix::from_element(3, 2, 1.0), dvector![1.0, 2.0, 3.0]));
     let fit = LevenbergMarquardt::default().minimise(&mut { same }, dvector![0.0, 0.0]).unwrap();
     assert!(fit.covariance().is_none_or(|covariance| covariance[(0, 0)] > 1e12));
     assert!((fit.point.sum() - 2.0).abs() < 1e-6, "{fit:?}");
 }
 
-/// sqrt(x) = 1/10 from 4: an undamped step leads to x = -3.6, where there is no root.
+/// Solves sqrt(x) = 1/10 from x = 4. An undamped step leads to x = -3.6, which has no square root.
 #[test]
 fn a_point_without_residuals_is_stepped_over_or_ends_the_search() {
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -199,7 +199,7 @@ fn a_point_without_residuals_is_stepped_over_or_ends_the_search() {
     assert!(refused > 0);
     let (found, refused) = search(Refusal::Altogether, 4.0);
     assert_eq!((found, refused), (Err(Refusal::Altogether(Negative)), 1));
-    // From a start that has none there is no shorter step.
+    // If the start has no residuals, no shorter step is possible.
     assert_eq!(search(Refusal::Here, -1.0).0, Err(Refusal::Here(Negative)));
 }
 
@@ -210,11 +210,11 @@ fn a_search_says_why_it_ended() {
     let few = LevenbergMarquardt { most_steps: 3, ..LevenbergMarquardt::default() };
     let fit = few.minimise(&mut rosenbrock(), start.clone()).unwrap();
     assert_eq!((fit.outcome, fit.has_converged()), (Outcome::StepsUsedUp, false));
-    // Derivatives of the wrong sign lead uphill.
+    // Derivatives with the wrong sign lead to steps that increase the sum of squares.
     let uphill = |at: &DVector<f64>| Ok::<_, Refusal<()>>((at.clone(), dmatrix![-1.0]));
     let fit = LevenbergMarquardt::default().minimise(&mut FromFunction::new(uphill), dvector![1.0]).unwrap();
     assert_eq!((fit.outcome, fit.point[0]), (Outcome::NoStepHelps, 1.0));
-    // Coarse steps end early.
+    // A search with a large limit on the step ends early.
     let convergence = Convergence { relative_decrease: 0.0, step: 0.5 };
     let coarse = LevenbergMarquardt { convergence, ..LevenbergMarquardt::default() };
     let fit = coarse.minimise(&mut rosenbrock(), start).unwrap();

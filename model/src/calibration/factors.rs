@@ -15,8 +15,9 @@ use std::fmt;
 pub enum Unknown {
     /// One factor on all moduli of the finger.
     Modulus,
-    /// One common factor on the modulus factors of some zones, counted from 0 in the order of the finger's description. A zone at the base can represent a
-    /// compliant clamp. A clamp with rotational stiffness k (N mm/rad) corresponds to a first member of length l and factor f with l (1/f - 1) / (E I) = 1 / k.
+    /// One common factor on the modulus factors of some zones. The numbers of the zones count from 0 in the order of the finger's description. A zone
+    /// at the base can represent a compliant clamp. A clamp with rotational stiffness k (N mm/rad) corresponds to a first member of length l and
+    /// factor f with l (1/f - 1) / (E I) = 1 / k.
     Zones(Vec<usize>),
 }
 
@@ -86,7 +87,8 @@ const ENTANGLED: f64 = 0.95;
 /// Factors are refused if the largest singular value of the scaled Jacobian is at least this many times the smallest. Sensitivities have nine correct
 /// digits, so the smallest singular value is then a rounding error. For independent zones of the paper's finger, the ratio is below 1e4.
 const LARGEST_SPAN: f64 = 1e7;
-/// A factor is not identifiable if the standard deviation of its logarithm is at least this value. A value of 1 is a factor of e in either direction.
+/// A factor is not identifiable if the standard deviation of its logarithm is at least this value. A value of 1 means that the factor is uncertain by
+/// a factor of e in either direction.
 const LARGEST_RELATIVE_SIGMA: f64 = 1.0;
 /// An error message names an unknown if the unknown's change in an inseparable combination exceeds this share of the largest change.
 const NAMED_SHARE: f64 = 0.2;

@@ -11,8 +11,8 @@ use crate::statics::StaticsError;
 /// A marker is down-weighted if its distance from the computed position exceeds this many standard deviations of a coordinate (Huber). Normal noise
 /// exceeds this limit for one marker in ninety. Down-weighting then raises the standard deviation of the factor by less than 1 %.
 const FORGIVEN: f64 = 3.0;
-/// A marker is reported as outlier if its distance from the computed position exceeds both `OUTLYING` standard deviations and `OUTLYING_SHARE` of the root mean
-/// square displacement. Normal noise exceeds five standard deviations for one marker in 270 000.
+/// A marker is reported as an outlier if its distance from the computed position exceeds both `OUTLYING` standard deviations and `OUTLYING_SHARE` of
+/// the root mean square displacement. Normal noise exceeds five standard deviations for one marker in 270 000.
 const OUTLYING: f64 = 5.0;
 const OUTLYING_SHARE: f64 = 0.1;
 /// Median distance of normal noise in a plane, in standard deviations of a coordinate: sqrt(2 ln 2).

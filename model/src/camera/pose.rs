@@ -27,8 +27,8 @@ impl Pose {
         self.rotation.scaled_axis().into()
     }
 
-    /// Pose of a frame in a visible plane. The frame's z axis is normal to the plane and points to the camera; its x axis runs along the rows of the image
-    /// (u). `origin_mm`, its origin, is a point of the plane. `normal` and `origin_mm` are in the camera frame.
+    /// Pose of a frame in a visible plane. The frame's z axis is normal to the plane and points to the camera; its x axis runs along the rows of the
+    /// image (u). The frame's origin `origin_mm` is a point of the plane. `normal` and `origin_mm` are in the camera frame.
     pub fn in_plane(normal: &Vector3<f64>, origin_mm: &Vector3<f64>) -> Pose {
         let z = if normal.dot(origin_mm) > 0.0 { -normal.normalize() } else { normal.normalize() };
         let x = (Vector3::x() - z * z.x).normalize();

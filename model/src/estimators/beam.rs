@@ -9,8 +9,8 @@ use crate::sensing::{
 };
 use nalgebra::{DMatrix, DVector};
 
-/// Beam elements per member of the co-rotational mesh from which the error of linearisation follows. The discretisation error of this mesh is small compared
-/// with the error of linearisation.
+/// Beam elements per member of the co-rotational mesh that is used to compute the error of linearisation. The discretisation error of this mesh is
+/// small compared with the error of linearisation.
 const LINEARISATION_ELEMENTS: usize = 2;
 
 /// An estimator on a mesh of the beam model.
@@ -20,16 +20,16 @@ pub struct BeamEstimator<'m> {
     /// Prior of a linear estimator. `None` for the nonlinear estimator.
     prior: Option<Prior>,
     mesh: &'m Mesh,
-    /// Mesh of the co-rotational finger from which the model error follows. For the nonlinear estimator, this mesh is finer than `mesh`. `None` if
-    /// the standard deviations follow from noise alone.
+    /// Mesh of the co-rotational finger, used to compute the model error. For the nonlinear estimator, this mesh is finer than `mesh`. `None` if the
+    /// standard deviations follow from noise alone.
     reference: Option<Mesh>,
-    /// Compliance that is computed once for all contacts. `None` computes it for each set of contacts.
+    /// Compliance for all contacts, computed once. `None` if the compliance is computed for each set of contacts.
     solved: Option<NodalCompliance>,
 }
 
 impl<'m> BeamEstimator<'m> {
-    /// Linear least squares. On any mesh, the displacements of the key nodes are exact for the linear finger. The standard deviations include the error of
-    /// linearisation.
+    /// Linear least squares. For the linear finger, the displacements of the key nodes are exact on any mesh. The standard deviations include the
+    /// error of linearisation.
     pub fn least_squares(mesh: &'m Mesh) -> BeamEstimator<'m> {
         BeamEstimator::linear(EstimatorId::LeastSquares, Prior::None, mesh)
     }
@@ -68,7 +68,7 @@ impl Estimator for BeamEstimator<'_> {
     ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError> {
         match self.prior {
             Some(prior) => {
-                // Because of rounding, the solution for a unit moment may fail although the solution for the force succeeds.
+                // Because of rounding, the solution for a unit moment may fail even if the solution for the force succeeds.
                 let estimator = match self.solved.as_ref().map(|solved| LinearEstimator::on(solved, contacts, markers))
                 {
                     None | Some(Err(SensingError::Statics(_))) => {

@@ -55,7 +55,7 @@ struct EstimatorRow {
 }
 
 impl EstimatorId {
-    /// Whether forces are a linear function of the displacements. A linear estimator returns forces for any measurement.
+    /// Whether the estimated forces are a linear function of the displacements. A linear estimator returns forces for any measurement.
     pub fn is_linear(self) -> bool {
         self.row().is_linear
     }
@@ -66,22 +66,22 @@ impl EstimatorId {
         self.row().searches
     }
 
-    /// Whether the estimator, like the shipped networks, supports only forces at contact nodes along the normal.
+    /// Whether the estimator supports only forces at contact nodes along the normal, as the shipped networks do.
     pub fn at_nodes(self) -> bool {
         self.row().at_nodes
     }
 
-    /// Phrase for help texts: the information that the estimator needs beside the displacements.
+    /// Phrase for help texts that names the information the estimator needs in addition to the displacements.
     pub fn needs(self) -> &'static str {
         self.row().needs
     }
 
-    /// Phrase for help texts: the contacts and measurements that the estimator refuses.
+    /// Phrase for help texts that names the contacts and measurements the estimator refuses.
     pub fn refuses(self) -> &'static str {
         self.row().refuses
     }
 
-    /// Phrase for help texts: the contacts that the estimator senses without training for them.
+    /// Phrase for help texts that names the contacts the estimator senses without training for them.
     pub fn unseen_contacts(self) -> &'static str {
         self.row().unseen_contacts
     }
@@ -109,7 +109,7 @@ impl EstimatorId {
         (self.row().admits)(finger, contacts, networks)
     }
 
-    /// Answers one [`Question`]: estimates the forces, with all errors that the estimator states. The command `finray sense` uses these answers.
+    /// Answers one [`Question`]: estimates the forces, with all errors that the estimator states. The command `finray sense` uses this answer.
     ///
     /// # Errors
     /// [`EstimatorError`] if a contact is wrong, or the estimator refuses to answer.
@@ -129,7 +129,7 @@ impl EstimatorId {
 pub struct Question<'q> {
     /// Contacts whose forces are estimated.
     pub contacts: &'q [ContactQuestion],
-    /// Pad between objects and the plate. Estimators that do not search refuse a pad.
+    /// Pad between objects and the plate. Estimators that do not search refuse a question with a pad.
     pub pad: Pad,
     /// Object that the contacts touch, if its shape and pose are known.
     pub object: Option<&'q TouchedObject>,
@@ -141,7 +141,8 @@ pub struct Question<'q> {
     pub mesh_nodes: Option<usize>,
     /// Candidate networks for [`EstimatorId::Network`].
     pub networks: &'q Networks,
-    /// Possible differences between the unloaded finger and the scene's finger. Estimators that do not search refuse such differences.
+    /// Possible differences between the unloaded finger and the scene's finger. Estimators that do not search refuse a question with such
+    /// differences.
     pub unloaded: Option<&'q UnloadedFinger>,
     /// Forces near the result of the measurement, from which a search starts. `None` if no such forces are known.
     pub near: Option<NearForces<'q>>,
@@ -150,8 +151,8 @@ pub struct Question<'q> {
 /// Contacts with their given or estimated position and direction, and their forces.
 pub type Answer = (Vec<Contact>, Estimate);
 
-/// Contacts of known position and direction. [`EstimatorError::NotKnown`] if a position or direction is unknown, because most estimators do not
-/// support unknown positions or directions.
+/// The contacts, all with known position and direction. Returns [`EstimatorError::NotKnown`] if a position or direction is unknown, because most
+/// estimators do not support unknown positions or directions.
 fn known_contacts(finger: &Finger, contacts: &[ContactQuestion]) -> Result<Vec<Contact>, EstimatorError> {
     let known: Option<Vec<Contact>> = contacts.iter().map(|question| question.known()).collect();
     let contacts = known.ok_or(EstimatorError::NotKnown)?;
@@ -159,7 +160,7 @@ fn known_contacts(finger: &Finger, contacts: &[ContactQuestion]) -> Result<Vec<C
     Ok(contacts)
 }
 
-/// An estimator of forces of known position and direction.
+/// An estimator of forces whose positions and directions are known.
 pub trait Estimator: Sync {
     /// Identifier of the estimator.
     fn id(&self) -> EstimatorId;
@@ -174,7 +175,7 @@ pub trait Estimator: Sync {
         markers: &Measurement,
     ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError>;
 
-    /// An estimator with the same results up to rounding that computes the common part of all contacts only once. `None` if such an estimator saves
+    /// An estimator that computes the common part of all contacts only once, with the same results up to rounding. `None` if such an estimator saves
     /// no time. If the true finger is linear, a linear estimator omits the error of linearisation.
     fn for_many(&self, _finger_is_linear: bool) -> Option<Box<dyn Estimator + '_>> {
         None
@@ -193,8 +194,8 @@ pub trait PreparedEstimator {
     /// `noise_free`.
     fn expect_samples_of(&mut self, _noise_free: &Measurement, _noise_mm: f64, _samples: usize) {}
 
-    /// States forces, N, close to the forces of the next measurement. A search may start from these forces. Used only to compute error bounds at the
-    /// true forces.
+    /// Announces forces, N, close to the forces of the next measurement, from which a search may start. Only the computation of error bounds at the
+    /// true forces uses this method.
     fn expect_forces(&mut self, _forces_n: &[f64]) {}
 }
 

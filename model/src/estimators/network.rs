@@ -35,7 +35,7 @@ fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError
     Ok((contacts, estimate))
 }
 
-/// A list of networks. Finger and contacts determine which network of the list is used.
+/// A list of networks, from which the estimator selects a network by the finger and the contacts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Networks(Vec<Network>);
 
@@ -98,12 +98,12 @@ impl Networks {
     }
 }
 
-/// An estimator for one finger that selects a network by the contacts.
+/// An estimator for one finger. The estimator selects a network that was trained for the given contacts.
 #[derive(Debug, Clone, Copy)]
 pub struct NetworkSensing<'n> {
     /// Networks from which one is selected.
     pub networks: &'n Networks,
-    /// The finger whose forces are estimated.
+    /// The finger on which the forces act.
     pub finger: &'n Finger,
     /// Whether the estimator refuses shapes unlike the training shapes.
     pub refuses: bool,

@@ -26,8 +26,8 @@ pub(super) const ROW: EstimatorRow = EstimatorRow {
 const SETTLED_SIGMAS: f64 = 0.05;
 const ROUNDS: usize = 8;
 
-/// Repeats the estimate if the unloaded finger may differ from the scene's finger. Each round linearises the assembly errors at the forces and errors
-/// of the previous round.
+/// Answers a question, with repeated estimates if the unloaded finger may differ from the scene's finger. Each round linearises the assembly errors
+/// at the forces and errors of the previous round.
 fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError> {
     let Some(unloaded) = question.unloaded else {
         let sensed = sensed(finger, question)?;

@@ -221,8 +221,8 @@ fn check_shear(finger: &Finger) -> Result<(), ImpossibleFinger> {
     })
 }
 
-/// Checks for each rib that the joint on one plate is farther from the other plate than that plate's bracket reaches. Each rib then has a positive length, and
-/// ribs do not cross.
+/// Checks for each rib that the joint on one plate is farther from the other plate than the bracket on the other plate reaches. Each rib then has a
+/// positive length, and ribs do not cross.
 fn check_brackets(finger: &Finger) -> Result<(), ImpossibleFinger> {
     let key = RIBS.bracket_mm.path();
     if let BracketLengths::Each(lengths_mm) = &finger.description.ribs.bracket_mm {

@@ -60,7 +60,7 @@ impl Equations {
         self.count
     }
 
-    /// A vector with one entry per unknown. The entry is `translation` for a displacement and `rotation` for a rotation.
+    /// A vector with one entry per unknown. The entry is `translation` if the unknown is a displacement, and `rotation` if it is a rotation.
     pub(crate) fn by_kind(&self, translation: f64, rotation: f64) -> Vec<f64> {
         let mut figures = vec![translation; self.count];
         for &equation in self.rotations.iter().flatten() {

@@ -1,4 +1,4 @@
-//! Rigid links: each makes a node follow another node over rotating rigid levers.
+//! Rigid links. A rigid link makes a node follow another node over rotating rigid levers.
 
 use super::equations::MOST_LEVERS;
 use super::members::{swing, turned, vector_of};

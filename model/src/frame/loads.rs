@@ -1,4 +1,4 @@
-//! Dead loads on a frame, and the derivatives of their potentials by the coordinates of the loaded nodes.
+//! Dead loads on a frame, and the derivatives of their potentials with respect to the coordinates of the loaded nodes.
 
 use super::members::{carry_over_arms, swing, turned};
 use super::{BeamEnd, FrameMotion, NodeIndex, PlaneFrame};
@@ -68,9 +68,9 @@ impl FrameLoad {
     }
 }
 
-/// Potentials of dead loads (minus their work), and derivatives by the motions of the loaded nodes.
+/// Potentials of dead loads (minus their work), and their derivatives with respect to the motions of the loaded nodes.
 impl PlaneFrame {
-    /// Potential (N mm) of a force between the ends of a member, with derivatives by the motions of the member's two nodes.
+    /// Potential (N mm) of a force between the ends of a member, with its derivatives with respect to the motions of the member's two nodes.
     pub(crate) fn interior_load(
         &self,
         motion: &FrameMotion,
@@ -82,8 +82,8 @@ impl PlaneFrame {
         self.inside(motion, member, kinematics, |beam, motions| beam.interior_work(kinematics, xi, -force, motions))
     }
 
-    /// First and second derivatives of the potential of a force (N) and moment (N mm) at the end of an arm, by the motion of the arm's node (the first three
-    /// coordinates). The potential itself is not computed: the returned energy is zero.
+    /// First and second derivatives of the potential of a force (N) and moment (N mm) at the end of an arm. The derivatives are taken with respect to
+    /// the motion of the arm's node (the first three coordinates). The potential is not computed: the returned energy is zero.
     pub(crate) fn end_load(
         &self,
         motion: &FrameMotion,
@@ -114,7 +114,7 @@ impl PlaneFrame {
         self.inside(motion, member, kinematics, slope).gradient
     }
 
-    /// Evaluates the quantity `of` for a member's beam, with derivatives by the motions of the member's two nodes.
+    /// Evaluates the quantity `of` for a member's beam, and its derivatives with respect to the motions of the member's two nodes.
     fn inside(
         &self,
         motion: &FrameMotion,

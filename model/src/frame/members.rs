@@ -7,8 +7,8 @@ use crate::element::{Beam, EndMotion, Kinematics, Response, Station, quarter_tur
 use crate::number::{Number, sine_and_versine};
 use nalgebra::{SMatrix, SVector, Vector2};
 
-/// Displacement, mm, of the end of a lever that rotates by `rotation`: (R - 1) lever. The formula is free of cancellation for small rotations. If
-/// `linear`, it is of first order.
+/// Displacement, mm, of the end of a lever that rotates by `rotation`: (R - 1) lever. The formula avoids cancellation for small rotations. If
+/// `linear`, the displacement is of first order in the rotation.
 #[inline(always)]
 pub(crate) fn swing<R: Number>(lever: Vector2<R>, rotation: R, linear: bool) -> Vector2<R> {
     let quarter = quarter_turn(lever);
@@ -98,8 +98,8 @@ impl<R: Number> Member<R> {
         end_motions(motion, &self.ends, linear)
     }
 
-    /// Elastic energy (N mm) of a member. The nodal forces and the tangent stiffness are its derivatives by the motions of the two nodes, including the rigid
-    /// arms.
+    /// Elastic energy (N mm) of a member. The nodal forces and the tangent stiffness are the derivatives of this energy with respect to the motions
+    /// of the two nodes, including the rigid arms.
     #[inline(always)]
     pub(crate) fn response(&self, motion: &FrameMotion<R>, kinematics: Kinematics) -> Response<R> {
         let linear = kinematics == Kinematics::Linear;
@@ -121,7 +121,7 @@ impl<R: Number> Member<R> {
         Vector2::new(to.x - from.x + undeformed.x, to.y - from.y + undeformed.y)
     }
 
-    /// Energy (N mm) and forces on the two nodes (N, N mm) for small displacements, including the effect of the rigid arms.
+    /// Energy (N mm) of a member, and forces on its two nodes (N, N mm), for small displacements. The forces include the effect of the rigid arms.
     #[inline(always)]
     pub(crate) fn linear_forces(&self, motion: &FrameMotion<R>) -> (R, SVector<R, 6>) {
         let (energy, mut gradient) = self.beam.linear_forces(&self.end_motions(motion, true));
@@ -134,8 +134,8 @@ impl<R: Number> Member<R> {
 }
 
 impl PlaneFrame {
-    /// Axial strain and curvature along a member with interior loads. Each load consists of a position (fraction of the length) and a force (N); see
-    /// [`Beam::stations`](crate::element::Beam).
+    /// Axial strain and curvature along a member under loads between its ends. Each load consists of a position (fraction of the length) and a force
+    /// (N); see [`Beam::stations`](crate::element::Beam).
     pub(crate) fn stations(
         &self,
         motion: &FrameMotion,
@@ -179,8 +179,8 @@ impl PlaneFrame {
 
 /// Chain rule from the ends of the elastic part to the nodes over rigid arms; `rotations` are the ends' rotations, rad.
 ///
-/// The end of an arm v moves on a circle. The second derivative by the arm's rotation therefore gains -f . v, where f is the gradient by the
-/// displacement of the arm's end.
+/// The end of an arm v moves on a circle. The second derivative with respect to the arm's rotation therefore gains -f . v, where f is the gradient
+/// with respect to the displacement of the arm's end.
 #[inline(always)]
 pub(crate) fn carry_over_arms<R: Number>(
     ends: &[BeamEnd<R>; 2],

@@ -8,8 +8,8 @@ use crate::{Finger, NodeId};
 pub struct LinkageErrors {
     /// Standard deviation of the motor's angle, degrees.
     pub motor_deg: f64,
-    /// Backlash of the nut on the screw, mm. The position within the backlash is assumed to be uniformly distributed. Its standard deviation is then
-    /// backlash / sqrt(12).
+    /// Backlash of the nut on the screw, mm. The position within the backlash is assumed to be uniformly distributed. The standard deviation of the
+    /// position is then backlash / sqrt(12).
     pub backlash_mm: f64,
     /// Standard deviation of each of three lengths, mm: rocker, link, and distance of the fixed joint from the screw's axis.
     pub length_mm: f64,

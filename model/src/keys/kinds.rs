@@ -1,4 +1,4 @@
-//! Kinds of values that keys take: reading from TOML, range, and description in words.
+//! Kinds of values that keys accept. Each kind reads values from TOML, checks their range, and describes them in words.
 
 mod numbers;
 

@@ -3,7 +3,8 @@
 /// Distributes `total` elements over lines in proportion to their lengths, by largest remainder (Hamilton's method), at least one element per line. Equal
 /// remainders favour the earlier line. `total` must be at least the number of lines.
 pub(super) fn by_largest_remainder(total: usize, lengths: &[f64]) -> Vec<usize> {
-    // A line with a quota below one element gets one element. The other lines share the remaining elements, which may lower further quotas below one.
+    // A line with a quota below one element gets one element. The other lines share the remaining elements, so the quotas of further lines may fall
+    // below one.
     let mut shares = vec![1; lengths.len()];
     let mut sharing: Vec<usize> = (0..lengths.len()).collect();
     loop {

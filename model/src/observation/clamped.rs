@@ -1,4 +1,4 @@
-//! Markers on clamped nodes. They show only noise, so a large displacement indicates a wrong node number.
+//! Check of markers on clamped nodes. Such markers show only noise, so a large displacement indicates a wrong node number.
 
 use super::MarkerError;
 use crate::Vector;

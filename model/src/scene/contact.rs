@@ -13,7 +13,7 @@ pub struct ContactDescription {
     pub rod_radius_mm: f64,
     /// Lean of sensed forces: their angle from the plate normal, caused by friction. `None` if the scene states no friction.
     pub lean: Option<Lean>,
-    /// The plate normal from which the lean (angle between force and normal) is measured. Calibration of friction uses this normal as well.
+    /// Plate normal from which the lean (angle between force and normal) is measured, also in the calibration of friction.
     pub normal: Normal,
     /// Relative standard deviation of a sensed force from causes that are not modelled otherwise, dimensionless.
     pub force_error: f64,

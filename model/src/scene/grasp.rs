@@ -22,7 +22,7 @@ pub struct GraspDescription {
     pub motor_deg: [f64; 2],
     /// Motor angle between two steps of the simulation, degrees, above zero. The simulation settles each step to equilibrium.
     pub step_deg: f64,
-    /// Sensed total force of a finger at which closing stops, N. `None` to close until the last motor angle.
+    /// Sensed total force of a finger at which closing stops, N. `None` if the gripper closes until the last motor angle.
     pub until_force_n: Option<f64>,
     /// Whether the motor keeps the sensed force at `until_force_n` along the path.
     pub holds: bool,
@@ -42,8 +42,8 @@ pub struct GraspDescription {
     pub frames_per_s: Option<f64>,
     /// Delay between an image and the force sensed from it, in frames.
     pub delay_frames: usize,
-    /// Whether the scene's camera is fixed to the gripper. The pose of a camera on the gripper refers to the gripper's frame, of any other camera to
-    /// each finger's frame.
+    /// Whether the scene's camera is fixed to the gripper. The pose of a camera on the gripper refers to the gripper's frame. The pose of any other
+    /// camera refers to each finger's frame.
     pub camera_on_gripper: bool,
 }
 

@@ -18,19 +18,18 @@ use nalgebra::UnitComplex;
 pub struct AssemblyErrors {
     /// Standard deviation of the position of each joint of a rib with a plate, in mm: along the plate and perpendicular to it.
     pub joint_sd_mm: f64,
-    /// Moment that the plates exert on each other at the tip without load, in N mm. A positive moment turns x towards y. If uniformly curved plates are joined,
-    /// only this moment remains, because the end moments of neighbouring elements cancel.
+    /// Moment that the plates exert on each other at the tip without load, in N mm. A positive moment turns x towards y. This single moment
+    /// represents the preload of uniformly curved plates, because the end moments of neighbouring elements cancel.
     pub preload_nmm: f64,
     /// Standard deviation of the preload, N mm.
     pub preload_sd_nmm: f64,
     /// Standard deviation of the markers' height towards the camera, in mm.
     pub height_sd_mm: f64,
-    /// Errors that remain after a calibration. They are independent of each other and of the errors of the fields above.
+    /// Errors that remain after a calibration. These errors are independent of each other and of the errors in the other fields.
     pub further: Vec<UnloadedError>,
 }
 
-/// One error of the unloaded finger and its mounting, with the size of one standard deviation. All fields of this error change together: they are
-/// fully correlated.
+/// One error of the unloaded finger and its mounting, with the size of one standard deviation. All fields are fully correlated: they change together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnloadedError {
     /// Displacements of the joints of each rib, in mm: `[front, back]`. Each joint has two components: along its plate from base to tip, and perpendicular into
@@ -48,15 +47,15 @@ pub struct UnloadedError {
     pub base_turn_rad: f64,
 }
 
-/// Possible errors of the unloaded finger in one image.
+/// Possible errors of the unloaded finger, as seen in one image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnloadedFinger {
     /// Uncertainty of the unloaded finger.
     pub assembly: AssemblyErrors,
     /// The camera above the markers. `None` neglects the effect of the markers' height.
     pub camera: Option<CameraAbove>,
-    /// Standard deviation, in rad, of the rotation of the frame in which displacements are measured, if they refer to an image of the unloaded finger. The
-    /// position of the base then has no effect. `None` if displacements refer to the finger of the scene.
+    /// Standard deviation, in rad, of the rotation of the frame in which displacements from an image of the unloaded finger are measured. Such
+    /// displacements do not depend on the position of the base. `None` if displacements refer to the finger of the scene.
     pub measured_in_frame_sd_rad: Option<f64>,
 }
 
@@ -73,7 +72,7 @@ pub struct CameraAbove {
 
 /// Beam elements per member in the meshes of the fingers with and without errors.
 const ELEMENTS: usize = 8;
-/// Count of numbers per rib in a row that describes an [`UnloadedError`]. `OF_REST` is the count of the other numbers of the row.
+/// Count of numbers per rib in a row of numbers that describes an [`UnloadedError`]. `OF_REST` is the count of the other numbers in the row.
 const OF_RIB: usize = 4;
 const OF_REST: usize = 7;
 
@@ -129,7 +128,7 @@ impl UnloadedError {
         sum
     }
 
-    /// A copy of `finger`, changed by the joints and clips of this error. `None` if such a finger is geometrically impossible.
+    /// A copy of `finger` with this error's displacements of joints and lengths of clips. `None` if such a finger is geometrically impossible.
     pub(crate) fn finger(&self, finger: &Finger) -> Option<Finger> {
         let mut description = finger.description().clone();
         for (rib, joints_mm) in self.joints_mm.iter().enumerate() {
@@ -148,7 +147,7 @@ impl UnloadedError {
         Finger::new(description).ok()
     }
 
-    /// Whether the error changes the bending of the finger.
+    /// Whether the error changes the shape of the bent finger.
     fn bends(&self) -> bool {
         self.joints_mm.iter().flatten().flatten().chain(&self.clip_mm).any(|mm| *mm != 0.0)
             || self.preload_nmm != 0.0
@@ -157,7 +156,7 @@ impl UnloadedError {
 }
 
 impl AssemblyErrors {
-    /// Moment at the tip that represents a preload of `moment_nmm`, N mm.
+    /// Load that represents a preload of `moment_nmm`, N mm: a moment at the tip.
     pub(crate) fn load(finger: &Finger, moment_nmm: f64) -> Load {
         Load::Node { node: finger.tip(), force: Vector::zeros(), moment_nmm }
     }
@@ -190,14 +189,14 @@ impl Pushed<'_> {
 }
 
 impl UnloadedFinger {
-    /// Standard deviation of a displacement coordinate, in mm, that covers assembly errors in a search without known forces. It is zero if
+    /// Standard deviation of a displacement coordinate, in mm, that covers assembly errors in a search without known forces. This value is zero if
     /// displacements refer to the finger of the scene, because most errors of such displacements do not depend on forces.
     pub(crate) fn unknown_without_forces_mm(&self) -> f64 {
         if self.measured_in_frame_sd_rad.is_some() { self.assembly.joint_sd_mm } else { 0.0 }
     }
 
-    /// Corrects a measurement for the expected preload, and adds the assembly errors as errors that all markers share. The errors are linearised at the
-    /// amplitudes `found` from an earlier search, in standard deviations. If `found` is empty, the errors are linearised at zero.
+    /// Corrects a measurement for the expected preload, and adds the assembly errors as errors that all markers share. The errors are linearised at
+    /// the amplitudes `found` by an earlier search, in standard deviations, or at zero if `found` is empty.
     ///
     /// # Errors
     /// [`SensingError`] if a finger with one of the errors is impossible or has no equilibrium under the forces.
@@ -222,7 +221,7 @@ impl UnloadedFinger {
                 let bent = if error.bends() { self.bent(finger, &there, pushed)? } else { bent.clone() };
                 Ok(self.seen(&there, &bent).iter().zip(&seen).map(|(there, here)| (there - here) * times).collect())
             };
-            // If a finger with the error is impossible or has no equilibrium, the error of opposite sign replaces it.
+            // If a finger with the error is impossible or has no equilibrium, the error of opposite sign replaces the error.
             shared.push(moved(1.0).or_else(|_| moved(-1.0))?);
         }
         let mut offset = self.markers(finger, 0.0, pushed)?;
@@ -278,7 +277,7 @@ impl UnloadedFinger {
         self.markers(&other, self.assembly.preload_nmm + error.preload_nmm, Pushed { contacts: &contacts, ..pushed })
     }
 
-    /// Marker positions that the camera sees, in mm: the positions `bent`, moved by the base and height of `error`.
+    /// Marker positions that the camera sees, in mm: the positions `bent`, displaced by the errors of base and height in `error`.
     fn seen(&self, error: &UnloadedError, bent: &[Vector]) -> Vec<Vector> {
         let turn = UnitComplex::new(error.base_turn_rad);
         // In displacements from an image of the unloaded finger, a common translation of all markers cancels.

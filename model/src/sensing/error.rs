@@ -1,9 +1,9 @@
-//! Reasons for which forces cannot be estimated.
+//! Reasons why forces cannot be estimated.
 
 use crate::finger::NodeId;
 use crate::mesh::LoadError;
 
-/// Reason for which forces cannot be estimated from a measurement.
+/// Reason why forces cannot be estimated from a measurement.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SensingError {
     /// A contact is not on the free front plate.
@@ -127,7 +127,8 @@ pub enum SensingError {
          reproduce the linear estimate: use the nonlinear estimator"
     )]
     NotLinearised,
-    /// The base, the friction or a contact has a standard deviation, but the noise of the displacements is not stated. The estimator needs both.
+    /// The base, the friction or a contact has a standard deviation, but the noise of the displacements is not stated. The estimator then needs the
+    /// noise, too.
     #[error(
         "base, friction or contact has a standard deviation, so the noise of the displacements must be known as well: state the noise (--noise-mm, or \
          noise_mm in the table camera of the scene)"

@@ -5,8 +5,8 @@ use super::ResidualTest;
 /// A model error up to this share of the largest force causes no warning. Noise alone causes an error of at least 0.13 % of a force of 3 N.
 const NEGLIGIBLE: f64 = 1e-3;
 
-/// Reason for which an estimate is less accurate than noise alone implies. The standard deviations of the estimate include the known error of the
-/// model. They exclude other errors, such as a wrong contact or another finger.
+/// Reason why an estimate is less accurate than noise alone implies. The standard deviations of the estimate include the known error of the model.
+/// They exclude other errors, such as a wrong contact or another finger.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Warning {
     /// The residual exceeds the stated noise significantly.
@@ -37,7 +37,7 @@ pub enum Warning {
     Discretisation(ModelError),
 }
 
-/// Error of the model at the contact where it is largest relative to the error due to noise.
+/// Error of the model at one contact: the contact with the largest ratio of this error to the error due to noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModelError {
     /// Position of the contact in the list, from 1.
@@ -53,16 +53,16 @@ pub struct ModelError {
 pub struct Estimate {
     /// Force of each contact along the contact's direction, N, in the order of the contacts. A force may be negative.
     pub forces_n: Vec<f64>,
-    /// Standard deviation of each force, N, including the known error of the model. Infinite if no noise is stated and no residual remains from which to
-    /// estimate the noise.
+    /// Standard deviation of each force, N, including the known error of the model. Infinite if no noise is stated and no degree of freedom remains
+    /// to estimate the noise from the residual.
     pub sigmas_n: Vec<f64>,
-    /// Model error that each standard deviation includes, in N, due to linearisation, mesh, or training of a network. The error has a sign if the
-    /// sign is known.
+    /// Error of each force due to linearisation, mesh, or training of a network, in N. Each standard deviation includes this model error. The error
+    /// is signed if its sign is known.
     pub model_error_n: Vec<f64>,
     /// Standard deviation of one measured coordinate, mm, from which `sigmas_n` follow: the stated noise, or the residual standard deviation. Without
-    /// a stated noise, the residual standard deviation is widened if degrees of freedom are few.
+    /// a stated noise, the residual standard deviation is widened to account for few degrees of freedom.
     pub noise_mm: f64,
-    /// Reason for which the estimate is less accurate than noise alone implies, if any.
+    /// Reason why the estimate is less accurate than noise alone implies, if any.
     pub warning: Option<Warning>,
     /// Root mean square of the weighted residual, mm.
     pub residual_rms_mm: f64,
@@ -71,7 +71,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Widens each standard deviation by an error of `share` times the force. A calibration states the dimensionless `share`.
+    /// Widens each standard deviation by an error of `share` times the force. The dimensionless `share` is a result of a calibration.
     pub fn add_force_error(&mut self, share: f64) {
         for (sigma_n, force_n) in self.sigmas_n.iter_mut().zip(&self.forces_n) {
             *sigma_n = sigma_n.hypot(share * force_n);

@@ -3,19 +3,19 @@
 /// Lean (angle between a contact force and the inward normal due to friction), with its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lean {
-    /// Mean lean (angle between force and normal), in degrees, positive towards the tip. For a sliding object, it is the arctangent of the coefficient of
-    /// friction.
+    /// Mean lean (angle between force and normal), in degrees, positive towards the tip. For a sliding object, the mean lean is the arctangent of the
+    /// coefficient of friction.
     pub angle_deg: f64,
     /// Standard deviation of the lean, in degrees. Zero if the lean is known exactly.
     pub sd_deg: f64,
     /// Build-up force of friction, N: at a force f, the mean lean is `angle_deg` (1 - exp(-f / `build_up_n`)). Zero if the lean does not depend on
     /// the force.
     pub build_up_n: f64,
-    /// Inward normal from which the lean is measured.
+    /// Inward normal to which the lean refers.
     pub from: Normal,
 }
 
-/// Inward normal from which the lean of a force (its angle from the normal) is measured.
+/// Inward normal to which the lean of a force (the angle between force and normal) refers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Normal {
     /// Normal of the deformed plate, averaged over a length of plate about the contact, for example the length that the object covers.
@@ -41,7 +41,7 @@ impl Lean {
         Lean { angle_deg: coefficient.atan().to_degrees(), sd_deg, ..Lean::NONE }
     }
 
-    /// Lean between the friction angles of two coefficients of friction (dimensionless). All angles between them are assumed equally likely.
+    /// Lean between the friction angles of two coefficients of friction (dimensionless). All angles in this range are assumed equally likely.
     pub fn within(coefficients: [f64; 2]) -> Lean {
         let [from, to] = coefficients.map(|coefficient| coefficient.atan().to_degrees());
         Lean { angle_deg: 0.5 * (from + to), sd_deg: (to - from).abs() / 12.0_f64.sqrt(), ..Lean::NONE }

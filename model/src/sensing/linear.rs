@@ -12,13 +12,13 @@ use crate::statics::StaticsError;
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 
-/// A measurement is attributed to a linear finger if its sum of squared residuals is smaller for the linear than for the co-rotational finger, by
-/// more than this number of noise variances. Nine variances correspond to three standard deviations.
+/// A measurement is attributed to a linear finger if the linear finger has a smaller sum of squared residuals than the co-rotational finger, by more
+/// than this number of noise variances. Nine variances correspond to three standard deviations.
 const FAVOURED: f64 = 9.0;
 
-/// Without a stated noise, the linear finger explains a measurement whose residual is at most this share of the displacements. The limit applies only if no
-/// forces on the co-rotational finger reproduce the linear estimate. Displacements are then so large that camera noise is below this share. Displacements of a
-/// co-rotational finger would leave a residual of about ten times this share.
+/// Without a stated noise, the linear finger explains a measurement whose residual is at most this share of the displacements. The limit applies only
+/// if no forces on the co-rotational finger reproduce the linear estimate. Displacements are then so large that camera noise is below this share. For
+/// displacements of a co-rotational finger, the residual of the linear finger would be about ten times this share.
 const EXPLAINED_SHARE: f64 = 0.01;
 
 /// Prior distribution of the forces.
@@ -45,9 +45,9 @@ impl Prior {
 /// At least as many measured coordinates as contacts. The ratio of the largest to the smallest singular value is at most [`LARGEST_SPAN`].
 ///
 /// # Reference
-/// Minimises |W (u - C f)|^2 with the measured displacements u and the weights W. C is the compliance of eq. (5) of Xu et al. (2021) at the markers and
-/// contacts. A prior of standard deviation p adds |f|^2 s^2 / p^2 for a noise s (Hoerl and Kennard 1970). The standard deviations are then those of the
-/// posterior distribution.
+/// Minimises |W (u - C f)|^2 with the measured displacements u and the weights W. C is the compliance of eq. (5) of Xu et al. (2021) at the markers
+/// and contacts. A prior of standard deviation p adds |f|^2 s^2 / p^2 for a noise s (Hoerl and Kennard 1970). With a prior, the standard deviations
+/// refer to the posterior distribution.
 #[derive(Debug, Clone)]
 pub struct LinearEstimator {
     /// Weighted compliance W C, mm/N: two rows (x, y) per marker, one column per contact.
@@ -141,7 +141,7 @@ impl LinearEstimator {
         let stated_mm = noise_mm.filter(|noise_mm| *noise_mm > 0.0);
         let linear_mm2 = estimate.residual_rms_mm.powi(2) * coordinates as f64;
         let error = match linearisation.error(model, measurement, &estimate.forces_n) {
-            // A linear finger has an equilibrium under any force, and this measurement does not contradict the linear finger.
+            // A linear finger has an equilibrium under any force, and the measurement does not contradict the linear finger.
             Err(SensingError::NotLinearised) if estimate.warning.is_none() => {
                 let moved_mm2 = weighted(measurement, |marker| marker.displacement).norm_squared();
                 if noise_mm.is_none() && linear_mm2 > EXPLAINED_SHARE.powi(2) * moved_mm2 {
@@ -160,7 +160,7 @@ impl LinearEstimator {
             estimate.widen_for_misfit();
             return Ok(estimate);
         }
-        // The residual that linearisation does not explain is noise, or another error of the model.
+        // A residual that linearisation does not explain is due to noise or to another error of the model.
         let test = ResidualTest::new(stated_mm, error.sum_of_squares_mm2, degrees_of_freedom);
         let residual_mm = || unstated_noise_mm(error.sum_of_squares_mm2, degrees_of_freedom);
         let trusted_mm = test.map(|test| test.trusted_noise_mm());
@@ -184,7 +184,7 @@ impl LinearEstimator {
             (0..coordinates).map(|row| (displacements[row] - explained(row)).powi(2)).sum::<f64>()
         };
         let unbiased = &self.least_squares.gain * &displacements;
-        // The residual is tested without the prior, because the least-squares forces have the smallest residual of all forces.
+        // The test uses the residual without the prior, because the least-squares forces have the smallest residual of all forces.
         let least_mm2 = sum_of_squares(&unbiased);
         let test = ResidualTest::new(noise_mm, least_mm2, degrees_of_freedom);
         let noise_mm = noise_of(test, noise_mm, least_mm2, degrees_of_freedom);
@@ -213,7 +213,8 @@ impl LinearEstimator {
 pub struct Inverse {
     /// Matrix from weighted displacements (two per marker, mm) to forces (N), N/mm: one row per force.
     pub gain: DMatrix<f64>,
-    /// Standard deviation of each force per mm of noise, N/mm. These are the square roots of the diagonal of (C^T W^2 C + ridge^2)^-1.
+    /// Standard deviation of each force per mm of noise, N/mm. The standard deviations are the square roots of the diagonal of (C^T W^2 C +
+    /// ridge^2)^-1.
     pub sigmas_per_noise: Vec<f64>,
 }
 
@@ -253,9 +254,9 @@ impl Inverse {
     }
 }
 
-/// Singular values of the weighted compliance, mm/N, in descending order. [`SensingError::IllConditioned`] if the forces are not identifiable. All unknowns are
-/// forces in N and all rows have the same noise, so no scaling is needed. For twelve normal forces on the paper's finger, the largest singular value is 363
-/// times the smallest.
+/// Singular values of the weighted compliance, mm/N, in descending order. Returns [`SensingError::IllConditioned`] if the forces are not
+/// identifiable. All unknowns are forces in N and all rows have the same noise, so no scaling is needed. For twelve normal forces on the paper's
+/// finger, the largest singular value is 363 times the smallest.
 fn identifiable(compliance: &DMatrix<f64>) -> Result<Vec<f64>, SensingError> {
     if compliance.ncols() == 1 {
         // The singular value of a single column is its length.

@@ -1,4 +1,4 @@
-//! Error of linearisation of estimated forces, computed at these forces.
+//! Error of linearisation of estimated forces, computed for the estimated forces.
 
 use super::{Contact, SensingError, halved_below};
 use crate::frame::{FrameLoad, FrameMotion};
@@ -23,7 +23,7 @@ const MOST_ASTRAY: usize = 4;
 const STEP_TOLERANCE: f64 = 1e-6;
 /// Newton's method fails after this number of refused steps: the first limit is for a single force, the second for several forces. A step is refused
 /// if it leads to forces without equilibrium. The smallest and largest single force with an equilibrium are stored, so refused steps of a single
-/// force are cheap. A refused step is shortened to between half and all of the share up to which equilibria exist.
+/// force are cheap. If equilibria exist up to a share of a refused step, the shortened step is between half and all of this share.
 const MOST_REFUSED: [usize; 2] = [30, 8];
 
 /// Error that a linear estimator makes on the co-rotational finger.
@@ -32,15 +32,15 @@ const MOST_REFUSED: [usize; 2] = [30, 8];
 /// Contacts of known position and direction, and the gain and compliance of the linear estimator at the markers.
 ///
 /// # Reference
-/// With gain G and compliance C (weighted, at the markers), the linear estimator returns f + G (u(f) - C f) for the co-rotational finger, whose
-/// displacements under forces f are u(f). The error of estimated forces f' is f' - f, where f solves f + G (u(f) - C f) = f'. Newton's method finds f
-/// with derivatives from the tangent stiffness.
+/// With gain G and compliance C (weighted, at the markers), the linear estimator returns f + G (u(f) - C f) for the co-rotational finger, where u(f)
+/// are the displacements of this finger under forces f. The error of estimated forces f' is f' - f, where f solves f + G (u(f) - C f) = f'. Newton's
+/// method finds f with derivatives from the tangent stiffness.
 #[derive(Debug, Clone)]
 pub struct Linearisation<'m> {
     mesh: &'m Mesh,
     contacts: Vec<Contact>,
     statics: Statics<Ladder<'m>>,
-    /// Smallest and largest single force with an equilibrium, N. A limit is infinite until it is known.
+    /// Smallest and largest single force with an equilibrium, N. A limit is infinite until the limit is known.
     ends_n: [f64; 2],
     /// Gain for which `points` are valid.
     gain: DMatrix<f64>,
@@ -81,7 +81,7 @@ struct Solution {
     motion: FrameMotion,
     /// Derivative of these forces with respect to the forces that the linear estimator returns, dimensionless.
     slope: DMatrix<f64>,
-    /// Weighted displacements of the markers, mm. `rates` has the derivatives of these displacements with respect to the forces, mm/N.
+    /// Weighted displacements of the markers, mm. `rates` contains the derivatives of these displacements with respect to the forces, mm/N.
     displacements: DVector<f64>,
     rates: DMatrix<f64>,
 }
@@ -111,7 +111,7 @@ impl<'m> Linearisation<'m> {
         measurement: &Measurement,
         sensed_n: &[f64],
     ) -> Result<LinearisationError, SensingError> {
-        // Points for another gain (other markers, or a prior under other noise) are invalid.
+        // Stored points are invalid for another gain (other markers, or a prior with another noise).
         if self.gain != *model.gain {
             self.points.clear();
             self.gain.clone_from(model.gain);
@@ -212,8 +212,8 @@ impl<'m> Linearisation<'m> {
         Ok(None)
     }
 
-    /// Forces, N, and shape from which Newton's method starts: the unloaded finger or, for a single force, a nearer known solution. A single force
-    /// has such a solution because the equilibria under all its values form one path.
+    /// Forces, N, and shape from which Newton's method starts: the unloaded finger or, for a single force, a nearer known solution. Only a single
+    /// force starts from a known solution, because the equilibria under all values of a single force form one path.
     fn start(&self, target_n: &[f64]) -> (DVector<f64>, FrameMotion) {
         if let [target_n] = target_n {
             let away = |solution: &&Solution| (solution.forces_n[0] - target_n).abs();
@@ -226,10 +226,10 @@ impl<'m> Linearisation<'m> {
         (DVector::zeros(target_n.len()), FrameMotion::at_rest(self.mesh.frame()))
     }
 
-    /// Follows the equilibrium from the shape `motion` under `forces_n` to the shape under `next_n`, both N. Returns this shape, or the share of the change (0
-    /// to 1) up to which equilibria exist.
+    /// Follows the equilibrium from the shape `motion` under `forces_n` to the shape under `next_n`, both N. Returns the shape under `next_n`, or the
+    /// share of the change of the forces (0 to 1) up to which equilibria exist.
     ///
-    /// Equilibria under all values of a single force form one path, so the ends of this path are searched only once.
+    /// Equilibria under all values of a single force form one path, so the search for the ends of this path is done only once.
     fn followed(
         &mut self,
         motion: &FrameMotion,
@@ -237,7 +237,7 @@ impl<'m> Linearisation<'m> {
         next_n: &DVector<f64>,
     ) -> Result<Result<FrameMotion, f64>, SensingError> {
         let (from_n, to_n) = (forces_n[0], next_n[0]);
-        // Applies to a single force that grows in magnitude without changing its sign.
+        // Whether a single force grows in magnitude without a change of sign.
         let single = self.contacts.len() == 1 && to_n.abs() > from_n.abs() && to_n * from_n >= 0.0;
         let side = usize::from(to_n > 0.0);
         if single && to_n.abs() > self.ends_n[side].abs() {

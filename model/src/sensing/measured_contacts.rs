@@ -3,8 +3,9 @@
 //! Each contact has two unknowns: the force f along its measured normal, and the tangent a of the angle between force and normal. A contact between
 //! rods has a third unknown, the shift d of its position. The data are the displacements of the markers. The priors have the means a = 0 and d = 0.
 //! The standard deviations of the priors follow from the accuracy of the measured contacts and from friction. The estimate minimises the sum of all
-//! squared residuals, each divided by its variance. [`LevenbergMarquardt`] searches for it on the co-rotational finger. The stated covariance is the
-//! inverse of the information matrix. This covariance includes the uncertainty of position, direction and friction that remains after the fit.
+//! squared residuals, each divided by its variance. [`LevenbergMarquardt`] searches for the estimate on the co-rotational finger. The stated
+//! covariance is the inverse of the information matrix. This covariance includes the uncertainty of position, direction and friction that remains
+//! after the fit.
 
 use super::{
     Contact, ContactForce, ContactPosition, LARGEST_SPAN, NonlinearEstimator, RespondingFinger, Response, SensingError,
@@ -90,7 +91,7 @@ pub fn sense_measured_contacts(
     let questions: Vec<_> = contacts.iter().map(|contact| contact.contact.into()).collect();
     let start = NonlinearEstimator::new(mesh, &questions)?.estimate(measurement, Some(knowledge.noise_mm))?;
     // Friction of a sliding object acts in the same direction at all k contacts. The standard deviation of each tangent's prior is the bound times
-    // sqrt(k). Then k tangents that all equal the bound are together one standard deviation from zero.
+    // sqrt(k). With this choice, k tangents that all equal the bound are together one standard deviation from zero.
     let friction = knowledge.friction * (contacts.len() as f64).sqrt();
     let [measured_mm, weights] = of_marked_nodes(mesh.finger(), measurement);
     let count = contacts.len();
@@ -123,7 +124,7 @@ impl LeastSquaresProblem for Problem<'_> {
     type Point = DVector<f64>;
     type Error = SensingError;
 
-    /// Computed minus measured displacements, weighted and divided by the noise.
+    /// Computed displacements minus measured displacements, weighted and divided by the noise.
     fn residual(&mut self, point: &DVector<f64>) -> Result<DVector<f64>, Refusal<SensingError>> {
         let count = self.contacts.len();
         let force = |(i, seen): (usize, &MeasuredContact)| {
@@ -153,7 +154,7 @@ impl LeastSquaresProblem for Problem<'_> {
         point + step
     }
 
-    /// Priors of tangents and shifts. An unknown with a standard deviation of zero has no derivatives; its prior keeps it at zero.
+    /// Priors of tangents and shifts. An unknown with a standard deviation of zero has no derivatives; the prior keeps the unknown at zero.
     fn priors(&self, point: &DVector<f64>) -> Vec<Prior> {
         let own = (self.contacts.len()..).zip(&self.own_sds);
         own.map(|(unknown, &sd)| Prior::on(unknown, point[unknown], 0.0, if sd > 0.0 { sd } else { 1.0 })).collect()
@@ -193,7 +194,7 @@ impl Problem<'_> {
 
     /// Forces along and across the contacts, with their covariance. The effect of a tangent on the markers is proportional to the force. In the
     /// covariance, the root mean square of the force replaces the estimated force; the difference matters for small forces. The root mean square is
-    /// the square root of squared estimate plus variance.
+    /// the square root of the sum of the squared estimate and the variance.
     fn solution(&mut self, fit: &Fit<DVector<f64>>) -> Result<MeasuredContactForces, SensingError> {
         let count = self.contacts.len();
         let (forces_n, tangents) = (&fit.point.as_slice()[..count], &fit.point.as_slice()[count..2 * count]);
@@ -220,7 +221,8 @@ impl Problem<'_> {
         let covariance_n2 = &turned * covariance * turned.transpose() * widened;
         let across_n: Vec<f64> = (0..count).map(|i| forces_n[i] * tangents[i]).collect();
         // If the measured normal is wrong, a share of the friction force counts as force along the normal. The share is computed from at least the
-        // upper bound of the friction force. Otherwise noise could make the estimated friction force, and hence the standard deviation, too small.
+        // upper bound of the friction force. The estimated friction force alone could be too small because of noise, and so would be the standard
+        // deviation.
         let variance_n2 = |i: usize| {
             let across_n2 = across_n[i].powi(2) + covariance_n2[(count + i, count + i)];
             let most_n = self.knowledge.friction * forces_n[i];

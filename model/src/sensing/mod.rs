@@ -32,17 +32,18 @@ pub(crate) use residual_test::noise_of;
 pub use residual_test::{ResidualTest, SIGNIFICANCE};
 pub use response::{ContactForce, RespondingFinger, Response, marker_coordinates};
 
-/// Largest accepted ratio of the largest to the smallest singular value. The singular values are those of the derivatives of the displacements with respect to
-/// the scaled unknowns. Beyond this ratio, forces are not identifiable.
+/// Largest accepted ratio of the largest to the smallest singular value of the derivatives of the displacements with respect to the scaled unknowns.
+/// Beyond this ratio, forces are not identifiable.
 pub const LARGEST_SPAN: f64 = 1e8;
 
-/// A measurement counts as unexplained if its residual exceeds both `UNEXPLAINED_SIGMAS` standard deviations of the noise and the share `UNEXPLAINED_SHARE` of
-/// the displacements. The residual of a real finger may be many times the camera's noise, but is a smaller share of the displacements.
+/// A measurement counts as unexplained if its residual exceeds both `UNEXPLAINED_SIGMAS` standard deviations of the noise and the share
+/// `UNEXPLAINED_SHARE` of the displacements. The residual of a real finger may be many times the camera's noise, but remains a smaller share of the
+/// displacements than the limit.
 const UNEXPLAINED_SIGMAS: f64 = 10.0;
 const UNEXPLAINED_SHARE: f64 = 0.3;
 
 /// Largest power of one half below `carried`, the share of a load step (0 to 1) up to which equilibria exist. Returns one half if `carried` is zero.
-/// Repeated halving of the step would lead to the same result, but would need a search for an equilibrium after each halving.
+/// Repeated halving of the step would have the same result, but each halving would need a search for an equilibrium.
 fn halved_below(carried: f64) -> f64 {
     let mut share = 0.5;
     while share >= carried && carried > 0.0 {

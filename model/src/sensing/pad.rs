@@ -5,7 +5,7 @@ use crate::finger::{Finger, Plate};
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::mesh::{Load, LoadError, Mesh};
 
-/// A pad on the front plate, which distributes a force evenly over a length of the plate. The force acts on the pad's surface, so the component of
+/// A pad on the front plate. The pad distributes a force evenly over a length of the plate. The force acts on the pad's surface, so the component of
 /// the force along the plate exerts a moment on the plate. The default is no pad.
 ///
 /// # Reference
@@ -25,7 +25,7 @@ const GAUSS_POINT: f64 = 0.288_675_134_594_812_9;
 const SHORTEST_LEVER_MM: f64 = 0.5;
 
 impl Pad {
-    /// Whether there is no pad, so that forces act at a point of the plate.
+    /// Whether there is no pad. Forces then act at a point of the plate.
     pub fn is_none(&self) -> bool {
         *self == Pad::default()
     }
@@ -66,8 +66,8 @@ impl Pad {
         loads.into_iter().flatten().map(|load| mesh.frame_load(&load))
     }
 
-    /// Two forces whose sum is the contact force. The two forces have the same moment about the contact as the friction force, which acts on the
-    /// pad's surface.
+    /// Two forces whose sum is the contact force. The moment of the two forces about the contact equals the moment of the friction force on the pad's
+    /// surface.
     fn pair(&self, finger: &Finger, contact: &Contact, s_mm: f64, force_n: f64, plate_turn_rad: f64) -> [Load; 2] {
         let length_mm = finger.plate_length_mm(Plate::Front);
         let reach_mm = (GAUSS_POINT * self.length_mm).max(SHORTEST_LEVER_MM);
@@ -78,7 +78,7 @@ impl Pad {
         let force = finger.direction(contact.angle_deg) * force_n;
         // Normal and tangent of the rotated plate.
         let [inward, tipward] = [0.0, 90.0].map(|deg| finger.direction(deg + plate_turn_rad.to_degrees()));
-        // A force towards the tip, acting on the pad's surface, presses the plate inwards on the side of the tip.
+        // A force on the pad's surface that points towards the tip presses the plate inwards on the side of the tip.
         let turning = inward * (self.thickness_mm * force.dot(&tipward) / apart_mm);
         let to_share = (s_mm - from_mm) / apart_mm;
         [

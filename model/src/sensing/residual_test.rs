@@ -5,11 +5,11 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 /// Probability that a measurement with the stated noise fails the test. One false warning in a hundred frames is acceptable.
 pub const SIGNIFICANCE: f64 = 0.01;
 
-/// Noise does not explain a residual with a p-value below this limit: the finger or its contacts differ from the scene.
+/// A p-value below this limit is a misfit: noise does not explain the residual, so the finger or its contacts differ from the scene.
 const MISFIT: f64 = 1e-7;
-/// A [misfit](MISFIT) counts as an error that all coordinates share. A shared error of the residual's size causes a certain standard deviation of a
-/// force; this factor multiplies it. The test `misfit` uses fingers that differ from their scene in base, zones, preload, ribs or scale. They need
-/// factors of 0.1 to 5.
+/// A [misfit](MISFIT) counts as an error that all coordinates share. This factor multiplies the standard deviation of a force that a shared error of
+/// the residual's size would cause. The fingers in the test `misfit` differ from their scene in base, zones, preload, ribs or scale, and need factors
+/// of 0.1 to 5.
 const MISFIT_SHARE: f64 = 2.5;
 
 /// Comparison of a residual with the stated noise.
@@ -52,7 +52,7 @@ impl ResidualTest {
         )
     }
 
-    /// The p-value in words. A value below the rounding error is given as an upper bound.
+    /// The p-value in words. A value below the rounding error is stated as an upper bound.
     pub(super) fn p_in_words(&self) -> String {
         match self.p_value() {
             p if p < f64::EPSILON => format!("p < {:.0e}", f64::EPSILON),
@@ -75,8 +75,8 @@ impl ResidualTest {
     }
 
     /// Factor by which a misfit widens standard deviations that follow from [`trusted_noise_mm`](Self::trusted_noise_mm). A misfit counts as an error
-    /// that all coordinates share. Unlike the effect of noise, the effect of such an error does not decrease with the number of coordinates. The
-    /// factor is 1 without a misfit.
+    /// that all coordinates share. In contrast to the effect of noise, the effect of a shared error does not decrease with the number of coordinates.
+    /// The factor is 1 without a misfit.
     pub(super) fn widening_of_misfit(&self) -> f64 {
         if !self.contradicts() || self.p_value() > MISFIT {
             return 1.0;
@@ -101,7 +101,7 @@ const UPPER: f64 = 0.975;
 /// # Reference
 /// A normal error divided by its standard deviation, as estimated from a residual, follows Student's t distribution with the residual's degrees of
 /// freedom (Press et al., Numerical Recipes, sec. 15.6). The 95 % interval of this distribution is wider than the interval of the normal
-/// distribution: by a factor of 6.5 for 1 degree of freedom, 1.14 for 10, and 1.03 for 45.
+/// distribution, by a factor of 6.5 for 1 degree of freedom, 1.14 for 10, and 1.03 for 45.
 pub(super) fn unstated_noise_mm(sum_of_squares_mm2: f64, degrees_of_freedom: usize) -> Option<f64> {
     let residual_sd_mm = residual_sd_mm(sum_of_squares_mm2, degrees_of_freedom)?;
     // There is at least one degree of freedom, so both distributions exist.
@@ -110,9 +110,9 @@ pub(super) fn unstated_noise_mm(sum_of_squares_mm2: f64, degrees_of_freedom: usi
     Some(residual_sd_mm * student.inverse_cdf(UPPER) / normal.inverse_cdf(UPPER))
 }
 
-/// Standard deviation of a coordinate, mm, from which the standard deviations of forces follow. It is the stated noise, or the residual standard deviation if
-/// the residual contradicts the noise. Without a stated noise it is [estimated from the residual](unstated_noise_mm), and infinite if no degree of freedom
-/// remains.
+/// Standard deviation of a coordinate, mm, from which the standard deviations of forces follow. It is the stated noise, or the residual standard
+/// deviation if the residual contradicts the noise. Without a stated noise, the standard deviation is [estimated from the
+/// residual](unstated_noise_mm), and infinite if no degree of freedom remains.
 pub(crate) fn noise_of(
     test: Option<ResidualTest>,
     stated_mm: Option<f64>,

@@ -22,7 +22,7 @@ pub struct ContactForce {
     pub lever_mm: f64,
 }
 
-/// On the plate between nodes, two forces represent a moment. Each force acts at this distance from the contact, in mm.
+/// At a contact between nodes, two forces represent a moment. Each force acts at this distance from the contact, in mm.
 const COUPLE_REACH_MM: f64 = 0.5;
 
 impl ContactForce {
@@ -31,12 +31,12 @@ impl ContactForce {
         ContactForce { contact, along_n, across_n: 0.0, lever_mm: 0.0 }
     }
 
-    /// Load of a force `force_n`, N, along the contact's direction.
+    /// Load of the force `force_n`, N, along the contact's direction.
     fn along(&self, finger: &Finger, force_n: f64) -> Load {
         self.contact.load(finger, force_n)
     }
 
-    /// Loads of a force `force_n`, N, across the contact's direction, including the moment of this force: -`lever_mm` times `force_n`, N mm.
+    /// Loads of the force `force_n`, N, across the contact's direction, including the moment of this force: -`lever_mm` times `force_n`, N mm.
     fn across(&self, finger: &Finger, force_n: f64) -> impl Iterator<Item = Load> + use<> {
         let turned = Contact { angle_deg: self.contact.angle_deg + 90.0, ..self.contact };
         let moment_nmm = -self.lever_mm * force_n;

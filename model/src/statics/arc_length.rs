@@ -20,23 +20,24 @@ const LARGEST_TURN: f64 = 0.5;
 const CORRECTION_TOLERANCE: f64 = 1e-12;
 /// The next correction is predicted only from corrections with a norm up to this value.
 const QUADRATIC_RANGE: f64 = 1e-3;
-/// A correction counts as rounding noise if its norm exceeds a quarter of the previous norm, and is below both this value and the share
-/// [`STAGNATION_SHARE`] of the step.
+/// A correction counts as rounding noise if its norm exceeds a quarter of the previous correction's norm, but exceeds neither this value nor
+/// [`STAGNATION_SHARE`] times the step length.
 const STAGNATION_TOLERANCE: f64 = 1e-8;
-/// Largest correction that may count as rounding noise, as a share of the step; see [`STAGNATION_TOLERANCE`].
+/// Largest correction that may count as rounding noise, as a share of the step length; see [`STAGNATION_TOLERANCE`].
 const STAGNATION_SHARE: f64 = 1e-2;
 /// Largest number of Newton iterations in a step. A step that needs more iterations is repeated with a shorter length.
 const MAX_ITERATIONS: usize = 10;
 /// A limit point is accepted when the load component of the unit tangent is below this value. The error of the limit load is of the order of the
 /// square of this component.
 const LIMIT_TOLERANCE: f64 = 1e-7;
-/// Largest number of iterations that locate a limit point between two points of the path. After these iterations, the best point found is used.
+/// Largest number of iterations that locate a limit point between two points of the path. The search for a limit point then ends and returns the best
+/// point found.
 const MAX_LIMIT_TRIALS: usize = 40;
-/// Limit of the summed norms of Newton's corrections, as a share of the step. A larger sum may lead to another branch, so the step is repeated with a shorter
-/// length.
+/// Limit of the sum of the norms of Newton's corrections in a step, as a share of the step length. A larger sum may lead to another branch, so the
+/// step is repeated with a shorter length.
 const LARGEST_DEPARTURE: f64 = 0.5;
-/// If the number of negative pivots and the sign of the load's slope disagree, the path has met a bifurcation or left its branch. Steps are then shortened. A
-/// bifurcation is accepted when the load multiple changes by at most this share in a step.
+/// A bifurcation is accepted when the load multiple changes by at most this share in the step. If the number of negative pivots disagrees with the
+/// sign of the load's slope, the path has met a bifurcation or left its branch. Steps are shortened until they decide between the two cases.
 const BIFURCATION_SHARE: f64 = 1e-3;
 /// Several bifurcations in one step are accepted when the load multiple changes by at most this share in the step.
 const MULTIPLE_BIFURCATION_SHARE: f64 = 1e-6;
@@ -80,8 +81,8 @@ pub struct EquilibriumPath {
     pub limits: Vec<LimitPoint>,
 }
 
-/// Follows equilibria of any plane frame from rest, on stable and unstable branches. The path may pass limit points, at which the load starts to fall or to
-/// rise (snap-through), and points at which the loaded point turns back (snap-back).
+/// Follows the equilibria of any plane frame from rest, both stable and unstable. The path may pass limit points, at which the load starts to fall or
+/// to rise (snap-through). The displacement of the loaded point may also turn back along the path (snap-back).
 ///
 /// A step starts along the tangent of the path. Newton's method then returns to the path within the plane normal to this tangent. The unknowns of
 /// Newton's method include the load multiple, so limit points need no special treatment. The change of the tangent's direction sets the step length.
@@ -90,8 +91,8 @@ pub struct EquilibriumPath {
 ///
 /// The length of a step does not depend on units or mesh. The length is the root mean square over all unknowns: displacements divided by the frame's
 /// size (half the diagonal of the frame's outline), and rotations in rad. The load multiple is scaled by the motion that it causes at rest. An energy
-/// norm would also be free of units. However, for a slender beam that only rotates, the stiffness at rest predicts a large elongation. The energy of
-/// this elongation would dominate the energy of bending beams.
+/// norm would also be independent of units. However, for a slender beam that only rotates, the stiffness at rest predicts a large elongation. The
+/// energy of this elongation would dominate the energy of bending beams.
 ///
 /// # Requirements
 /// The stiffness at rest is positive definite. The loads keep their directions. Limit points are simple. At a bifurcation the path keeps its branch,
@@ -157,11 +158,12 @@ impl<'f> ArcLength<'f> {
         ArcLength { assembly, factor: IndefiniteFactor::default(), measure: Measure { unknowns, multiple: 1.0 } }
     }
 
-    /// Follows the path from rest; the load multiple grows at first. Stops at the first point that `until` accepts, or after `most_points` points.
+    /// Follows the path from rest, initially with a growing load multiple. Stops at the first point that `until` accepts, or after `most_points`
+    /// points.
     ///
     /// # Errors
     /// [`StaticsError::NotHeld`] if the frame can move without deforming; [`StaticsError::LoadNotFinite`] for a load that is not finite;
-    /// [`StaticsError::NoEquilibrium`] with the last multiple if the path is lost, for instance where several branches meet.
+    /// [`StaticsError::NoEquilibrium`] with the last multiple if the solver loses the path, for instance at a point at which several branches meet.
     pub fn follow(
         &mut self,
         loads: &[FrameLoad],
@@ -221,8 +223,8 @@ impl<'f> ArcLength<'f> {
         Some(Station { point: PathPoint { multiple: 0.0, motion, negative_pivots: 0 }, tangent })
     }
 
-    /// Finds the point at which the path crosses a plane. The plane is normal to the tangent, at the distance `length` from `from`. `None` if
-    /// Newton's method does not converge.
+    /// Finds the point at which the path crosses the plane normal to the tangent at the distance `length` from `from`. `None` if Newton's method does
+    /// not converge.
     fn step(&mut self, from: &Station, loads: &[FrameLoad], length: f64) -> Option<Station> {
         let constraint = self.measure.dual(&from.tangent);
         let mut point = from.point.clone();
@@ -313,7 +315,7 @@ impl Measure {
         self.product(direction, direction).sqrt()
     }
 
-    /// Returns a direction. Its unweighted product with any other direction equals the weighted inner product of `of` with that other direction.
+    /// Returns the direction whose unweighted product with any other direction equals the weighted inner product of `of` with the other direction.
     fn dual(&self, of: &Direction) -> Direction {
         let unknowns = self.unknowns.iter().zip(&of.unknowns).map(|(w, u)| w * u).collect();
         Direction { unknowns, multiple: self.multiple * of.multiple }

@@ -5,8 +5,8 @@
 //! [`Statics::equilibrium`] operation by operation. The result of a load is therefore bitwise the same in any batch, for any number of threads and on
 //! any machine.
 //!
-//! Lanes apply the whole load in one step. The scalar solver handles loads that need more steps or have no equilibrium. The scalar solver also makes
-//! the first correction of each load, because this correction needs only the stiffness at rest, which the mesh stores.
+//! Lanes apply the whole load in one step. The scalar solver handles loads that need more steps or have no equilibrium. The scalar solver also
+//! computes the first correction of each load. This correction needs only the stiffness at rest, which the mesh stores.
 
 use super::ladder::{Balance, Factor};
 use super::load_step::{CORRECTION_TOLERANCE, LoadStep};
@@ -19,13 +19,13 @@ use crate::number::{Lanes, Number};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-/// Number of loads in a piece. One thread solves a piece. The number is large enough to keep the lanes full until near the end of a piece, and small
+/// Number of loads in a piece, which one thread solves. The number is large enough to keep the lanes full until near the end of a piece, and small
 /// compared with the number of loads in a study.
 const LOADS_A_PIECE: usize = 256;
 
 /// Equilibria under dead loads, each followed from rest, in the order of the loads. The results equal those of [`Statics::equilibrium`].
 ///
-/// Co-rotational equilibria are computed several at a time in SIMD lanes, and divided into pieces for rayon's threads.
+/// Co-rotational equilibria are computed several at a time in SIMD lanes. The loads are divided into pieces for rayon's threads.
 ///
 /// # Errors
 /// Each load has its own result, which may be the [`StaticsError`] of [`Statics::equilibrium`].
@@ -58,7 +58,8 @@ impl WithSimd for Piece<'_> {
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Piece { mesh, kinematics, loads } = self;
         let mut single = Statics::ladder(mesh, kinematics);
-        // Lanes are no faster for a single load, nor for linear equilibria, because these share one factorisation.
+        // Lanes are no faster for a single load. Lanes are no faster for linear equilibria either, because all linear equilibria share one
+        // factorisation.
         if kinematics == Kinematics::Linear || loads.len() == 1 {
             return loads.iter().map(|loads| single.equilibrium(loads)).collect();
         }
@@ -137,7 +138,7 @@ struct Batch<'a, R: Number> {
     work: R,
     /// Squared energy norm of the solution in each lane, N mm: an argument of [`LoadStep::judge`].
     scale: R,
-    /// Largest rotation in each lane, or largest deviation of a rotation from its prediction, rad: an argument of [`LoadStep::judge`].
+    /// In each lane, the largest rotation or the largest deviation of a rotation from its prediction, rad: an argument of [`LoadStep::judge`].
     turn: R,
     /// The motion of the undeformed frame.
     at_rest: FrameMotion,
@@ -172,7 +173,7 @@ impl<'a, R: Number> Batch<'a, R> {
         for (lane, path) in self.paths.iter_mut().enumerate().filter(|(_, path)| path.is_none()) {
             *path = waiting.next(&mut self.of_lane, &self.at_rest);
             if path.is_none() {
-                // An idle lane stays at rest, because special numbers in an idle lane (such as subnormal numbers) could slow down the other lanes.
+                // An idle lane stays at rest. Otherwise its motion could contain subnormal numbers, which would slow down the other lanes.
                 self.of_lane.clone_from(&self.at_rest);
             }
             self.motion.set_lane(lane, &self.of_lane);

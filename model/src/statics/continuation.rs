@@ -1,7 +1,7 @@
 //! Continuation from one equilibrium to another in adaptive load steps.
 //!
-//! The length of a step follows from the largest length that the rotations of the previous step would have allowed. Near the predicted end of the
-//! stable branch, the prediction limits the length ([`limit`](super::limit)).
+//! The rotations in the previous step determine how long that step could have been; the length of the next step follows from this length. Near the
+//! predicted end of the stable branch, the prediction limits the length ([`limit`](super::limit)).
 
 use super::limit::Approach;
 use super::load_path::{LoadPath, LoadTransition, ProportionalLoading, TrialTransition};
@@ -17,7 +17,7 @@ const AIM: f64 = 0.75;
 const GROWTH: f64 = 3.0;
 /// A rejected step is shortened to no less than this share of its length, even if the rejection states that the step was far too long.
 const LEAST_SHARE: f64 = 0.01;
-/// If a failed step is shorter than this share of the path, rounding in too fine a mesh may be the cause.
+/// If a step shorter than this share of the path fails, rounding in too fine a mesh may be the cause.
 const SHORT_STEP: f64 = 1e-3;
 /// Lower limit of the step length, as a share of the path. A path that needs a shorter step ends with an error.
 const LEAST_STEP: f64 = 1e-7;
@@ -35,9 +35,10 @@ impl<E: EquilibriumEquations> Statics<E> {
         self.continued(&self.equations.at_rest(), loads, 0.0, 1.0)
     }
 
-    /// Equilibria under the given multiples of the loads. Each equilibrium is followed from the previous one, the first from rest.
+    /// Equilibria under the given multiples of the loads. The first equilibrium is followed from rest, and each further equilibrium from the previous
+    /// equilibrium.
     ///
-    /// Stops at the first multiple without an equilibrium. Returns the equilibria found before, and the error.
+    /// Stops at the first multiple without an equilibrium. Returns the equilibria of the preceding multiples, and the error.
     pub fn path(&mut self, loads: &[FrameLoad], multiples: &[f64]) -> (Vec<Equilibrium>, Option<StaticsError>) {
         let mut found: Vec<Equilibrium> = Vec::with_capacity(multiples.len());
         let mut motion = self.equations.at_rest();
@@ -55,7 +56,7 @@ impl<E: EquilibriumEquations> Statics<E> {
         (found, None)
     }
 
-    /// Equilibrium under `to` times the loads. It is followed from `start`, an equilibrium under `from` times the loads.
+    /// Equilibrium under `to` times the loads. The path begins at `start`, the equilibrium under `from` times the loads.
     ///
     /// # Errors
     /// [`StaticsError`] as for [`equilibrium`](Statics::equilibrium). The converged fraction in the error is relative to `to`.
@@ -75,8 +76,8 @@ impl<E: EquilibriumEquations> Statics<E> {
         Err(StaticsError::NoEquilibrium { converged_fraction: loading.multiple(converged_fraction) / to })
     }
 
-    /// Equilibrium under the loads `to`. It is followed from `start`, an equilibrium under the loads `from`. Along the path, the loads `from` decrease linearly
-    /// to zero and the loads `to` increase linearly from zero.
+    /// Equilibrium under the loads given by `to`. The path begins at `start`, the equilibrium under the loads given by `from`. Along the path, the
+    /// loads of `from` decrease linearly to zero and the loads of `to` increase linearly from zero.
     ///
     /// # Errors
     /// [`StaticsError`] as for [`equilibrium`](Statics::equilibrium). Its converged fraction is the share of the path, 0..1.
@@ -92,8 +93,9 @@ impl<E: EquilibriumEquations> Statics<E> {
         self.follow(start, LoadTransition { from, to, loads: Vec::with_capacity(from.len() + to.len()) })
     }
 
-    /// Follows the path of [`shifted`](Statics::shifted) as a trial, for a caller that shortens the path if the trial fails. The end of a branch is not
-    /// located exactly. The trial ends without result after `most_rejected` rejected steps, or at an equilibrium that `goes_on` rejects.
+    /// Follows the path of [`shifted`](Statics::shifted) as a trial, for a caller that shortens the path if the trial fails. The trial does not
+    /// locate the end of a branch exactly. It ends without a result after `most_rejected` rejected steps, or at an equilibrium that `goes_on`
+    /// rejects.
     ///
     /// # Errors
     /// [`StaticsError`] as for [`equilibrium`](Statics::equilibrium). Its converged fraction is the share of the path, 0..1.
@@ -120,7 +122,7 @@ impl<E: EquilibriumEquations> Statics<E> {
         let mut before: Option<FrameMotion> = None;
         let (mut done, mut step) = (0.0, 1.0);
         let (mut iterations, mut load_steps) = (0, 0);
-        // Predicts the end of the branch. Created only at the first rejected step, because the prediction does not matter before.
+        // Predicts the end of the branch. The prediction is created only at the first rejected step, because earlier steps do not need it.
         let mut approach: Option<Approach> = None;
         let (mut failed_since, mut digits_checked, mut rejected) = (false, false, 0);
         while done < 1.0 {

@@ -14,9 +14,10 @@ use crate::frame::{FrameLoad, FrameMotion};
 const SMALL_CORRECTION: f64 = 1e-5;
 /// Number of decimal digits of a number in double precision.
 const ALL_DIGITS: f64 = 15.65;
-/// With fewer digits than this, no Newton correction falls below the threshold of rounding noise, 1e-6 of the solution.
+/// With fewer correct digits than this number, no Newton correction falls below the threshold of rounding noise, 1e-6 of the solution.
 const FEWEST_NEWTON_DIGITS: f64 = 5.0;
-/// Load factor at which every frame is linear to all digits. A factor of 1e-12 is too large: under 1e-12 N, a plate of 0.01 mm thickness is not linear.
+/// Load factor so small that every frame is linear to all digits. A factor of 1e-12 is too large: under 1e-12 N, a plate of 0.01 mm thickness is not
+/// linear.
 const HARDLY_ANY_LOAD: f64 = 1e-20;
 
 impl<E: EquilibriumEquations> Statics<E> {
@@ -35,8 +36,8 @@ impl<E: EquilibriumEquations> Statics<E> {
         if digits < FEWEST_DIGITS { Err(StaticsError::TooFewDigits { digits }) } else { Ok(found) }
     }
 
-    /// Number of correct decimal digits of an equilibrium, 0 to 15.65. The number follows from the relative change by one more correction, in energy
-    /// norm or displacement, whichever changes more.
+    /// Number of correct decimal digits of an equilibrium, 0 to 15.65. The number follows from the effect of one more correction: the larger of the
+    /// relative changes in energy norm and in displacement.
     ///
     /// The number is an estimate. For linear solutions with known error, the estimate is at most 0.3 digits too high. It may be three or four digits
     /// too low, because the energy norm includes noise in single elements that barely moves any node.
@@ -46,7 +47,7 @@ impl<E: EquilibriumEquations> Statics<E> {
         self.digits_under(motion, loads, 1.0)
     }
 
-    /// Fails if rounding leaves too few digits for Newton's method to converge, even under a load at which the frame is linear.
+    /// Fails if rounding leaves too few digits for Newton's method to converge, even under so small a load that the frame is linear.
     pub(super) fn require_digits_at_rest(&mut self, loads: &[FrameLoad]) -> Result<(), StaticsError> {
         let mut motion = self.equations().at_rest();
         if !self.equations_mut().linearise(&motion, loads, HARDLY_ANY_LOAD) {

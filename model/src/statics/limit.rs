@@ -8,17 +8,18 @@
 const FOLD: f64 = 0.5;
 /// Exponent p of the determinant of a branch that ends in a bifurcation (buckling of a straight member).
 const BIFURCATION: f64 = 1.0;
-/// Number of bisections of the interval of exponents p. They determine p to 1e-3, which is finer than the accuracy of the predictions.
+/// Number of bisections of the interval of exponents p. The bisections determine p to 1e-3, which is finer than the accuracy of the predictions.
 const HALVINGS: usize = 9;
 /// A step covers this share of the remaining distance to a fold. Displacements vary with the square root of this distance. If a step covers 8/9 of
 /// the distance, the tangent's prediction is wrong by half, which is the limit for a load step.
 const REACH_AT_FOLD: f64 = 0.8;
 /// A step covers this share of the remaining distance to a bifurcation. Near a bifurcation, displacements are smooth functions of the load.
 const REACH_AT_BIFURCATION: f64 = 0.95;
-/// A step has at least this share of the length of the last step. If the determinant falls by powers of ten, predictions are useless, and this limit applies.
+/// A step has at least this share of the length of the last step. This limit applies if the determinant falls by powers of ten, because predictions
+/// are then useless.
 const LEAST_REACH: f64 = 0.01;
-/// Largest exponent p of the determinant that counts as a fold. The other exponents, 2/3 and 1, exceed this limit by more than rounding and the
-/// finite distance between equilibria can cause.
+/// Largest exponent p of the determinant that counts as a fold. The exponents 2/3 and 1 exceed this limit by more than the errors due to rounding and
+/// to the finite distance between equilibria.
 const LARGEST_POWER_OF_FOLD: f64 = 0.58;
 /// A fold counts as reached when the remaining distance is below this share of the predicted end of the branch.
 const GAP_TO_FOLD: f64 = 1e-4;
@@ -59,8 +60,8 @@ impl Approach {
         self.predicted = self.end();
     }
 
-    /// Target of the next step, a share of the path. It lies before the predicted end, unless the remaining distance is shorter
-    /// than a hundredth of the last step. `None` without a prediction.
+    /// Target of the next step, a share of the path. The target lies before the predicted end, unless the remaining distance is shorter than a
+    /// hundredth of the last step. `None` without a prediction.
     pub(super) fn near(&self) -> Option<f64> {
         let End { share: end, power } = self.predicted?;
         let [_, Some([before, _]), Some([at, _])] = self.points else { return None };
@@ -68,12 +69,13 @@ impl Approach {
         Some(at + f64::max(reach * (end - at), LEAST_REACH * (at - before)))
     }
 
-    /// Whether an equilibrium lies beyond the predicted end and so disproves the prediction.
+    /// Whether an equilibrium lies beyond the predicted end and therefore disproves the prediction.
     pub(super) fn is_disproved_by(&self, share: f64) -> bool {
         self.predicted.is_some_and(|end| share > end.share)
     }
 
-    /// Whether the last two predictions agree, and the predicted end lies before a share of the path by more than the remaining distance to the end.
+    /// Whether the last two predictions agree and the branch ends before a share of the path. The predicted end must lie before this share by more
+    /// than the distance from the last equilibrium to the predicted end.
     pub(super) fn ends_before(&self, share: f64) -> bool {
         let (Some(End { share: end, .. }), Some(at)) = (self.predicted, self.at()) else { return false };
         self.predictions_agree() && end + (end - at) < share
@@ -86,8 +88,8 @@ impl Approach {
         (before.share - end.share).abs() <= AGREEMENT * (end.share - at)
     }
 
-    /// A share of the path that the branch should not reach. It is as far beyond the predicted end as the last equilibrium is before it. `None` while
-    /// the end is not close.
+    /// A share of the path that the branch should not reach. This share lies as far beyond the predicted end as the last equilibrium lies before the
+    /// predicted end. `None` unless the end is close.
     pub(super) fn beyond(&self) -> Option<f64> {
         let (End { share: end, power }, at) = (self.predicted?, self.at()?);
         let left = end - at;

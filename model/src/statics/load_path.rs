@@ -3,7 +3,7 @@
 use super::load_step::CORRECTION_TOLERANCE;
 use crate::frame::{FrameLoad, FrameMotion};
 
-/// Convergence tolerance at intermediate equilibria. The next step corrects the remaining error, which must be small compared with a short step.
+/// Convergence tolerance at intermediate equilibria. The next step corrects the remaining error. This error must be small compared with a short step.
 const STATION_TOLERANCE: f64 = 1e-8;
 /// Convergence tolerance at all equilibria of a trial path. Because Newton's method converges quadratically, the equilibria are accurate to 1e-9.
 const TRIED_TOLERANCE: f64 = 1e-6;
@@ -30,7 +30,7 @@ pub(super) trait LoadPath {
         if share < 1.0 { STATION_TOLERANCE } else { CORRECTION_TOLERANCE }
     }
 
-    /// Whether the path is a trial, which the caller shortens if it fails. The exact share at which it fails then does not matter.
+    /// Whether the path is a trial, which the caller shortens if the trial fails. The exact share at which a trial fails does not matter.
     fn is_trial(&self) -> bool {
         false
     }
@@ -77,7 +77,7 @@ impl LoadPath for LoadTransition<'_> {
     }
 }
 
-/// A [`LoadTransition`] as a trial path, which the caller shortens if it fails.
+/// A [`LoadTransition`] as a trial path, which the caller shortens if the trial fails.
 pub(super) struct TrialTransition<'l, W> {
     pub transition: LoadTransition<'l>,
     pub goes_on: W,

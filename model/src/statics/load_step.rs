@@ -1,6 +1,6 @@
 //! Decisions of Newton's method in one load step: convergence, acceptance and rejection.
 //!
-//! The decisions are separate from the equations, so that the scalar solver and each SIMD lane of a [batch](super::equilibria) share the decisions.
+//! The decisions are separate from the equations, so the scalar solver and each SIMD lane of a [batch](super::equilibria) decide by the same code.
 
 /// A solution with fewer correct decimal digits than this number is rejected. Four digits suffice, because the tightest tolerance of a comparison is
 /// 0.01 %.
@@ -12,16 +12,17 @@ pub(super) const CORRECTION_TOLERANCE: f64 = 1e-11;
 const LINEAR_TOLERANCE: f64 = 1e-8;
 /// The next correction is predicted only from corrections up to this share of the solution.
 const QUADRATIC_RANGE: f64 = 1e-2;
-/// Two successive corrections below this share of the solution count as rounding noise if each exceeds a quarter of the previous correction. Very fine
-/// meshes and needle-shaped fingers show such noise. One correction alone may be large by chance and leave an error of 1e-7, although the noise is 1e-9.
+/// Two successive corrections below this share of the solution count as rounding noise if each exceeds a quarter of the previous correction. Very
+/// fine meshes and needle-shaped fingers show such noise. A single correction may be large by chance and leave an error of 1e-7, although the noise
+/// is 1e-9.
 const STAGNATION_TOLERANCE: f64 = 1e-6;
 /// Largest number of Newton iterations in a load step. A step that needs more iterations is rejected as too long.
 const MAX_ITERATIONS: usize = 20;
 /// Largest rotation of a node in one load step, rad. A larger rotation may lead to another branch, so the step is rejected.
 const MAX_STEP_ROTATION: f64 = 0.8;
 /// A step is rejected if a rotation deviates by more than this limit from the prediction by the tangent at the start of the step. The limit is a
-/// share of the largest predicted rotation. On a smooth path every sufficiently short step satisfies this limit; a snap to another branch rarely
-/// does. For random fingers under random loads, the arc-length method finds 22 of 9715 accepted equilibria beyond a limit load.
+/// share of the largest predicted rotation. On a smooth path, every sufficiently short step satisfies this limit; a snap to another branch rarely
+/// satisfies it. Among 9715 accepted equilibria of random fingers under random loads, 22 lie beyond a limit load according to the arc-length method.
 const MAX_PREDICTION_ERROR: f64 = 0.5;
 /// Rotations up to this angle, rad, count as zero. In a frame that only elongates, rounding causes such rotations.
 const ROTATION_NOISE: f64 = 1e-9;
@@ -33,7 +34,7 @@ const HOPELESS: f64 = 1.25;
 pub(super) struct Taken {
     /// Number of Newton corrections in the step.
     pub iterations: usize,
-    /// The larger of two ratios, 0..1, dimensionless: rotation to its limit, and prediction error to its limit.
+    /// The larger of two ratios, 0..1, dimensionless: the rotation divided by its limit, and the prediction error divided by its limit.
     pub used: f64,
     /// Energy norm of the last correction, as a share of the solution's norm. `None` if the iteration limit was reached.
     pub correction: Option<f64>,
@@ -76,8 +77,9 @@ impl LoadStep {
     }
 
     /// Judges a correction. Returns `None` to continue, otherwise the result of the step. `work` and `scale` are the squared energy norms of the
-    /// correction and of the solution, N mm. `turn` is the largest rotation of a node, rad. It is measured from the start for the first correction,
-    /// and from the prediction for later corrections. `keeps_digits` is as in [`EquilibriumEquations`](super::EquilibriumEquations::keeps_digits).
+    /// correction and of the solution, N mm. `turn` is an angle in rad: the largest rotation of a node for the first correction, and the largest
+    /// deviation of a rotation from the prediction for later corrections. `keeps_digits` is as in
+    /// [`EquilibriumEquations`](super::EquilibriumEquations::keeps_digits).
     #[inline(always)]
     pub(super) fn judge(
         &mut self,

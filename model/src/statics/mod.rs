@@ -72,8 +72,8 @@ pub trait EquilibriumEquations {
     /// definite.
     fn linearise(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> bool;
 
-    /// Whether every pivot of the last factorisation lost at most three digits to cancellation. Another correction by the residual then changes
-    /// nothing significant. `false` if the loss is unknown.
+    /// Whether every pivot of the last factorisation lost at most three digits to cancellation. Another correction by the residual then has no
+    /// significant effect. `false` if the loss is unknown.
     fn keeps_digits(&self) -> bool {
         false
     }
@@ -104,7 +104,7 @@ pub fn solve(mesh: &Mesh, loads: &[Load], kinematics: Kinematics) -> Result<Fing
     Ok(mesh.shape(&equilibrium.motion))
 }
 
-/// Solves for the motion of any plane frame under dead loads, accurate to at least four digits. [`solve`] does this for a finger.
+/// Solves for the motion of any plane frame under dead loads, accurate to at least four digits. For a finger, use [`solve`].
 ///
 /// # Errors
 /// [`StaticsError`] if a load is not finite, no stable equilibrium exists on the path, or rounding leaves fewer than four digits.

@@ -26,7 +26,7 @@ pub struct Statics<E> {
     pub(super) equations: E,
     /// Rotations at the end of a load step as predicted by the tangent at its start, rad.
     predicted: Vec<f64>,
-    /// Ratio of the last correction to the solution, dimensionless. Of the ratios by energy norm and by displacement, the larger ratio is stored.
+    /// Ratio of the last correction to the solution, dimensionless: the larger of the ratios in energy norm and in displacement.
     pub(super) last_correction: f64,
 }
 

@@ -54,7 +54,7 @@ pub fn reaction(
         } else {
             let (end, force, moment_nmm) = load.at_end(frame);
             let potential = frame.end_load(motion, end, force, moment_nmm, kinematics == Kinematics::Linear);
-            // The gradient of the potential by the second end is zero.
+            // The gradient of the potential with respect to the second end is zero.
             add(&[end, end], &potential.gradient);
         }
     }

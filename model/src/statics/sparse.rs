@@ -41,8 +41,8 @@ impl EquilibriumEquations for SparseEquations<'_> {
 
     fn linearise(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> bool {
         self.assembly.evaluate(motion, loads, factor);
-        // The linear stiffness never changes, so its factorisation is kept. Newton's method refines the solution by the residual. The residual is
-        // computed from the element deformations, so the residual keeps digits that the factorisation of a fine mesh loses.
+        // The linear stiffness never changes, so its factorisation is kept. Newton's method refines the solution by the residual. The residual
+        // follows from the element deformations, so it keeps digits that the factorisation of a fine mesh loses.
         let keep = self.kinematics() == Kinematics::Linear && self.factor.is_there();
         if !keep && !self.factor.factorise(self.assembly.stiffness()) {
             return false;

@@ -134,8 +134,8 @@ fn squares(truth: &Truth, estimate: &ViewEstimate) -> Vec<f64> {
     quantities.map(|found| ((found.value - true_value(truth, found.sought.quantity)) / found.sigma).powi(2)).collect()
 }
 
-/// The fit finds the true noise of the markers, whatever noise is stated. If the true noise is larger than stated, the excess counts as error of the finger. Over
-/// some sets of views, the mean square is right, because the estimate accounts for the fitted parameters.
+/// The fit finds the true noise of the markers, whatever noise is stated. If the true noise is larger than stated, the excess counts as error of the
+/// finger. Over some sets of views, the mean square is correct, because the estimate accounts for the fitted parameters.
 #[test]
 fn what_markers_err_by_is_found() {
     const SETS: u64 = 8;
@@ -254,8 +254,8 @@ fn geometry_is_found_without_forces() {
     assert!(estimate.quantities[..2].iter().all(|found| found.sigma < 0.1), "{:?}", estimate.quantities);
 }
 
-/// Forces of one object that all lean near one end of the stated range of friction. When leans counted as independent, the standard deviation of
-/// their mean was 2.4 times too small.
+/// Forces of one object that all lean near one end of the stated range of friction. Leans were once treated as independent, and the standard
+/// deviation of their mean was 2.4 times too small.
 #[test]
 fn one_friction_in_all_views_is_within_the_stated_sigmas() {
     let mut truth = truth();

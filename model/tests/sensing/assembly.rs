@@ -146,9 +146,9 @@ fn errors(
     cases.par_iter().filter_map(of_case).collect()
 }
 
-/// Joints that differ by 0.2 mm, a preload, another height, a base that differs by 1 mm and 1 degree. 95 % intervals contain the force, with or
-/// without an image of the unloaded finger, for known and unknown directions. Scenes that state no such errors have equal errors of the force, but
-/// too narrow intervals.
+/// The fingers differ from the scene by 0.2 mm in the joints, a preload, another height, and 1 mm and 1 degree in the base. 95 % intervals contain
+/// the force, with or without an image of the unloaded finger, for known and unknown directions. With a scene that does not state these errors, the
+/// errors of the force are equal, but the intervals are too narrow.
 #[test]
 fn intervals_hold_on_fingers_that_were_assembled_anew() {
     let cases = case_count(6, 1000);
@@ -187,9 +187,9 @@ fn intervals_hold_on_fingers_that_were_assembled_anew() {
     }
 }
 
-/// Small forces with positions that are hidden by errors of the assembly: intervals contain these forces, or the forces are refused. Such forces once
-/// had errors of 4 to 10 standard deviations, because force depends nonlinearly on position. Others were many times too large, within equally wide
-/// intervals.
+/// If errors of the assembly hide the position of a small force, the interval contains the force, or the force is refused. Such forces once had
+/// errors of 4 to 10 standard deviations, because force depends nonlinearly on position. Other sensed forces were many times too large, with equally
+/// wide intervals.
 #[test]
 fn forces_at_hidden_positions_are_within_their_intervals_or_refused() {
     let few = [3, 26, 36, 75, 78];

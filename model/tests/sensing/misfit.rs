@@ -100,9 +100,9 @@ fn error(scene: &Scene, unknown: Unknown, knows_position: bool, case: u64, large
     is_warned.then(|| (sensed.forces_n[0] - force_n) / sensed.sigmas_n[0])
 }
 
-/// Errors that the scene does not state: ribs by 0.5 mm, a softer part of the plate, a scale by 0.5 %, a base by 0.3 mm and 0.3 degrees, a preload.
-/// If noise does not explain the residual, 95 % intervals contain the force in nine of ten cases. If the residual counted as noise, they would
-/// contain it in five of ten cases.
+/// The finger has an error that the scene does not state: 0.5 mm in the ribs, a softer part of the plate, 0.5 % in the scale, 0.3 mm and 0.3 degrees
+/// in the base, or a preload. If noise does not explain the residual, 95 % intervals contain the force in nine of ten cases. If the residual counted
+/// as noise, intervals would contain the force in only five of ten cases.
 #[test]
 fn intervals_hold_on_fingers_that_do_not_fit_their_scene() {
     let cases = case_count(10, 200) as u64;

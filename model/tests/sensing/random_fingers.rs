@@ -164,8 +164,8 @@ fn a_small_change_of_the_mesh_is_not_taken_for_convergence() {
 }
 
 /// A V without ribs and with one marker, at the tip. A force of 0.5 N was once sensed as -0.085 +- 0.055 N, and a force of 1 N was refused. A small
-/// negative force moves the tip as 0.5 N does, so 0.5 N may be refused. No other force moves the tip as 1 N or -0.5 N does: 8 and 9 draws return a
-/// force, and at least half must. A search that starts at the wrong minimum does not end at this minimum.
+/// negative force moves the tip as 0.5 N does, so 0.5 N may be refused. No other force moves the tip as 1 N or -0.5 N does: of ten draws each, 8 and
+/// 9 return a force, and the test requires 5. A search that starts at the wrong minimum does not end at this minimum.
 #[test]
 fn a_v_seen_at_its_tip_is_given_no_force_of_the_wrong_sign() {
     let strip = |thickness_mm| Strip { thickness_mm, tip_thickness_mm: None, youngs_modulus_mpa: 18.5 };

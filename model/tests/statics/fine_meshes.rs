@@ -14,7 +14,7 @@ const RICHARDSON: f64 = 0.2;
 /// Error of a linear solution on any mesh, as a share of the largest displacement. Stretching is up to 1e5 times stiffer than bending, and each rib
 /// and element adds a rounding error.
 const ROUNDING: f64 = 1e-10;
-/// Number of digits by which the stated digits may be too high; it corresponds to a factor of two.
+/// Largest excess of the stated number of digits over the true number. The excess corresponds to a factor of two.
 const OVERSTATED: f64 = 0.3;
 
 fn mesh(finger: &Finger, nodes: usize) -> Mesh {

@@ -69,7 +69,7 @@ impl Cases {
         self.ridge.as_ref().map(|ridge| &ridge.compliance)
     }
 
-    /// Whether a linear estimate exists beside the layers. The output of the layers then starts at zero.
+    /// Whether a linear estimate exists beside the layers. The weights of the last layer then start at zero.
     pub(super) fn starts_from_least_squares(&self) -> bool {
         self.regression.is_some() || self.ridge.is_some()
     }
@@ -82,7 +82,7 @@ impl Cases {
         Some(gains.iter().zip(self.units_n.iter().cycle()).map(|(gain, unit_n)| (gain / unit_n) as f32).collect())
     }
 
-    /// Initial bias of the last layer, in units of force: the mean forces, or zero beside ridge forces.
+    /// Initial bias of the last layer, in units of force: the mean forces beside a linear regression, otherwise zero.
     pub(super) fn first_bias(&self, training: &Samples) -> Vec<f32> {
         match &self.regression {
             Some(fit) => self.in_units(fit.mean_n.iter()).collect(),

@@ -85,8 +85,8 @@ pub fn train(finger: &Finger, recipe: &TrainingRecipe, progress: &mut dyn FnMut(
     Ok(Network::new(card, inputs, layers, skip, cases.compliance().cloned())?)
 }
 
-/// Initial weights: uniform within 1 / sqrt(inputs), as in most frameworks. If a linear estimate exists beside the layers, the last layer starts
-/// with zero weights and the mean forces as bias, so that training starts from least squares.
+/// Initial weights: uniform within 1 / sqrt(inputs), as in most frameworks. If a linear estimate exists beside the layers, the last layer starts with
+/// zero weights and the bias of [`Cases::first_bias`], so that training starts from this estimate.
 fn first_weights(recipe: &TrainingRecipe, cases: &Cases, training: &Samples) -> Weights {
     let mut rng = Stream::Weights.rng(recipe.seed, 0);
     let contacts = recipe.samples.contacts.len();

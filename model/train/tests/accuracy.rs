@@ -68,7 +68,8 @@ fn bounds_n(recipe: &SampleRecipe, samples: &Samples, noise_mm: f64) -> Vec<f64>
     variances.iter().map(|sum| (sum / samples.count() as f64).sqrt()).collect()
 }
 
-/// After a second of training, a network senses the noisy co-rotational finger near the bound, and far better than the linear finger.
+/// After a second of training, a network's errors on the noisy co-rotational finger are near the bound, and far below the errors of the linear
+/// finger.
 #[test]
 fn tiny_networks_sense_the_nonlinear_finger() {
     for nodes in [&[19][..], &[16, 20], &[19, 20]] {
@@ -136,7 +137,7 @@ fn assert_stated(network: &Network, found: &[Squares], noise_mm: f64) {
     }
 }
 
-/// The card states the error that the estimator has on samples of another seed.
+/// The error on a network's card agrees with the estimator's error on samples of another seed.
 #[test]
 fn stated_errors_are_those_of_fresh_samples() {
     for (nodes, scaling) in [(&[19][..], Scaling::Principal), (&[16, 20], Scaling::Largest)] {

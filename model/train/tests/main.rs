@@ -50,7 +50,7 @@ fn fresh(recipe: &SampleRecipe, count: usize) -> Samples {
     recipe.draw(&paper(), count, FRESH_SEED, Stream::Test).expect("carried")
 }
 
-/// Displacements with noise; its random numbers are not used in training.
+/// Displacements with noise. The random numbers of this noise are not used in training.
 fn noisy_shapes(samples: &Samples, noise_mm: f64) -> DMatrix<f64> {
     let mut rng = ChaCha8Rng::seed_from_u64(FRESH_SEED);
     samples.displacements.map(|u| u + noise_mm * rng.sample::<f64, _>(StandardNormal))

@@ -20,7 +20,7 @@ pub(super) fn widest<'a>(lines: impl IntoIterator<Item = &'a String>, size: f64)
     lines.into_iter().map(|line| width_of(line, size)).fold(0.0, f64::max)
 }
 
-/// Breaks text at spaces into lines of at most `width`; a word longer than that stays whole.
+/// Breaks text at spaces into lines of at most `width`; a longer word stays whole.
 pub(super) fn wrap(text: &str, size: f64, width: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {

@@ -26,7 +26,7 @@ pub struct Line<'a> {
     frame: usize,
     /// Time of the frame in its stream, s.
     time_s: Option<f64>,
-    /// State of the finger. For several fingers: the first of contact, refused, lost and none that one of them has.
+    /// State of the finger. For several fingers: the first of the states contact, refused, lost and none that occurs among the fingers.
     pub state: FrameState,
     /// The contacts, by finger, then in the order of their positions if these are estimated.
     contacts: Vec<ContactLine<'a>>,

@@ -142,7 +142,7 @@ fn unwritable(path: &Path, error: mcap::McapError) -> FileError {
 /// First bytes of a message in CDR (OMG Common Data Representation): its numbers are little-endian.
 const CDR: [u8; 4] = [0, 1, 0, 0];
 
-/// Appends a string in CDR: length, bytes and a zero byte. Its place must be aligned to four bytes.
+/// Appends a string in CDR: length, bytes and a zero byte. The string must begin at a multiple of four bytes.
 fn push_string(bytes: &mut Vec<u8>, text: &str) {
     bytes.extend((text.len() as u32 + 1).to_le_bytes());
     bytes.extend(text.bytes().chain([0]));

@@ -22,7 +22,7 @@ pub struct Body {
 pub struct BodyLoad {
     /// Body that carries this part of the load.
     pub body: BodyIndex,
-    /// Force F of the whole load, N, finger frame; this body carries a share of it.
+    /// Force F of the whole load, N, finger frame; the body carries a share of F.
     pub force: Vector,
     /// Share of the force that acts on this body, dimensionless.
     pub share: f64,
@@ -71,7 +71,7 @@ impl Assembly {
     /// Divides a finger into segments of nearly equal length; a plate member of mean length has `fineness` segments.
     ///
     /// # Errors
-    /// [`LatticeError::NoSegments`] if `fineness` is 0, [`LatticeError::TooFine`] if there would be too many bodies.
+    /// [`LatticeError::NoSegments`] if `fineness` is 0, [`LatticeError::TooFine`] if the lattice would have too many bodies.
     pub fn new(finger: &Finger, fineness: usize, axial: AxialSprings) -> Result<Assembly, LatticeError> {
         if fineness == 0 {
             return Err(LatticeError::NoSegments);
@@ -216,9 +216,10 @@ impl Assembly {
 
     /// Distributes a load over the bodies that carry it, one entry per body.
     ///
-    /// Between two bodies the deflection of the plate is a cubic polynomial. Each of the two bodies therefore carries the share of the force given by its
-    /// cubic (Hermite) shape function, with a lever arm along the plate. The force component along the plate has the same shares, although linear shares
-    /// would be exact. Up to a tenth of this component then acts on the wrong end of one segment, which changes only the axial strain of that segment.
+    /// Between two bodies the deflection of the plate is a cubic polynomial. Each of the two bodies therefore carries the share of the force given by
+    /// its cubic (Hermite) shape function, with a lever arm along the plate. The force component along the plate has the same shares, although linear
+    /// shares would be exact. With the cubic shares, up to a tenth of this component acts on the wrong end of one segment. This error changes only
+    /// the axial strain of that segment.
     ///
     /// # Errors
     /// [`LoadError`] if a node does not exist or is clamped, or if a position is not on the front plate.
@@ -264,10 +265,10 @@ impl Assembly {
     }
 }
 
-/// A lattice with more segments than this is rejected; the limit is far above any useful number.
+/// Largest accepted number of segments in a lattice, far above any useful number.
 const MOST_SEGMENTS: f64 = 20_000.0;
-/// Axial rigidity of an undeformable hinged rib, relative to that of the stiffer plate. Plates are much softer in bending, so the strain of the rib is
-/// negligible. A much stiffer rib would settle more slowly.
+/// Axial rigidity of an undeformable hinged rib, relative to that of the stiffer plate. Plates are much softer in bending, so the strain of the rib
+/// is negligible. With a much stiffer rib, the lattice would settle more slowly.
 const UNDEFORMABLE: f64 = 10.0;
 
 fn undeformable_bar(finger: &Finger) -> Section {
@@ -302,11 +303,11 @@ fn segments_of(length_mm: f64, target_mm: f64) -> usize {
     ((length_mm / target_mm).round() as usize).max(1)
 }
 
-/// A segment border is placed at the end of a zone only if the pieces on both sides have at least this share of the target segment length. A shorter piece
-/// would be too stiff to settle. Without a border, the modulus is averaged over the segment.
+/// Smallest length of the pieces on both sides of a segment border at the end of a zone, as a share of the target segment length. With a shorter,
+/// stiffer piece, the lattice would not settle. Without a border at the end of the zone, the modulus is averaged over the segment.
 const SHORTEST_CUT: f64 = 0.25;
 
-/// Positions of the segment ends of a member, mm: at the ends of zones, and between them at distances of about `target_mm`.
+/// Positions of the segment ends of a member, mm: at the ends of zones and, between these ends, at distances of about `target_mm`.
 fn borders_mm([from, to]: [f64; 2], zones: &[&Zone], target_mm: f64) -> Vec<f64> {
     let mut ends: Vec<f64> = zones.iter().flat_map(|zone| [zone.from_mm, zone.to_mm]).collect();
     ends.sort_by(f64::total_cmp);

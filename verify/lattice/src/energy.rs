@@ -159,7 +159,7 @@ pub struct Expansion {
 const CONVERGED: f64 = 1e-16;
 /// Number of Newton steps after which the load increment is halved.
 const MOST_STEPS: usize = 30;
-/// The path ends if no load increment of at least this share of the whole interval is solved.
+/// Smallest load increment that is tried, as a share of the whole interval. If this increment has no solution, the path ends.
 const SMALLEST_PART: f64 = 1e-4;
 /// Largest rotation of a body in one load increment, rad. A larger rotation may be a jump to another equilibrium, so the increment is halved.
 const MOST_TURN: f64 = 0.6;

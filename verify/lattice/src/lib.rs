@@ -114,7 +114,7 @@ impl Lattice {
     /// Builds a lattice whose segments are about as long as a plate member of mean length divided by `fineness`.
     ///
     /// # Errors
-    /// [`LatticeError::NoSegments`] if `fineness` is 0, [`LatticeError::TooFine`] if there would be too many bodies.
+    /// [`LatticeError::NoSegments`] if `fineness` is 0, [`LatticeError::TooFine`] if the lattice would have too many bodies.
     pub fn new(finger: &Finger, fineness: usize) -> Result<Lattice, LatticeError> {
         Lattice::with_axial_springs(finger, fineness, AxialSprings::default())
     }

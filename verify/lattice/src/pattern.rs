@@ -2,7 +2,7 @@
 
 use faer::sparse::{Argsort, Pair, SparseColMat, SymbolicSparseColMat, Triplet};
 
-/// Indices (row, column) of a square matrix's entries. They have the order of the list of entries from which matrices are built.
+/// Indices (row, column) of a square matrix's entries. The indices have the order of the entry list from which matrices are built.
 #[derive(Clone)]
 pub struct Pattern {
     places: Vec<Pair<usize, usize>>,

@@ -40,7 +40,7 @@ const RESOLUTION: f64 = 1e-9;
 /// Shorter segments need proportionally more.
 pub const MOST_STEPS: usize = 200_000;
 
-/// Numerical settings of settling. With the defaults the minimum of the energy is reached.
+/// Numerical settings of settling. With the defaults, the lattice reaches the minimum of its energy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settling {
     /// Number of solver sweeps over the springs per time step.
@@ -149,7 +149,7 @@ fn joint(spring: &Spring) -> GenericJoint {
 }
 
 impl<'a> Dynamics<'a> {
-    /// Puts the lattice, at rest and undeformed, into an empty rapier world without gravity; `how` has the number of sweeps and the precision.
+    /// Puts the lattice, at rest and undeformed, into an empty rapier world without gravity; `how` specifies the number of sweeps and the precision.
     pub(crate) fn new(assembly: &'a Assembly, how: &Settling) -> Dynamics<'a> {
         let mut world = PhysicsWorld::new();
         world.gravity = RapierVector::ZERO;

@@ -192,7 +192,8 @@ fn impossible_questions_are_refused() {
 }
 
 /// A rib is `near_mm` from the clamps. A physics engine stores positions in the finger's frame, with rounding errors of 1e-14 mm. The springs of such
-/// short segments have 1e9 N/mm or more. They turn rounding into up to a hundredth of the load, and residual motion into more.
+/// short segments have 1e9 N/mm or more. In such springs, rounding causes forces of up to a hundredth of the load, and residual motion causes larger
+/// forces.
 #[test]
 fn a_rib_next_to_the_clamp_leaves_the_base_its_reaction() {
     for near_mm in [0.05, 0.007, 0.001] {

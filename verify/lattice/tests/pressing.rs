@@ -122,7 +122,7 @@ fn friction_stands_where_the_way_left_it() {
     assert!((friction_n / normal_n - ROUGH.friction).abs() < 1e-9, "{friction_n} N of {normal_n} N");
 }
 
-/// A spring once held the object, which stopped up to 5 % before its prescribed position.
+/// The object was once held by a spring, and stopped up to 5 % before its prescribed position.
 #[test]
 fn the_object_is_where_it_was_told_to_be() {
     let lattice = Lattice::new(&paper(), 2).expect("a lattice");

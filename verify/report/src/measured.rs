@@ -162,7 +162,7 @@ pub(super) struct Outcome {
     pub objects: Vec<String>,
 }
 
-/// Numbers for the conclusion, with the scene's friction if it has one, otherwise with the measured direction.
+/// Numbers for the conclusion, with friction if the scene states it, otherwise with the measured direction.
 pub(super) fn outcome(measured: &MeasuredStudy) -> Option<Outcome> {
     let all = coverages(measured);
     let first = all.iter().find(|of| of.known.starts_with("friction") && of.object.is_none()).or(all.first())?;

@@ -25,9 +25,9 @@ pub struct Page {
     pub title: String,
     /// First screen of the report; `None` on all pages but the first.
     pub first: Option<First>,
-    /// The finger that the reader can push; `None` leaves the picture out.
+    /// The finger that the reader can push; `None` on a page without this picture.
     pub push: Option<Pushable>,
-    /// Data of the interactive section; `None` leaves the section out.
+    /// Data of the interactive section; `None` on a page without this section.
     pub explore: Option<String>,
     /// Whether a drawing is animated, so that the page needs the script that stops animations.
     pub has_film: bool,

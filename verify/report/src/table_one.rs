@@ -57,8 +57,8 @@ fn about([least, greatest]: [f64; 2]) -> String {
     )
 }
 
-/// Errors of the same protocol on the finger as a plane continuum, over the assumed directions; at how many of the nodes with large errors in the
-/// paper they give more than half of these.
+/// Errors of the same protocol on the finger as a plane continuum, over the assumed directions. Also counts the nodes with large errors in the paper
+/// at which these errors exceed half of the paper's error.
 fn on_continuum(tables: &[TableOne]) -> String {
     let Some(first) = tables.first() else { return String::new() };
     let by_node = (0..first.rows.len()).map(|row| tables.iter().map(|table| &table.rows[row]).collect::<Vec<_>>());

@@ -142,7 +142,7 @@ fn table(two: &TableTwo, records: &[RecipeRow], noise_mm: f64) -> Table {
     };
     let here = settings(two).into_iter().filter(|(of, noise, _)| (*of, *noise) == (truth, noise_mm));
     lines.extend(here.map(|(.., estimator)| line(truth, estimator, estimator.label())));
-    // The Cramer-Rao bound is the same for all estimators; it is read from one that answered all cases.
+    // The Cramer-Rao bound is the same for all estimators; the bound is read from an estimator that answered all cases.
     let bounds = by_group(|group, quantity| {
         let of = two.group(group, truth, noise_mm, EstimatorId::LeastSquares);
         error_or_rounding(of.and_then(|of| if quantity == "sum" { of.sum_bound } else { of.force_bound }))
@@ -152,7 +152,7 @@ fn table(two: &TableTwo, records: &[RecipeRow], noise_mm: f64) -> Table {
     by_estimator("Mean error of each force and of the sum", CSV, lines)
 }
 
-/// Table of the paper's errors and those of each estimator by group, in the paper's order.
+/// Table of the errors of the paper and of each estimator by group, in the paper's order.
 fn by_estimator(title: &str, csv: &'static str, lines: Vec<Line>) -> Table {
     let measured = by_group(|group, of| error_or_rounding(of_paper(group, of)));
     let paper = ("the paper, measured".to_owned(), measured, String::new());

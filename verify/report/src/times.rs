@@ -1,4 +1,4 @@
-//! Run time of each part of the report, which shows slow parts.
+//! Run time of each part of the report.
 
 use crate::prelude::*;
 use finray_studies::study::PartTime;

@@ -38,7 +38,7 @@ fn the_summary_has_null_in_the_order_of_the_columns() {
     let wanted = r#"[{"node": 17,"mean_error": 0.3333333333333333},{"node": 18,"mean_error": null}]"#;
     assert_eq!((key, lines.as_str()), ("samples", wanted));
     assert!(dataset.csv_alone().json().expect("no text").is_none());
-    // An array is there also where a scene has no such study.
+    // A dataset without rows is an empty array in the summary.
     let none = Dataset::new("samples.csv", &columns(), Vec::new());
     assert_eq!(none.json().expect("text"), Some(("samples", "[]".to_owned())));
 }

@@ -14,7 +14,7 @@ fn a_line_a_force_is_drawn() {
     for words in [">1 N</text>", ">5 N</text>", ">2</text>", ">4</text>"] {
         assert!(svg.contains(words), "{words}");
     }
-    // An error of nothing has no place on a logarithmic axis, and one fineness no slope.
+    // An error of zero has no position on a logarithmic axis, and a single fineness determines no slope.
     let one = FinenessRow { errors: vec![0.0, 1e-3], ..rows[0].clone() };
     let svg = drawing(&[one]).expect("a figure");
     assert!(!svg.contains(">1 N</text>") && !svg.contains("fourth order"));

@@ -3,7 +3,7 @@
 use finray_report::measured::picture::{magnified, svg};
 use finray_studies::experiments::measured::picture::{Arrow, Picture};
 
-/// One residual of half a pixel, two to a mm.
+/// An image of 2 px per mm, with one residual of half a pixel.
 fn picture(jpeg: &[u8]) -> Picture {
     let arrow = Arrow { seen: [100.0, 50.0], residual_px: [0.3, -0.4] };
     Picture {
@@ -26,7 +26,7 @@ fn bytes_are_encoded_as_the_standard_has_it() {
     }
 }
 
-/// Drawn at 48 px or less, with a bar that fits.
+/// The longest residual is drawn with at most 48 px, and the scale bar fits into the picture.
 #[test]
 fn residuals_are_drawn_to_scale() {
     let picture = picture(&[255]);

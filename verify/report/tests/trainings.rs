@@ -5,7 +5,7 @@ use finray_report::trainings::{RECIPES, blocks, by_recipe, by_size};
 use finray_studies::experiments::networks::records::{CurveRow, RecipeRow, Records};
 use finray_studies::truths::TruthId;
 
-/// Two seeds at node 19, at the noise of a camera and without.
+/// Two seeds at node 19, each with camera noise and without noise.
 fn recipe(truth: TruthId, errors: [f64; 2]) -> Vec<RecipeRow> {
     let row = |noise_mm: f64, seed: usize| RecipeRow {
         recipe: "a".to_owned(),
@@ -46,7 +46,7 @@ fn recipes_are_shown_on_the_uniform_finger_over_their_seeds() {
     assert_eq!(table.rows.len(), 2 * RECIPES.len());
     let noisy = texts(&table, RECIPES.len());
     assert_eq!((noisy[..3].to_vec(), noisy.last()), (vec!["(a)", "0.067", "5.0 % (4.0\u{2013}6.0)"], Some(&"1.0 %")));
-    // Nothing is recorded of the others.
+    // The other recipes have no records.
     assert_eq!(texts(&table, 1)[2], "-");
 }
 

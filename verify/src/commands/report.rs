@@ -102,7 +102,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     if let Some(peers) = peers {
         study.take_peers(peers);
     }
-    // `ledger` quotes Criterion's times, so they are set first.
+    // `ledger` quotes Criterion's times, so the times are set first.
     let claims = ledger(&study).map_err(not_computed)?;
     let report = finray_report::report(&study, &claims).map_err(not_computed)?;
     write_folder(&arguments.out, &report.files)?;

@@ -103,7 +103,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
                 "--forces: expected a contact with the direction `measured`, for instance auto@measured",
             ));
         }
-        // Wrong contacts are reported before the images are evaluated: they are wrong for every image.
+        // Wrong contacts are reported before the images are evaluated: such contacts are wrong for every image.
         (None, _) => drop(question.sensor(&Observation::default())?),
     }
     if arguments.contacts.assume_normal() {

@@ -46,8 +46,8 @@ pub struct Check {
     pub tolerance: f64,
     /// Whether the check passes.
     pub verdict: Verdict,
-    /// Difference relative to an external or analytical reference, dimensionless. For a reference of 0: the figure itself, which is then a ratio or
-    /// in radians. `None` for internal checks, because many are balances, counts or multiples of a standard deviation.
+    /// Difference relative to an external or analytical reference, dimensionless. If the reference is 0, this is the figure itself, a ratio or an
+    /// angle in radians. `None` for internal checks, because many of them compare balances, counts or multiples of a standard deviation.
     pub disagreement: Option<f64>,
 }
 
@@ -65,8 +65,8 @@ impl Kind {
     }
 }
 
-/// Source of checks against shapes of finray's spring lattice, stepped to rest by rapier2d. rapier2d is an independent program; the springs are finray's.
-/// Checks of forces sensed on the lattice have another source, because they compare with true forces.
+/// Source of checks against shapes of finray's spring lattice at rest, as simulated by rapier2d. rapier2d is an independent program; finray defines
+/// the springs. Checks of forces sensed on the lattice name another source, because their references are the true forces.
 pub const SETTLED_LATTICE: &str = "rapier2d lattice";
 
 /// Group of references by which checks are counted.
@@ -98,7 +98,7 @@ impl Against {
     }
 }
 
-/// Numbers of checks against one group of references.
+/// Counts of the checks against one group of references.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Tally {
     /// Group of references against which the checks compare.
@@ -150,7 +150,7 @@ impl Check {
         Check { disagreement: None, ..self }
     }
 
-    /// The check over `drawn` cases. If any case is refused, the check fails and its quantity states the number of refused cases.
+    /// This check, in which `refused` of `drawn` cases were refused. If any case was refused, the check fails and its quantity states both numbers.
     pub fn with_refused(mut self, refused: usize, drawn: usize) -> Check {
         if refused > 0 {
             self.verdict = Verdict::Fail;
@@ -210,13 +210,13 @@ impl Subject {
 /// Tolerance of an exact count, dimensionless: any value between 0 and 1 admits only the exact number.
 pub const EXACT_COUNT: f64 = 0.5;
 
-/// The largest of some figures, in their unit. NaN if a figure is NaN or `figures` is empty, so that an empty check cannot pass.
+/// The largest of some figures, in their unit. NaN if a figure is NaN or `figures` is empty, so that a check without figures fails.
 pub fn worst(figures: impl IntoIterator<Item = f64>) -> f64 {
     let larger = |worst: f64, figure: f64| if worst.is_nan() || worst >= figure { worst } else { figure };
     figures.into_iter().reduce(larger).unwrap_or(f64::NAN)
 }
 
-/// A computed figure beside a reference, without a verdict: a difference is expected, or a fit has minimised the difference.
+/// A computed figure beside a reference, without a verdict. Either a difference is expected, or the figure was fitted to the reference.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
     /// Name of the problem.

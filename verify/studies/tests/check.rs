@@ -40,7 +40,8 @@ fn the_worst_of_nothing_is_no_number() {
     assert!(worst([1.0, f64::NAN, 2.0]).is_nan());
 }
 
-/// Checks against other programs, against our settled lattice, and against finray itself are counted separately. A group without checks is omitted.
+/// Checks against other programs, against finray's settled lattice, and against other results of finray are counted separately. A group without
+/// checks is omitted.
 #[test]
 fn references_are_counted_apart() {
     let settled = Check::new(Kind::External, "problem", SETTLED_LATTICE, "error", 0.0, 0.5, 1.0);

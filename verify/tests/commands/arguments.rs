@@ -29,7 +29,7 @@ fn every_command_explains_itself() {
     assert_says(&finray(&["--version"]).done(), &["finray 0."]);
 }
 
-/// The help must fit one page: nobody reads pages of 90 lines on which options are far from their descriptions.
+/// The help must fit one page. On pages of 90 lines, options are far from their descriptions.
 #[test]
 fn the_help_of_a_command_is_one_page_that_names_its_guide() {
     let help = finray(&["--help"]).done();

@@ -286,7 +286,7 @@ fn zones_that_are_not_identifiable_or_named_are_refused() {
     ] {
         assert_says(&refused(&scene, &[groups]), &["--zones", expected]);
     }
-    // Two identical zones have one unknown too many.
+    // The factors of two identical zones are not identifiable.
     let twice = "[[finger.zone]]\nplate = \"front\"\nfrom_mm = 0.0\nto_mm = 30.0\nmodulus_factor = 1.0\n";
     let scene = folder.put("twice.toml", format!("{}\n{twice}\n{twice}", paper_with(&[])));
     let message = refused(&scene, &["--zones", "--kinematics", "linear"]);

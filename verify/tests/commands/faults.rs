@@ -147,7 +147,7 @@ fn faults_of_the_inputs_are_said() {
             vec!["the references on the base were not found: 0 and 0 marks", "base.reference.radius_mm"],
             with("marks--", MARK, "radius_mm = 1.9"),
         ),
-        // Other marks have the same radius and the same distance. Once, the base was located at these marks, with 3 of 8 markers.
+        // Other marks have the same radius and the same distance as the references. The base was once located at such marks, with 3 of 8 markers.
         (
             "other marks in place of those of the base",
             Refused,

@@ -97,7 +97,7 @@ fn a_grasp_is_sensed_by_the_estimator_that_is_asked_for() {
     assert_says(&finray(&[&["grasp"], &scene[..]].concat()).refused(), &["guess", "least-squares"]);
 }
 
-/// Cameras are in front of each finger, or on the gripper; the gripper's camera sees one finger rotated about its axis.
+/// Cameras are in front of each finger, or on the gripper; the gripper's camera sees one finger rotated about the finger's axis.
 #[test]
 fn forces_are_sensed_in_images_of_the_fingers() {
     let folder = Folder::new();

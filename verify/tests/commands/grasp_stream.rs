@@ -8,7 +8,7 @@ use std::process::Stdio;
 
 /// Largest accepted error of a force, in standard deviations. Noise exceeds it in one of a million frames.
 const MOST_SIGMAS: f64 = 5.0;
-/// Largest force that `live` may miss, N: [`MOST_SIGMAS`] standard deviations of a force in these images, which are about 0.002 N.
+/// Largest force that `live` may miss, N: [`MOST_SIGMAS`] times the standard deviation of a force in these images, about 0.002 N.
 const LEAST_SEEN_N: f64 = 0.01;
 
 /// The watched grasp in ten steps, with a box far from the centre instead of the disc. The right finger pushes the box over the table while the left
@@ -92,7 +92,7 @@ fn live_finds_the_forces_of_a_grasp_in_its_images() {
     assert_eq!(folder.read("unstreamed/forces.csv"), forces);
 }
 
-/// A reader that leaves ends its stream, and the grasp goes on.
+/// If a reader closes its stream, only this stream ends, and the grasp goes on.
 #[test]
 fn a_reader_of_the_images_may_leave() {
     let folder = Folder::new();
@@ -137,7 +137,7 @@ fn streams_that_cannot_be_written_are_refused() {
 fn a_disk_that_fills_up_ends_the_grasp() {
     let folder = Folder::new();
     let (scene, out, frames) = (off_centre(&folder), folder.path("out"), folder.path("left.y4m"));
-    // The shell limits the size of a file to 8192 blocks of 512 or 1024 bytes, less than two frames. The limit then is an error of the write.
+    // The shell limits the size of a file to 8192 blocks of 512 or 1024 bytes, less than two frames. A write beyond the limit fails.
     let limited = "trap '' XFSZ; ulimit -f 8192; exec \"$@\"";
     let finray = env!("CARGO_BIN_EXE_finray");
     let stream = format!("left={frames}");

@@ -103,7 +103,7 @@ fn pushed(s_mm: f64, force_n: f64) -> Load {
     Load::at_position(s_mm, finger().direction(0.0) * force_n)
 }
 
-/// The forces of a video's frames are sensed for every form of chroma, for both ranges, and for raw frames.
+/// The forces of a video's frames are sensed for every form of chroma, for full and limited range, and for raw frames.
 #[test]
 fn forces_are_found_in_every_form_of_video() {
     let folder = Folder::new();
@@ -182,7 +182,7 @@ fn written_frames_are_read_again() {
     }
 }
 
-/// Positions as JSON and as a table give the same force and standard deviation as `sense`.
+/// Positions as JSON and as a table yield the same force and standard deviation as `sense`.
 #[test]
 fn positions_give_the_forces_of_sense() {
     let folder = Folder::new();
@@ -416,7 +416,7 @@ fn outputs_are_files_of_their_own() {
     }
 }
 
-/// A frame whose time is no number, or with markers of too many fingers, is refused alone.
+/// A frame with an invalid time, or with markers of too many fingers, is refused; other frames are evaluated.
 #[test]
 fn impossible_times_and_numbers_of_fingers_are_refused() {
     let [_, rows] = positions(&shape(&[pushed(70.0, 1.0)]), 0.5, 1);

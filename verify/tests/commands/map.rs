@@ -256,7 +256,7 @@ fn mujoco_answers_for_what_was_exported_and_nothing_else() {
     assert!(message.contains("paper, asymmetric, soft-zone"), "{message}");
 }
 
-/// The true finger is the printed one: a calibrated modulus, Poisson's ratio and arms make better beams of it, and change nothing about it.
+/// The true finger is the finger of the exported drawing. Modulus, Poisson's ratio and arms in the scene change only the beams, not the true finger.
 #[test]
 fn a_continuum_answers_for_its_drawing_and_nothing_else() {
     let printed = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/calculix/paper.toml");
@@ -269,7 +269,7 @@ fn a_continuum_answers_for_its_drawing_and_nothing_else() {
     let folder = Folder::new();
     let softer = folder.put("softer.toml", paper_with(&[("47.976", "23.988")]));
     let softer = Csv::of(&map(&softer, &small).done());
-    // Linear beams of half the modulus need half the force for one shape.
+    // For the same shape, linear beams with half the modulus need half the force.
     for (whole, half) in plain.numbers("bias").iter().zip(softer.numbers("bias")) {
         assert_close(&[0.5 * (1.0 + whole)], &[1.0 + half], ROUNDING);
     }

@@ -10,7 +10,7 @@ fn scene(folder: &Folder, object: &str) -> String {
     folder.put("scene.toml", paper_with(&[]) + "\n" + object)
 }
 
-/// `sense` computes from the shape that `press` writes the same forces as `press`.
+/// From the shape that `press` writes, `sense` computes the same forces as `press`.
 #[test]
 fn its_shape_and_forces_agree_with_sense() {
     let folder = Folder::new();
@@ -29,7 +29,7 @@ fn its_shape_and_forces_agree_with_sense() {
     assert!((own / other - 1.0).abs() < MESH_TOLERANCE, "{own} N, sense has {other} N");
 }
 
-/// If the standard deviations of its contacts are stated, `sense` computes the same forces and standard deviations as `press` with friction.
+/// If the standard deviations of the contacts are stated, `sense` computes the same forces and standard deviations as `press` with friction.
 #[test]
 fn sense_of_measured_contacts_gives_what_press_gives() {
     /// Standard deviation that `press` uses without noise, mm, and standard deviation of a known direction, degrees.

@@ -35,7 +35,7 @@ fn a_row_a_key_node_in_order_with_the_undeformed_position() {
 
 #[test]
 fn numbers_are_written_with_full_precision() {
-    // Twice the load is exactly twice the linear displacement, so a single digit cut off would show.
+    // Twice the load causes exactly twice the linear displacement, so the test detects a single missing digit.
     let one = solve(&["--kinematics", "linear", "--load", "19:-0.17,-0.93,1.1"]);
     let two = solve(&["--kinematics", "linear", "--load", "19:-0.34,-1.86,2.2"]);
     for column in ["ux_mm", "uy_mm", "theta_rad"] {
@@ -193,7 +193,7 @@ fn fingers_with_other_joints_and_ribs_are_solved() {
     ] {
         let scene = folder.put("scene.toml", paper_with(&changes));
         let solved = finray(&["solve", &scene, "--load-at", "100:0.05,10"]);
-        // One element per plate of a finger without ribs is too coarse, and the program says so.
+        // One element per plate of a finger without ribs is too coarse, so the program warns.
         let shape = Csv::of(&if key_nodes == 3 { solved.warned().0 } else { solved.done() });
         assert_eq!(shape.rows.len(), key_nodes);
         assert!(displacements(&shape).iter().any(|u| u.abs() > 1e-3));
@@ -221,7 +221,8 @@ fn a_mesh_too_fine_for_double_precision_is_refused() {
     }
 }
 
-/// A long member near the base buckles later on the mesh of the key nodes, by a factor of ten in the displacements. Nothing said so.
+/// On the mesh of the key nodes, a long member near the base buckles later, and displacements are a tenth of those on a fine mesh. Once, no warning
+/// said so.
 #[test]
 fn a_mesh_that_is_too_coarse_is_warned_of() {
     let folder = Folder::new();

@@ -82,8 +82,8 @@ fn light_of(grey: &GrayImage, dot: &Dot, others: &[Dot], [own, reach]: [f64; 2])
         }
     }
     let shift = moment / mass;
-    // The area of the patch depends on an arbitrary threshold in the blurred edge. The area of the dot is therefore the sum of the missing light divided by its
-    // mean near the centre.
+    // The area of the patch depends on an arbitrary threshold in the blurred edge. The area of the dot is therefore the sum of the light's
+    // differences from the background, divided by the mean difference near the centre.
     let radius_px = (mass * inner / depth / std::f64::consts::PI).sqrt();
     let is_good = shift.norm() < LARGEST_SHIFT * dot.radius_px && AREAS.contains(&(radius_px / dot.radius_px).powi(2));
     is_good.then(|| (middle + shift, radius_px))

@@ -116,8 +116,9 @@ fn grown(dots: &[Dot], seed: usize, steps: [Pixel; 2]) -> Lattice {
     at
 }
 
-/// Numbers of dots on the outline of a lattice whose missing neighbours would lie in the image. The first number counts dots that lack one neighbour,
-/// because the outline follows a row or column. The second number counts dots that lack two adjacent neighbours, because the outline runs diagonally.
+/// Numbers of dots on the outline of a lattice, counting only dots whose missing neighbours would lie in the image. The first number counts dots that
+/// lack one neighbour, because the outline follows a row or column. The second number counts dots that lack two adjacent neighbours, because the
+/// outline runs diagonally.
 pub(super) fn outline(dots: &[Dot], lattice: &Lattice, size_px: [u32; 2]) -> [usize; 2] {
     let mut counts = [0; 2];
     for (&[i, k], &number) in lattice {

@@ -1,4 +1,4 @@
-//! Patches that are darker or lighter than their surroundings; round ones are selected as dots.
+//! Detection of patches that are darker or lighter than their surroundings. Round patches count as dots.
 
 use finray_model::camera::Pixel;
 use image::{GrayImage, Luma};

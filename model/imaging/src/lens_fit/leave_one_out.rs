@@ -8,10 +8,10 @@ type Normal = SMatrix<f64, PARAMETERS, PARAMETERS>;
 /// The scatter is estimated only from at least this number of images.
 const LEAST_IMAGES: usize = 3;
 
-/// Standard deviations of the lens's parameters by the jackknife: from the change of the parameters when one image is omitted, for each image in
-/// turn. They include errors that the dots of an image share, for instance of a bent board or of a wrong model of the dots. `jacobian` has the
-/// columns of the lens, then six per pose. Its rows are two per dot, image by image, then the priors. `dots` is the number of dots of each image.
-/// `None` for fewer than three images, or if a parameter depends on a single image.
+/// Standard deviations of the lens's parameters by the jackknife, which omits each image in turn and uses the resulting changes of the parameters.
+/// The standard deviations include errors that the dots of an image share, for instance due to a bent board or a wrong model of the dots. `jacobian`
+/// has the columns of the lens, then six per pose. Its rows are two per dot, image by image, then the priors. `dots` is the number of dots of each
+/// image. `None` for fewer than three images, or if a parameter depends on a single image.
 ///
 /// # Reference
 /// B. Efron, The jackknife, the bootstrap and other resampling plans, SIAM (1982), sec. 3. The effect of omitting an image is linearised.

@@ -14,7 +14,8 @@ use usual_lens::{PARAMETERS, UsualLens};
 pub const LENS_PARAMETERS: [&str; PARAMETERS] = ["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"];
 /// Prior standard deviation of the logarithm of the focal lengths.
 const FOCAL_SD: f64 = 0.7;
-/// Prior standard deviation of the logarithm of the focal lengths in the first fit of the distortion, which holds them near their starting values.
+/// Prior standard deviation of the logarithm of the focal lengths in the first fit of the distortion, which holds the focal lengths near their
+/// starting values.
 const HELD_FOCAL_SD: f64 = 0.01;
 /// Typical focal length in image widths, for a field of view of 45 degrees.
 const USUAL_FOCUS: f64 = 1.2;
@@ -34,8 +35,8 @@ const LEAST_POINTS: usize = 12;
 pub struct LensFit {
     /// The lens.
     pub lens: Lens,
-    /// Standard deviations of the parameters, in the order and units of [`LENS_PARAMETERS`]. Each is the larger of two: from independent noise of the
-    /// residuals' size, and from the scatter between images.
+    /// Standard deviations of the parameters, in the order and units of [`LENS_PARAMETERS`]. Each is the larger of two estimates: one from
+    /// independent noise of the residuals' size, the other from the scatter between images.
     pub sds: [f64; PARAMETERS],
     /// For each parameter, whether the images determine it better than the prior: its variance from noise is below half of the prior's variance.
     pub is_shown: [bool; PARAMETERS],
@@ -82,8 +83,8 @@ struct LensAndPoses {
     poses: Vec<Pose>,
 }
 
-/// Fits the lens, and the pose of a plane grid in each image. `views` has a list per image, with the position on the grid (mm) and the pixel of each dot. The
-/// fit is a least-squares fit of the pixels, with a prior on every parameter of the lens, so that few images do not overfit.
+/// Fits the lens, and the pose of a plane grid in each image. `views` contains one list per image, with the position on the grid (mm) and the pixel
+/// of each dot. The fit is a least-squares fit of the pixels, with a prior on every parameter of the lens, so that few images do not overfit.
 ///
 /// # Errors
 /// [`LensFitError`] for no images, fewer than 12 dots in an image, no pose of the grid, or no lens that fits.
@@ -117,7 +118,7 @@ pub fn fit_lens(size_px: [u32; 2], views: &[Vec<(Vector, Pixel)>]) -> Result<Len
     }
     let mut fitted = best.ok_or_else(|| failure.unwrap_or(LensFitError::NotFound))?;
     let pixels = 2 * views.iter().map(Vec::len).sum::<usize>();
-    // Priors add no degrees of freedom here, a conservative choice.
+    // Priors add no degrees of freedom here, which is conservative.
     let freedom = pixels.saturating_sub(fitted.jacobian.ncols()).max(1) as f64;
     for _ in 0..ROUNDS {
         let squares_px2 = fitted.residual.rows(0, pixels).norm_squared() * problem.noise_px * problem.noise_px;
@@ -193,7 +194,7 @@ impl LensProblem<'_> {
         });
         let lens = [focal, focal, cx, cy, 0.0, 0.0, 0.0, 0.0, 0.0];
         let start = LensAndPoses { lens, poses: poses.collect::<Result<_, LensFitError>>()? };
-        // The distortion is fitted first, with a held focal length. Otherwise the rows of dots that distortion bends would bias the focal length.
+        // The distortion is fitted first, with the focal length held. Otherwise, rows of dots that the distortion bends would bias the focal length.
         let usual = self.usual;
         self.usual = UsualLens { focal, focal_sd: HELD_FOCAL_SD, ..usual };
         let held = self.fit(start);

@@ -14,11 +14,11 @@ use finray_model::{Finger, NodeId, Vector};
 const PROPOSING: usize = 2;
 /// Standard deviation of the base's position that a rib proposes, as a share of the plate's length up to the rib. Bending of the plate causes this deviation.
 const BEND_SHARE: f64 = 0.2;
-/// A placement is considered only if it predicts at least half of the next markers along the plates within this distance, as a share of their distance from the
-/// base.
+/// A placement is considered only if at least half of the next nodes along the plates have a candidate within this distance of their predicted
+/// positions. The distance is a share of the node's distance from the base.
 const BENT: f64 = 0.35;
-/// Another placement is accepted only if its cost is lower than at the scene's camera pose by at least this. The value exceeds the cost of two hidden
-/// markers.
+/// Another placement is accepted only if its cost is lower than the cost at the scene's camera pose by at least this value, which exceeds the cost of
+/// two hidden markers.
 const GAIN: f64 = 13.0;
 /// Another placement must assign at least this share of the finger's markers.
 const LEAST_NAMED: f64 = 0.65;

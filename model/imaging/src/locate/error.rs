@@ -58,10 +58,10 @@ pub enum LocateError {
         /// Radius of the markers, px.
         radius_px: f64,
     },
-    /// The image is flipped. Holds the kind of flip, in words.
+    /// The image is flipped. The field describes the flip in words.
     #[error("the image shows the finger {0}: correct the image (EXIF orientation), or the camera's pose in the scene")]
     Flipped(&'static str),
-    /// The finger is not where the scene's camera pose puts it. Holds the finger's placement.
+    /// The finger is not where the scene's camera pose puts it. The field contains the finger's placement.
     #[error(
         "the finger is not at the pose of the scene's camera: {0}; check whether the image is turned, mirrored or resized, or find the pose with \
          --rest, an image of the unloaded finger"

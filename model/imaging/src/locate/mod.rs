@@ -141,7 +141,8 @@ impl<'f> Locator<'f> {
         self.locate_about(&view_of(image), true)
     }
 
-    /// Same as [`locate`](Locator::locate). If `pose_holds`, the finger must be exactly where the camera's pose puts it, otherwise nearby.
+    /// Same as [`locate`](Locator::locate). If `pose_holds` is true, the finger must be exactly where the camera's pose puts it. Otherwise, the
+    /// finger may also be near that position.
     fn locate_about(&mut self, image: &RgbView, pose_holds: bool) -> Result<Vec<Located>, LocateError> {
         require_size(&self.camera.lens, image)?;
         let mut buffers = std::mem::take(&mut self.buffers);
@@ -163,9 +164,9 @@ impl<'f> Locator<'f> {
         Ok(self.last.clone())
     }
 
-    /// Locates the markers in the next image of a stream: each near its last position, with the outline and noise of the last full search. If more than a
-    /// fifth of the markers of that search is missing or does not fit a finger, the whole image is searched. While a marker is missing, every tenth image is
-    /// also searched completely.
+    /// Locates the markers in the next image of a stream. Each marker is searched for near its last position, with the outline and noise of the last
+    /// full search. If more than a fifth of the markers of that search is missing or does not fit a finger, the whole image is searched. While a
+    /// marker is missing, every tenth image is also searched completely.
     ///
     /// # Errors
     /// [`LocateError`] as for [`Locator::locate`].
@@ -211,7 +212,7 @@ impl<'f> Locator<'f> {
         if (named.len() as f64) < FOUND_AGAIN * self.searched as f64 {
             return self.locate(image);
         }
-        // A few markers suffice to detect motion blur. A full search then measures the blur, and the image after a blurred one is also searched fully.
+        // A few markers suffice to detect motion blur. A full search then measures the blur. The image after a blurred image is also searched fully.
         let few = named.iter().step_by(FEW).map(|(_, disc)| disc);
         let blur_px = motion_blur_px(image, few, self.radius_px, outline.blurs_px[0]);
         if blur_px.or(common.motion_px).is_some() {

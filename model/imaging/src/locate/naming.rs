@@ -61,7 +61,7 @@ pub enum NamingError {
     },
 }
 
-/// For each key node, in the order of node numbers: index of the candidate that is its marker; `None` if no candidate is.
+/// For each key node, in the order of node numbers: index of the candidate that is its marker; `None` if no candidate is its marker.
 pub(super) type Names = Vec<Option<usize>>;
 
 /// A finger whose base may have an uncertain position.

@@ -1,4 +1,4 @@
-//! From images to observations: the locator for the markers of a scene, with data that the images of a scene share.
+//! Conversion of images to observations, by a locator for the scene's markers and data that the images of a scene share.
 
 use super::{LocateError, Located, Locator, LocatorError, Rest, RestError, RimLocator, SeenBase, SeenRadii};
 use finray_model::camera::Camera;
@@ -78,7 +78,8 @@ impl<'f> Observer<'f> {
         Ok(observer)
     }
 
-    /// An observer for a finger and a camera of known pose. `base` holds the reference marks on a moving base; only locators of grey markers use it.
+    /// An observer for a finger and a camera of known pose. `base` contains the reference marks on a moving base; only locators of grey markers use
+    /// it.
     ///
     /// # Errors
     /// [`LocatorError`] for markers that no locator supports, or a camera that does not see the finger.

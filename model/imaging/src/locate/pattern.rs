@@ -87,7 +87,7 @@ struct Named {
     distance: f64,
 }
 
-/// Markers of a plate, in order along a line. Among the lines through two markers, it is the line that contains the most markers. `None` for fewer than two
+/// Markers of a plate, in order along a line. The line contains the most markers among all lines through two markers. `None` for fewer than two
 /// markers. Markers in `taken` are excluded.
 fn row(marks: &[Mark], side: Plate, radius: f64, taken: &[usize]) -> Option<Vec<usize>> {
     let of_side: Vec<usize> =

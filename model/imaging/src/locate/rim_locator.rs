@@ -99,7 +99,7 @@ struct Proposal {
 }
 
 impl<'f> RimLocator<'f> {
-    /// A locator for the finger, camera and markers of a scene. `base` holds the reference marks on a moving base; `None` for a fixed base.
+    /// A locator for the finger, camera and markers of a scene. `base` contains the reference marks on a moving base; it is `None` for a fixed base.
     ///
     /// # Errors
     /// [`LocatorError`] for coloured markers, shared junctions of ribs, or a camera that does not see the finger.
@@ -244,7 +244,7 @@ impl<'f> RimLocator<'f> {
     }
 }
 
-/// The rims that are assigned to nodes, without those that are far less round than the others.
+/// The rims that are assigned to nodes, except rims that are far less round than the other rims.
 fn named(rims: &[Rim], names: &Names) -> Vec<(NodeId, Rim)> {
     let mut named: Vec<(NodeId, Rim)> =
         names.iter().enumerate().filter_map(|(i, name)| Some((NodeId(i + 1), rims[(*name)?]))).collect();
@@ -257,8 +257,8 @@ fn middle_radius_mm(named: &[(NodeId, Rim)]) -> Option<f64> {
     median(named.iter().map(|(_, rim)| rim.radius_mm))
 }
 
-/// Factor by which standard deviations of the markers, and of the marks on the base, exceed those for independent pixel errors. Background that the edge
-/// model neglects correlates the errors of neighbouring pixels. The markers' residuals show the size of this effect.
+/// Factor by which standard deviations of the markers, and of the marks on the base, exceed the values for independent pixel errors. Background that
+/// the edge model neglects correlates the errors of neighbouring pixels. The markers' residuals show the size of this effect.
 fn widening(named: &[(NodeId, Rim)]) -> f64 {
     wider(named.iter().filter_map(|(_, rim)| rim.excess_variances))
 }

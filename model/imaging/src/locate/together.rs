@@ -123,8 +123,8 @@ pub(super) fn located(named: &[(NodeId, Disc)], on_front: &[NodeId], common: &Co
     named.iter().map(located).collect()
 }
 
-/// Factor by which standard deviations exceed those for independent pixel errors. One marker determines this factor poorly; all markers of a colour together
-/// determine it well.
+/// Factor by which standard deviations exceed the values for independent pixel errors. One marker determines this factor poorly; all markers of a
+/// colour together determine it well.
 ///
 /// A centre absorbs the residuals that have one period around the edge, and longer periods have more power. The power of one period is therefore extrapolated
 /// from the powers of two and three periods, along a Gaussian S(n) = a exp(-c n^2). The factor is 1 without markers.

@@ -23,7 +23,7 @@ pub struct Ldl<R: Number, const N: usize> {
 }
 
 impl<R: Number, const N: usize> Ldl<R, N> {
-    /// A value without a factor; `like` states only the number type.
+    /// A value without a factor; `like` only determines the number type.
     #[inline(always)]
     pub fn empty(like: R) -> Ldl<R, N> {
         Ldl { upper: [[like.zero(); N]; N], inverse_diagonal: [like.zero(); N], positive: like.always() }

@@ -45,7 +45,7 @@ pub trait Number:
     /// Absolute value in each lane.
     fn abs(self) -> Self;
 
-    /// The larger of two numbers in each lane; if one of them is NaN, the other one.
+    /// The larger of two numbers in each lane; if one of the two is NaN, returns the other.
     fn larger(self, other: Self) -> Self;
 
     /// Returns `number(lane)` in each lane.

@@ -2,8 +2,8 @@
 
 use nalgebra::DVector;
 
-/// Bounds on the change of each unknown in a step from one point. Computed from the current values, they keep the unknowns within their ranges. They also
-/// keep the step within the range in which the linearised problem is a good approximation.
+/// Bounds on the change of each unknown in a step from one point. The bounds are computed from the current values and keep the unknowns within their
+/// ranges. The bounds also keep the step within the range in which the linearised problem is a good approximation.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct StepBounds {
     /// Index of an unknown, with its most negative and its most positive change.

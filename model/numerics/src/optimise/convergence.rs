@@ -11,7 +11,8 @@ const RELATIVE_DECREASE: f64 = 2e-13;
 pub struct Convergence {
     /// Limit of the predicted decrease of the sum of squares, as a share of a reference: the sum of squares or a variance.
     pub relative_decrease: f64,
-    /// Limit of the largest change of an unknown, in the unknown's unit. 0 disables the limit; it serves where the unknowns have different units.
+    /// Limit of the largest change of an unknown, in the unknown's unit. The value 0 disables the limit, for problems whose unknowns have different
+    /// units.
     pub step: f64,
 }
 

@@ -58,7 +58,7 @@ impl GramSchmidt {
                 }
             }
         }
-        // Before back substitution, the solution holds Q^T b.
+        // Before back substitution, `solution` contains Q^T b.
         self.explained = self.solution.iter().map(|x| x * x).sum();
         for k in (0..unknowns).rev() {
             for j in k + 1..unknowns {

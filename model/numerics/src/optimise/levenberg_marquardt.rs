@@ -59,7 +59,7 @@ pub struct Fit<P> {
     pub point: P,
     /// Sum of squared residuals, including priors; dimensionless.
     pub squares: f64,
-    /// The residuals in units of their standard deviations; the priors' come last.
+    /// The residuals in units of their standard deviations; the residuals of the priors come last.
     pub residual: DVector<f64>,
     /// Derivatives of the residuals by the unknowns: one row per residual, one column per unknown.
     pub jacobian: DMatrix<f64>,
@@ -130,7 +130,8 @@ impl LevenbergMarquardt {
 /// A point and the problem linearised there.
 type Linearised<P> = (<P as LeastSquaresProblem>::Point, NormalEquations);
 
-/// Linearises the problem at a trial point. `None` without a trial point, without residuals there, or if the sum of squares is not lower.
+/// Linearises the problem at a trial point. `None` if there is no trial point, if the trial point has no residuals, or if its sum of squares is not
+/// lower.
 ///
 /// # Errors
 /// [`Refusal::Altogether`] if the problem ends the search at this point.

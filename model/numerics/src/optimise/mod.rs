@@ -4,8 +4,8 @@
 //! [`LevenbergMarquardt`] minimises half the sum of squares and returns a [`Fit`] with the covariance of the unknowns. Each part of the method has a file:
 //! convergence, bounds, and the linear solve.
 //!
-//! A search that follows a path of equilibria cannot evaluate residuals at any chosen point, so it has its own loop. It uses the same parts: the trust region
-//! ([`TrustRegion`]), [`Convergence`], the covariance, and a linear solve without heap allocation ([`GramSchmidt`]).
+//! A search that follows a path of equilibria cannot evaluate residuals at an arbitrary point, so it has its own loop. The loop uses the same parts:
+//! the trust region ([`TrustRegion`]), [`Convergence`], the covariance, and a linear solve without heap allocation ([`GramSchmidt`]).
 //!
 //! ```
 //! use finray_numerics::optimise::{FromFunction, LevenbergMarquardt, Refusal};

@@ -3,12 +3,12 @@
 use super::{LeastSquaresProblem, Prior, Refusal, StepBounds};
 use nalgebra::{DMatrix, DVector};
 
-/// Residuals at a point, including those of the priors.
+/// Residuals at a point, including the residuals of the priors.
 #[derive(Debug, Clone)]
 pub(super) struct Residuals {
     measured: DVector<f64>,
     priors: Vec<Prior>,
-    /// The residuals, followed by those of the priors.
+    /// The residuals of the problem, followed by the residuals of the priors.
     all: DVector<f64>,
 }
 
@@ -58,7 +58,7 @@ impl Residuals {
 pub(super) struct NormalEquations {
     /// Sum of squared residuals, dimensionless.
     pub squares: f64,
-    /// Residuals r; those of the priors come last.
+    /// Residuals r; the residuals of the priors come last.
     pub residual: DVector<f64>,
     /// Derivatives J of the residuals by the unknowns.
     pub jacobian: DMatrix<f64>,

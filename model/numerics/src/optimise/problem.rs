@@ -19,8 +19,8 @@ pub trait LeastSquaresProblem {
     /// [`Refusal`] for a point that has no residuals.
     fn residual(&mut self, point: &Self::Point) -> Result<DVector<f64>, Refusal<Self::Error>>;
 
-    /// Derivatives of the residuals by a step: one row per residual, one column per unknown. It is called only for the point of the last call of
-    /// [`residual`](LeastSquaresProblem::residual) and receives its result, so both may share a tangent.
+    /// Derivatives of the residuals by a step: one row per residual, one column per unknown. Called only for the point of the last call of
+    /// [`residual`](LeastSquaresProblem::residual), with the result of that call, so both functions may share a tangent.
     ///
     /// # Errors
     /// [`Refusal`] for a point that has no derivatives.
@@ -29,8 +29,8 @@ pub trait LeastSquaresProblem {
     /// The point that a step leads to.
     fn moved(&self, point: &Self::Point, step: &DVector<f64>) -> Self::Point;
 
-    /// Prior knowledge as further residuals, placed after those of [`residual`](LeastSquaresProblem::residual). The number of priors is the same at every
-    /// point.
+    /// Prior knowledge as further residuals, placed after the residuals of [`residual`](LeastSquaresProblem::residual). The number of priors is the
+    /// same at every point.
     fn priors(&self, _point: &Self::Point) -> Vec<Prior> {
         Vec::new()
     }
@@ -64,7 +64,7 @@ impl<E> Refusal<E> {
 pub struct Prior {
     /// Deviation from the expected value, divided by its standard deviation.
     pub residual: f64,
-    /// Derivatives of the residual, as pairs of an unknown's index and the derivative by it. All others are zero.
+    /// Derivatives of the residual, as pairs of an unknown's index and the derivative by it. All other derivatives are zero.
     pub by: Vec<(usize, f64)>,
 }
 

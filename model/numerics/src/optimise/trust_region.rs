@@ -65,8 +65,8 @@ impl TrustRegion {
         prediction.reach <= self.longest
     }
 
-    /// The step that stays within the region with the least damping. The damping is within a factor of `DAMPING_FACTOR` of the least. Its search begins at
-    /// the last damping; `solve` returns the step for a damping.
+    /// A step that stays within the region. Its damping is within a factor of `DAMPING_FACTOR` of the smallest possible damping. The search for the
+    /// damping begins at the last damping; `solve` returns the step for a damping.
     ///
     /// # Errors
     /// The errors of `solve`.

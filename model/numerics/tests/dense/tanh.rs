@@ -1,11 +1,11 @@
-//! The hyperbolic tangent over all numbers.
+//! Tests the hyperbolic tangent over the whole range of numbers.
 
 use finray_numerics::dense::{Finish, Tanh};
 use pulp::{Arch, Scalar, Simd, WithSimd};
 
 /// The stated error bound, for every number.
 const LARGEST_ERROR: f64 = 3e-7;
-/// Distance between the bit patterns that are tried: a prime, so that mantissas of all kinds come up.
+/// Distance between two tested bit patterns. The distance is prime, so that mantissas of all kinds occur.
 const STRIDE: usize = 499;
 
 struct TanhAll<'a>(&'a mut [f32]);
@@ -21,7 +21,7 @@ impl WithSimd for TanhAll<'_> {
     }
 }
 
-/// The same on detected and on portable instructions, with zeros behind the numbers to fill the last vector.
+/// The hyperbolic tangents by detected and by portable instructions. Zeros after the numbers fill the last vector.
 fn both(numbers: &[f32]) -> [Vec<f32>; 2] {
     let mut filled = numbers.to_vec();
     filled.resize(numbers.len().next_multiple_of(16), 0.0);

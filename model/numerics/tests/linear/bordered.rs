@@ -1,10 +1,11 @@
-//! Bordered equations where the matrix is singular.
+//! Tests bordered equations with a singular matrix.
 
 use finray_numerics::linear::{Bordered, Direction, IndefiniteFactor};
 use sprs::CsMat;
 
-/// At a limit point the stiffness is singular to rounding; the bordered equations keep their digits. With K =
-/// diag(3e-15, 2), f = (0.7, 0.5) and the constraint (1, 0), 3, the answer to (1.1, 2), 4 is known by hand.
+/// At a limit point, the stiffness is singular within rounding, but the solution of the bordered equations loses no digits. The example has K =
+/// diag(3e-15, 2), f = (0.7, 0.5) and the constraint c = (1, 0), d = 3. The solution for the forces (1.1, 2) and the length 4 is known in closed
+/// form.
 #[test]
 fn keeps_digits_where_the_stiffness_is_singular() {
     let stiffness = CsMat::new_csc((2, 2), vec![0, 1, 2], vec![0, 1], vec![3e-15, 2.0]);
@@ -15,7 +16,7 @@ fn keeps_digits_where_the_stiffness_is_singular() {
     let found = Bordered::new(&factor, &load_vector, &constraint)
         .and_then(|equations| equations.solve(&[1.1, 2.0], 4.0))
         .expect("the bordered matrix is regular");
-    // To rounding -0.7 m = 1.1, x + 3 m = 4, 2 y - 0.5 m = 2.
+    // Within rounding, -0.7 m = 1.1, x + 3 m = 4 and 2 y - 0.5 m = 2.
     let m = -1.1 / 0.7;
     let expected = [4.0 - 3.0 * m, 1.0 + 0.25 * m, m];
     for (ours, expected) in [found.unknowns[0], found.unknowns[1], found.multiple].iter().zip(expected) {

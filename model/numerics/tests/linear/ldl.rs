@@ -1,4 +1,4 @@
-//! Factors of small matrices against nalgebra.
+//! Tests the factorisation of small matrices by solving for known solutions.
 
 use finray_numerics::linear::Ldl;
 use nalgebra::{Matrix3, Vector3};
@@ -26,7 +26,7 @@ fn solves_and_sees_the_sign() {
     ldl.factorise(&rows(&indefinite));
     assert!(!ldl.positive);
     assert!((solved(&ldl, indefinite * x) - x).norm() < 1e-13);
-    // The second row is the first but for 1e-3 of it.
+    // The first two rows differ by only 1e-3.
     ldl.factorise(&rows(&Matrix3::new(1.0, 1.0, 0.0, 1.0, 1.001, 0.0, 0.0, 0.0, 1.0)));
     assert!(ldl.pivots_exceed(&[0.99, 0.99e-3, 0.99]) && !ldl.pivots_exceed(&[0.99, 1.01e-3, 0.99]));
     ldl.factorise(&rows(&(k * f64::NAN)));

@@ -1,10 +1,10 @@
-//! Angles against those of the standard library, alone and in lanes.
+//! Compares angles with the standard library, for single numbers and for lanes.
 
 use finray_numerics::number::{Lanes, Number, arctangent};
 use pulp::{Arch, Simd, WithSimd};
 use std::f64::consts::PI;
 
-/// Two roundings of the quotient and the sum, and as much of the polynomial.
+/// Covers the rounding of the quotient and of the sum, and an equally large error of the polynomial.
 const RELATIVE_ERROR: f64 = 4e-16;
 
 struct InLanes(Vec<(f64, f64)>);
@@ -26,11 +26,11 @@ impl WithSimd for InLanes {
     }
 }
 
-/// Angles in all quadrants, on the axes, tiny, and at the borders of the reductions, of vectors of any length.
+/// Vectors (y, x) of several lengths: in all quadrants, on the axes, at tiny angles, and at the limits of range reduction.
 fn vectors() -> Vec<(f64, f64)> {
     let around = (0..=20_000).map(|i| f64::from(i) * 1e-4 * PI);
     let tiny = (-300..0).map(|power| 10_f64.powi(power));
-    // Slopes at which its reductions begin: 0.66 and tan(3 pi / 8).
+    // Range reduction begins at the slope 0.66 and changes at the slope tan(3 pi / 8).
     let borders =
         [0.66, 2.414_213_562_373_095_f64].into_iter().flat_map(|t| [t, t.next_up(), t.next_down()]).map(f64::atan);
     let angles = around.chain(tiny).chain(borders);
@@ -43,7 +43,7 @@ fn is_the_standard_one_to_rounding() {
     for (y, x) in vectors() {
         let (ours, standard) = (arctangent(y, x), y.atan2(x));
         assert!((ours - standard).abs() <= RELATIVE_ERROR * standard.abs(), "{y} {x}: {ours} {standard}");
-        // A negative zero counts as zero: the angle of a vector straight back is pi.
+        // A negative zero counts as zero: the angle of a vector along the negative x axis is pi.
         assert_eq!(arctangent(-y, x), if y == 0.0 { ours } else { -ours });
     }
     assert!(arctangent(0.0, 0.0).is_nan() && arctangent(f64::NAN, 1.0).is_nan());

@@ -1,9 +1,9 @@
-//! Sines against those of the standard library.
+//! Compares sines with the standard library.
 
 use finray_numerics::number::sine_and_versine;
 use std::f64::consts::FRAC_PI_4;
 
-/// Roundings of the polynomial's last sums; of larger angles those of the square of a sine.
+/// Covers the rounding of the polynomial's last sums and, for larger angles, the rounding of the square of a sine.
 const RELATIVE_ERROR: f64 = 5e-16;
 
 #[test]

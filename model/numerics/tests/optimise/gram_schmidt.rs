@@ -1,13 +1,12 @@
-//! Small least squares, solved in place.
+//! Tests small least-squares problems that are solved in place.
 
 use finray_numerics::optimise::GramSchmidt;
 
-/// A fit of a line and a parabola to five points, by hand: y = 1 + 2 x - x^2 exactly, plus a part that no column
-/// explains.
+/// Fits a parabola to five points with a known solution: y = 1 + 2 x - x^2, plus a part that no column explains.
 #[test]
 fn fits_what_can_be_fitted() {
     let x = [-2.0_f64, -1.0, 0.0, 1.0, 2.0];
-    // Orthogonal to 1, x and x^2.
+    // This part is orthogonal to 1, x and x^2.
     let unexplained = [1.0, -2.0, 0.0, 2.0, -1.0];
     let mut problem = GramSchmidt::default();
     problem.reset(5, 3);
@@ -22,7 +21,7 @@ fn fits_what_can_be_fitted() {
         assert!((found - expected).abs() < 1e-14, "{solution:?}");
     }
     assert_eq!(solution.len(), 3);
-    // (1 + 2 x - x^2)^2 at the five points.
+    // Sum of (1 + 2 x - x^2)^2 over the five points.
     let explained = 49.0 + 4.0 + 1.0 + 4.0 + 1.0;
     assert!((problem.explained() - explained).abs() < 1e-12);
 }

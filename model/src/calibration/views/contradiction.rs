@@ -1,4 +1,4 @@
-//! Refuses views that contradict the scene's finger or the other views. The sought quantities could not explain the contradiction. Each view is
+//! Refuses views that contradict the scene's finger or the other views so strongly that no change of the sought quantities explains it. Each view is
 //! tested before any fit.
 
 use super::problem::{Candidate, Problem, ViewUnknowns};
@@ -24,7 +24,7 @@ const SURE: f64 = 3.0;
 /// A marker has a wrong node number if its distance to another node's computed position is below this share of its distance to its own node's position.
 const NEARER: f64 = 0.5;
 
-/// Force of a view estimated from its markers alone, with the other unknowns of the view.
+/// Force of a view, estimated from the view's markers alone, together with the other unknowns of the view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct MarkerForce {
     pub own: ViewUnknowns,
@@ -38,7 +38,7 @@ pub(super) struct Compared<'v> {
     pub view: &'v View,
     /// Ratio of the measured force to the other estimate, dimensionless.
     pub times: f64,
-    /// Standard deviation of 1 / `times` due to noise and base of the view, dimensionless.
+    /// Standard deviation of 1 / `times` due to the noise and the uncertain base of the view, dimensionless.
     pub inverse_sd: f64,
 }
 

@@ -8,8 +8,8 @@ use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
 impl Problem<'_> {
-    /// Force of a view, relative to its measured value `force_n`, N, estimated from markers and base alone. `by` is the Jacobian of a fit. The rows of the view
-    /// start at `row`, its unknowns at `column`. `None` if the force is not identifiable.
+    /// Force of a view, relative to its measured value `force_n`, N, estimated from markers and base alone. `by` is the Jacobian of a fit. The rows
+    /// of the view start at `row`, and the unknowns of the view start at `column`. `None` if the force is not identifiable.
     pub(super) fn new_image(
         &self,
         by: &DMatrix<f64>,

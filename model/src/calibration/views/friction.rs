@@ -106,8 +106,8 @@ impl Fit {
 }
 
 /// Fits the coefficient of friction to the leans of measured forces (angles between force and the normal `from`). If `question` states that friction
-/// builds up, also fits the build-up force. The stated standard deviation applies to a single force of a new object. It combines the residual within
-/// objects with the difference between objects. For a single object, this difference is assumed.
+/// builds up, also fits the build-up force. The stated standard deviation applies to a single force of a new object. This standard deviation combines
+/// the residual within objects with the difference between objects. For a single object, this difference is assumed.
 ///
 /// # Errors
 /// [`CalibrationError::TooFewViews`] if there are no more views than unknowns. [`CalibrationError::FrictionLimit`] if a sliding force leans by 90

@@ -79,8 +79,8 @@ pub struct FoundView {
     pub force_sigma_n: f64,
     /// Transformation from the finger frame to the frame of the view, mm and rad.
     pub base: Isometry2<f64>,
-    /// Rotation of the plate's normal at the contact, rad, averaged over a length of plate. The lean (angle between force and normal) refers to this
-    /// length.
+    /// Rotation of the plate's normal at the contact, rad, averaged over a length of plate. The lean (angle between force and normal) refers to the
+    /// normal with this mean rotation.
     pub normal_turn_rad: f64,
     /// Computed minus observed position of each marker, mm, in the frame of the view.
     pub residuals_mm: Vec<Vector>,
@@ -111,7 +111,7 @@ pub struct ViewEstimate {
     pub finger: Finger,
     /// Height of the markers above the plane of the beams, mm.
     pub marker_height_mm: f64,
-    /// The part that all views share of the transformation from the finger frame to the frame of a view, mm and rad.
+    /// Transformation from the finger frame to the frame of a view, mm and rad, without the part that differs between views.
     pub base: Isometry2<f64>,
     /// Estimates of the sought quantities.
     pub quantities: Vec<FoundQuantity>,
@@ -131,7 +131,7 @@ pub struct ViewEstimate {
     pub outliers: Vec<Outlier>,
 }
 
-/// Relative error of forces beyond the effects of noise, position and base: standard deviations of one force, dimensionless.
+/// Relative standard deviations of one force, dimensionless, that the noise, the position and the base of a view do not explain.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForceError {
     /// Relative scatter of the measured forces, dimensionless. A scatter of 1 % is assumed if there are too few forces to compare.
@@ -278,7 +278,7 @@ pub fn views(
 }
 
 impl Problem<'_> {
-    /// The view as explained by a candidate (finger and rig). `None` if the candidate has no equilibrium.
+    /// Estimates for a view with a candidate (finger and rig). `None` if the candidate has no equilibrium.
     fn found_view(
         &self,
         candidate: &Candidate,
@@ -297,8 +297,8 @@ impl Problem<'_> {
         })
     }
 
-    /// Estimate of a sought quantity. `change` is the value of the quantity's unknown, and `sigma` the unknown's standard deviation. Both refer to a
-    /// logarithm for a factor, and are otherwise in the quantity's unit.
+    /// Estimate of a sought quantity. `change` is the value of the quantity's unknown, and `sigma` the unknown's standard deviation. For a factor,
+    /// both refer to its logarithm. For any other quantity, both are in the quantity's unit.
     fn found_quantity(&self, sought: &Sought, change: f64, sigma: f64) -> FoundQuantity {
         let is_modulus = sought.quantity.is_modulus();
         let value = if is_modulus { change.exp() } else { self.stated(sought.quantity) + change };

@@ -12,7 +12,7 @@ use crate::sensing::{
 };
 use nalgebra::{DVector, Isometry2};
 
-/// Relative standard deviation of a force of unknown magnitude and known direction. It is so large that it has no effect.
+/// Relative standard deviation of a force of unknown magnitude and known direction. The value is so large that it has no effect.
 const UNKNOWN_SHARE: f64 = 1e3;
 /// Additional standard deviations of a coordinate, mm, in the first searches.
 const FIRST_ERRORS_MM: [f64; 2] = [0.3, 0.02];
@@ -24,7 +24,7 @@ const FIRST_FORCE_N: f64 = 1.0;
 /// The dependence of force on position counts as nonlinear if the position's standard deviation exceeds this share of the distance to the nearer end
 /// of the plate.
 const UNCERTAIN_POSITION: f64 = 0.1;
-/// Standard deviation of an unknown direction, degrees. It is so large that it has no effect.
+/// Standard deviation of an unknown direction, degrees. The value is so large that it has no effect.
 const UNKNOWN_DEG: f64 = 1e3;
 
 /// A view with the known and unknown parts of its contact.

@@ -39,8 +39,8 @@ pub(super) struct Spread {
     pub is_bounded: bool,
 }
 
-/// Scans the positions on both sides of the best position. `at` estimates the force at a known position, mm. Its search starts from the result at a
-/// nearby position. `wider` is the factor by which the residual exceeds the noise.
+/// Scans the positions on both sides of the best position. `at` estimates the force at a known position, mm. Each search of `at` starts from the
+/// result at a nearby position. `wider` is the factor by which the residual exceeds the noise.
 ///
 /// # Reference
 /// Mixture of normal distributions with the weights of the profile likelihood (Bates and Watts, Nonlinear Regression Analysis and Its Applications, ch. 6).

@@ -11,8 +11,8 @@ use crate::statics::Statics;
 use crate::{Kinematics, Vector};
 use nalgebra::{Isometry2, Point2, UnitComplex};
 
-/// Number of unknowns that every view has: position, base x, base y, rotation of the base. The next unknown is the force, unless it is exact. The
-/// lean (angle between force and normal) is the last unknown, unless the force was measured.
+/// Number of unknowns that every view has: position, base x, base y, rotation of the base. The next unknown is the force, unless the force is exact.
+/// The lean (angle between force and normal) is the last unknown, unless the force was measured.
 pub(super) const OWN: usize = 4;
 /// Number of residuals for the prior of a view's base.
 pub(super) const BASE_ROWS: usize = 3;
@@ -55,7 +55,7 @@ pub(super) struct Candidate {
     pub mesh: Mesh,
     /// Height of the markers above the plane of the beams, mm.
     pub marker_height_mm: f64,
-    /// Transformation from the finger frame to the frame of a view, mm and rad: the part of it that all views share.
+    /// Transformation from the finger frame to the frame of a view, mm and rad, without the part that differs between views.
     pub base: Isometry2<f64>,
     /// Moment that the plates exert on each other at the tip without load, N mm.
     pub preload_nmm: f64,
@@ -161,8 +161,8 @@ impl Problem<'_> {
         (share * self.model.lean.sd_deg).max(SETTLED_DEG)
     }
 
-    /// Number of residuals of a view: for markers, base, and measured force. Without a measured force, the lean (angle between force and normal)
-    /// replaces it.
+    /// Number of residuals of a view: for the markers, for the base, and for a measured force that is not exact. Without a measured force, the last
+    /// residual is for the lean (angle between force and normal).
     pub(super) fn row_count(&self, view: &View) -> usize {
         let further = usize::from(view.force.is_none() || self.scatter.is_some());
         view.measurement.coordinate_count() + BASE_ROWS + further

@@ -1,4 +1,4 @@
-//! Calibrates a scene: finger, rig, friction, compliance of the base, and the resulting values of the scene file.
+//! Calibrates finger, rig, friction and base compliance of a scene, and lists the resulting values of the scene file.
 
 use super::{
     BaseCompliance, FrictionEstimate, FrictionQuestion, LocatedView, Quantity, Sought, View, ViewEstimate, ViewModel,

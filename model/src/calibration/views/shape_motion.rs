@@ -2,7 +2,7 @@
 
 use crate::Vector;
 
-/// Rigid motion, linearised for small turns, that best fits given motions of points. `all` lists position and motion of each point, mm.
+/// Rigid motion, linearised for small rotations, that best fits given motions of points. `all` lists position and motion of each point, mm.
 pub(super) fn motion_of_shape(all: &[(Vector, Vector)]) -> impl Fn(&Vector) -> Vector + use<> {
     let count = all.len().max(1) as f64;
     let [middle, shift] =

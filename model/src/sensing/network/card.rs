@@ -7,7 +7,7 @@ use crate::finger::NodeId;
 use crate::sensing::{Contact, ContactPosition};
 use serde::{Deserialize, Serialize};
 
-/// The only version of the file format that is written and read.
+/// The version of the file format. Only this version is written and read.
 pub const FORMAT: u32 = 1;
 
 /// Conversion of displacements to the inputs of a network.
@@ -46,7 +46,7 @@ pub struct Origin {
     pub force_range_n: [f64; 2],
     /// Largest sum of the forces, N.
     pub largest_total_n: f64,
-    /// Standard deviation of a force's direction about its contact's direction, degrees.
+    /// Standard deviation of the angle between a force and the direction of its contact, degrees.
     pub direction_spread_deg: f64,
     /// Relative standard deviation of the moduli, dimensionless.
     pub modulus_spread: f64,
@@ -54,11 +54,11 @@ pub struct Origin {
     pub hidden_markers: usize,
     /// Seed of the samples, of the first weights and of the order of the batches.
     pub seed: u64,
-    /// Number of passes through the samples that led to the stored weights. Training may have continued after these passes.
+    /// Number of passes through the samples before the stored weights were reached. Training may have continued afterwards.
     pub epochs: usize,
 }
 
-/// Errors of one force on samples that were held out of training.
+/// Errors of one force on samples that training did not use.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TestError {
@@ -92,7 +92,7 @@ pub struct NetworkCard {
     pub origin: Origin,
     /// Errors of each contact's force, in the order of the contacts.
     pub test_errors: Vec<TestError>,
-    /// Number of samples from which `test_errors` follow.
+    /// Number of samples that were used to compute `test_errors`.
     pub test_samples: usize,
 }
 

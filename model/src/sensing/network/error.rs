@@ -3,7 +3,7 @@
 use crate::finger::NodeId;
 use crate::sensing::SensingError;
 
-/// Reason for which a network cannot be read, built or used.
+/// Reason why a network cannot be read, built or used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NetworkError {
     /// The bytes are not a safetensors file.

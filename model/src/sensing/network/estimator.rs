@@ -1,4 +1,4 @@
-//! Estimates forces and their known errors with a network, within microseconds.
+//! Estimates forces and their known errors with a network, in microseconds.
 
 use super::forward::{Forward, Instructions};
 use super::hidden::{directions, filling};
@@ -12,8 +12,7 @@ use crate::sensing::{
 };
 use nalgebra::{DMatrix, DVector};
 
-/// Two contacts count as equal if neither their positions (as a share of the plate's length) nor their angles (in degrees) differ by more than this
-/// limit.
+/// Largest difference between two contacts that count as equal: in position (as a share of the plate's length) and in angle (in degrees).
 const SAME_CONTACT: f64 = 1e-9;
 /// An input is refused if it exceeds `RANGE_FACTOR` times the largest input in training, plus `RANGE_SIGMAS` standard deviations of the input's
 /// noise. The margin admits extremes that the training samples miss.
@@ -100,7 +99,7 @@ impl NetworkEstimator {
             prepared,
             markers,
             mean,
-            // If there are at least as many directions as measured coordinates, the columns span all coordinates.
+            // If there are no fewer directions than measured coordinates, the columns span all coordinates.
             span: seen_directions.qr().q(),
             hidden_covariance,
             largest: network.inputs.largest.clone(),
@@ -133,7 +132,7 @@ impl NetworkEstimator {
     /// on held-out samples. The network's derivatives linearise the effects of noise and hidden markers. `noise_mm` is the standard deviation of one
     /// coordinate, mm. The noise is estimated from the residual if `noise_mm` is `None` or contradicts the residual.
     ///
-    /// The residual is the part of the displacements outside the principal directions. The singular values of the estimate are reciprocals: of the
+    /// The residual is the part of the displacements outside the principal directions. The singular values of the estimate are the reciprocals of the
     /// singular values of the forces' derivatives with respect to the displacements.
     ///
     /// # Errors
@@ -175,8 +174,8 @@ impl NetworkEstimator {
     }
 
     /// Tests the residual against the stated noise (chi-squared test). The residual is the part of the displacements `x`, mm, outside the principal
-    /// directions. It is negligible for noise-free training shapes. Returns the noise (mm), the root mean square of the residual (mm), and a warning
-    /// if the residual exceeds the stated noise significantly. The standard deviations of the forces follow from the returned noise.
+    /// directions. For noise-free training shapes, the residual is negligible. Returns the noise (mm), the root mean square of the residual (mm), and
+    /// a warning if the residual exceeds the stated noise significantly. The standard deviations of the forces follow from the returned noise.
     fn residual(&self, x: &DVector<f64>, stated_mm: Option<f64>) -> Result<(f64, f64, Option<Warning>), SensingError> {
         let coordinates = x.len() as f64;
         let from_mean = x - &self.mean;
@@ -209,7 +208,7 @@ impl NetworkEstimator {
         Ok(())
     }
 
-    /// Refuses forces outside the range of the training. Such results arise if forces act at other contacts than assumed.
+    /// Refuses forces outside the range of the training. Such forces result if the true forces act at other contacts than assumed.
     fn require_trained_forces(&self, forces_n: &[f64], sigmas_n: &[f64]) -> Result<(), NetworkError> {
         let [least_n, largest_n] = self.force_range_n;
         for (i, (&force_n, sigma_n)) in forces_n.iter().zip(sigmas_n).enumerate() {

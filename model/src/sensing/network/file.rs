@@ -111,7 +111,7 @@ impl Network {
     }
 }
 
-/// Reads the card. Checks the version of the card first, because other versions have other keys.
+/// Reads the card. The version is checked first, because cards of other versions have other keys.
 fn read_card(text: &str) -> Result<NetworkCard, NetworkError> {
     let value: serde_json::Value = serde_json::from_str(text).map_err(|error| card_error(&error))?;
     let Some(found) = value.get("format").and_then(serde_json::Value::as_u64) else {
@@ -161,7 +161,7 @@ fn matrix_shape(name: &str, tensor: &TensorView) -> Result<[usize; 2], NetworkEr
     shape.try_into().map_err(|_| NetworkError::of_part(name, "a matrix", format!("the shape {shape:?}")))
 }
 
-/// Removes a tensor from the tensors of a file, and checks the tensor's type.
+/// Removes a tensor from the tensors of a file, checks the type of the tensor, and returns the tensor.
 fn take<'d>(
     tensors: &mut BTreeMap<&str, TensorView<'d>>,
     name: &str,

@@ -7,8 +7,8 @@ use sha2::{Digest, Sha256};
 use std::fmt;
 use std::str::FromStr;
 
-/// Numbers are compared to this many significant digits, because rounding errors must not matter. Rounding errors arise, for example, if one scene
-/// states the number of ribs and another scene states the positions of the same ribs.
+/// Number of significant digits that are compared, so that rounding errors do not matter. Rounding errors arise, for example, if one scene states the
+/// number of ribs and another scene states the positions of the same ribs.
 const DIGITS: i32 = 10;
 
 /// SHA-256 hash of the numbers that define a finger: key nodes, rigid arms, clips and ends, rigidities, shear, tapers, rib thicknesses, joints, brackets with the
@@ -123,7 +123,7 @@ impl fmt::Display for Fingerprint {
     }
 }
 
-/// The text is not a fingerprint.
+/// Error for a text that is not a fingerprint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("expected a fingerprint of 64 hexadecimal digits")]
 pub struct NoFingerprint;

@@ -22,7 +22,8 @@ pub(super) struct Forward {
     between: Between,
 }
 
-/// Evaluates z = P x + offset; then h = tanh(W h + b) for each hidden layer, from h = z; then the forces f = W h + b + skip z.
+/// Weights of all layers. The inputs are z = P x + offset. Starting from h = z, each hidden layer computes h = tanh(W h + b). The forces are f = W
+/// h + b + skip z.
 #[derive(Debug, Clone)]
 struct Plan {
     coordinates: usize,

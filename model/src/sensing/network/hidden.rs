@@ -1,7 +1,7 @@
 //! Estimates the displacements of hidden markers from the training shapes.
 //!
 //! Training shapes are x = mean + V^T c + noise, with principal directions V and independent coefficients c, whose variances L are stored. The
-//! measured coordinates x_s deviate by d = x_s - mean_s from their mean. The expected coordinates of all markers are mean + F d. F is the identity
+//! measured coordinates x_s deviate from their mean by d = x_s - mean_s. The expected coordinates of all markers are mean + F d. F is the identity
 //! for measured coordinates, and S_hs S_ss^-1 for hidden coordinates. S = V^T L V + noise^2 I is the covariance of all coordinates (Rasmussen and
 //! Williams, Gaussian Processes for Machine Learning, eq. (A.6)).
 
@@ -40,7 +40,7 @@ pub(super) fn filling(network: &Network, seen: &[usize]) -> Option<(DMatrix<f64>
     let shapes = v.transpose() * DMatrix::from_diagonal(&variances) * &v;
     let noise = network.card.noise_mm.powi(2).max(LEAST_NOISE * LEAST_NOISE * shapes.trace() / n as f64);
     let among_seen = shapes.select_rows(seen).select_columns(seen) + DMatrix::identity(seen.len(), seen.len()) * noise;
-    // S_ss^-1 S_sh by columns.
+    // The columns of S_ss^-1 S_sh.
     let filled = among_seen.cholesky()?.solve(&shapes.select_rows(seen));
     for hidden in (0..n).filter(|coordinate| !seen.contains(coordinate)) {
         matrix.row_mut(hidden).copy_from(&filled.column(hidden).transpose());

@@ -64,16 +64,16 @@ pub struct Dense {
 
 /// A trained network.
 ///
-/// All fields are public, so functions that evaluate or store a network check it again.
+/// All fields are public, so functions that evaluate or store a network check the network again.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Network {
     /// Purpose, training and errors of the network.
     pub card: NetworkCard,
     /// Conversion of displacements to inputs.
     pub inputs: Inputs,
-    /// Layers of the MLP, at least one, all but the last with tanh. The first layer has the p inputs. For [`ContactSet::AnyOf`], it has two further
-    /// inputs per contact. First come the masks of all contacts (1 if a force acts at the contact, otherwise 0). Then follow the forces of all
-    /// contacts from ridge regression, divided by the prior's standard deviation. The last layer returns forces, N.
+    /// Layers of the MLP, at least one, all but the last with tanh. The first layer has the p inputs. For [`ContactSet::AnyOf`], the first layer has
+    /// two further inputs per contact. The masks of all contacts (1 if a force acts at the contact, otherwise 0) come first. The forces of all
+    /// contacts from ridge regression, divided by the prior's standard deviation, come last. The last layer returns forces, N.
     pub layers: Vec<Dense>,
     /// Weights of the skip branch by rows, contacts x p, N. Empty without a skip branch, as for [`ContactSet::AnyOf`].
     pub skip: Vec<f32>,

@@ -17,7 +17,7 @@ pub fn ridge_gain(compliance: &DMatrix<f64>, touching: &[bool], ridge: f64) -> D
     gain
 }
 
-/// Common form of both kinds of contact sets: z = P x + offset, f = skip z + MLP(z).
+/// Network in a form that suits both kinds of contact sets: z = P x + offset, f = skip z + MLP(z).
 #[derive(Debug, Clone)]
 pub(super) struct Prepared {
     /// P, inputs x coordinates, 1/mm.
@@ -34,9 +34,9 @@ impl Prepared {
     /// Prepares a network for the contacts `selected`, which are indices in the network's list. For [`ContactSet::AnyOf`] these are the contacts at which
     /// forces act.
     ///
-    /// The mask of these contacts is constant and becomes part of the bias of the first layer. The forces of these contacts from ridge regression,
-    /// divided by the prior, become further inputs with a skip connection to the outputs. The forces are G_S x with G_S = (C_S^T C_S + (noise /
-    /// prior)^2)^-1 C_S^T.
+    /// The mask of these contacts is constant and becomes part of the bias of the first layer. The forces that ridge regression estimates at these
+    /// contacts, divided by the prior, become further inputs with a skip connection to the outputs. These forces are G_S x with G_S = (C_S^T C_S +
+    /// (noise / prior)^2)^-1 C_S^T.
     pub(super) fn new(network: &Network, selected: &[usize]) -> Prepared {
         let (p, m) = (network.inputs.count(), network.contact_count());
         let mut layers = network.layers.clone();

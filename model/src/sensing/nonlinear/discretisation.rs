@@ -1,4 +1,4 @@
-//! Discretisation error of estimated forces, from a finer mesh.
+//! Discretisation error of estimated forces, computed by comparison with a finer mesh.
 
 use super::{NonlinearEstimate, NonlinearEstimator, State};
 use crate::Kinematics;
@@ -11,8 +11,9 @@ use crate::statics::{Ladder, Statics};
 /// errors do not yet decrease with the square of the element length.
 const DIVISIONS: usize = 2;
 const DIVISIONS_OF_SINGLE: usize = 4;
-/// A stored error is reused for a similar estimate. Limits apply to differences of forces (share of the largest force), positions (share of the
-/// plate's length) and directions (degrees). Rough limits suffice, because a computed error of the mesh is only accurate to about a third.
+/// A stored error is reused for an estimate that differs by no more than three limits: this limit for forces (share of the largest force),
+/// `SAME_POSITION` for positions (share of the plate's length) and `SAME_ANGLE_DEG` for directions. Rough limits suffice, because a computed error of
+/// the mesh is only accurate to about a third.
 const SAME_FORCE: f64 = 0.12;
 const SAME_POSITION: f64 = 0.02;
 const SAME_ANGLE_DEG: f64 = 3.0;
@@ -25,16 +26,17 @@ const MOST_KEPT: usize = 256;
 /// An estimator on a mesh of the same finger, and its last estimate.
 ///
 /// # Reference
-/// Under the estimated forces the finer mesh bends further by d. The coarse mesh needs additional forces A^+ d to bend by d as well. A contains the
-/// derivatives of its shape with respect to the unknowns. Errors of co-rotational beams decrease with the square of the element length. Richardson's
-/// extrapolation therefore multiplies A^+ d by n^2 / (n^2 - 1), for n elements of the finer mesh per element of the coarse mesh.
+/// Under the estimated forces, the finer mesh bends further by d than the coarse mesh. The coarse mesh needs additional forces A^+ d to bend by d as
+/// well. A contains the derivatives of the coarse mesh's shape with respect to the unknowns. Errors of co-rotational beams decrease with the square
+/// of the element length. Richardson's extrapolation therefore multiplies A^+ d by n^2 / (n^2 - 1), for n elements of the finer mesh per element of
+/// the coarse mesh.
 #[derive(Debug, Clone)]
 pub struct Discretisation<'m> {
     finer: &'m Mesh,
     /// Ratio of the error of the mesh to the difference between the two meshes, dimensionless.
     extrapolated: f64,
     statics: Statics<Ladder<'m>>,
-    /// Stored errors, N, with their forces and contacts.
+    /// Stored errors, N, with the forces and contacts to which they belong.
     known: Vec<Known>,
 }
 

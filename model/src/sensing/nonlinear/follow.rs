@@ -5,8 +5,7 @@ use crate::frame::FrameMotion;
 use crate::measurement::Measurement;
 use crate::statics::StaticsError;
 
-/// A step ends at an equilibrium with a misfit (sum of squared weighted residuals) of more than this factor times the misfit at the start of the
-/// step.
+/// A step ends at an equilibrium whose misfit (sum of squared weighted residuals) exceeds this factor times the misfit at the start of the step.
 const WORSE: f64 = 2.0;
 /// A step ends after this number of rejected shorter steps, at the largest share of the step for which an equilibrium was found.
 const MOST_REJECTED: usize = 2;
@@ -22,9 +21,9 @@ impl NonlinearEstimator<'_> {
     /// Follows the equilibrium from `state` to the loads of `next`, and stores the resulting motion in `next`. All misfits (sums of squared weighted residuals)
     /// use the weights of `state`, because new weights would change the misfit without progress of the search. `current_mm2` is the misfit of `state`.
     ///
-    /// The first result is the misfit at the end of the step, mm^2. If no equilibrium exists at the end, it is the share of the step (0 to 1) up to
-    /// which equilibria exist. The second result is the equilibrium with the smallest misfit on the path, if this misfit does not exceed
-    /// `current_mm2`.
+    /// The first result is the misfit at the end of the step, mm^2. If no equilibrium exists at the end, the first result is an error: the share of
+    /// the step (0 to 1) up to which equilibria exist. The second result is the equilibrium with the smallest misfit on the path, if this misfit does
+    /// not exceed `current_mm2`.
     pub(super) fn follow(
         &mut self,
         state: &State,
@@ -59,7 +58,7 @@ impl NonlinearEstimator<'_> {
         (misfit_mm2, best)
     }
 
-    /// State after a part of a step, iterated to equilibrium, and this part as a share of the step (0 to 1). The share is taken from `on_the_way`.
+    /// State after a part of a step, iterated to equilibrium, and the length of this part as a share of the step (0 to 1), which `on_the_way` states.
     /// `None` if no equilibrium is found, or if the equilibrium's misfit exceeds `current_mm2`, the misfit of `state`.
     pub(super) fn part_of_step(
         &mut self,

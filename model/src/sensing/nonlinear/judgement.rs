@@ -41,9 +41,9 @@ impl NonlinearEstimate {
         claimed.map_or(Ok(()), |i| Err(SensingError::Ambiguous { contact: i + 1, force_n: forces_n[i], other_n: 0.0 }))
     }
 
-    /// Refuses an estimate if other forces explain the data equally well, even if the misfit of these forces is no minimum. If the misfit exceeds the
-    /// smallest misfit by at most [`AS_GOOD`] noise variances, the forces of a linear finger are within three standard deviations. `others` lists
-    /// misfits, mm^2, and forces, N.
+    /// Refuses an estimate if other forces explain the data equally well, even if the misfit of the other forces is no minimum. For a linear finger,
+    /// forces whose misfit exceeds the smallest misfit by at most [`AS_GOOD`] noise variances lie within three standard deviations of the estimate.
+    /// `others` lists misfits, mm^2, and forces, N.
     ///
     /// # Errors
     /// [`SensingError::Ambiguous`] for the first force that differs.
@@ -58,9 +58,9 @@ impl NonlinearEstimate {
         Ok(())
     }
 
-    /// Refuses an estimate of several forces without redundant coordinates, if the forces differ from the forces of the linear finger. Many
-    /// equilibria may then explain the measurement exactly. The first entry of `starts` contains the forces of the linear finger, if the search
-    /// started from these forces.
+    /// Refuses an estimate of several forces that has no redundant coordinates and differs from the forces of the linear finger. Many equilibria may
+    /// then explain the measurement exactly. The first entry of `starts` contains the forces of the linear finger, if the search started from these
+    /// forces.
     ///
     /// # Errors
     /// [`SensingError::Unconfirmed`] if the estimate is refused.
@@ -97,8 +97,9 @@ impl NonlinearEstimate {
         (0..forces_n.len()).find(|&i| (forces_n[i] - other_n[i]).abs() > same(i))
     }
 
-    /// Refuses an estimate if another minimum explains the data equally well. An estimate from few coordinates that is far from the forces of the
-    /// linear finger is also refused, if only one starting point leads to the estimate. `minima` lists misfit, mm^2, and forces, N, of each minimum.
+    /// Refuses an estimate if another minimum explains the data equally well. Also refuses an estimate from few coordinates if `near` is `false` and
+    /// no second minimum confirms the estimate. `near` states whether the minimum is locally unique or the equilibria were scanned. `minima` lists
+    /// misfit, mm^2, and forces, N, of each minimum.
     ///
     /// # Errors
     /// [`SensingError::Ambiguous`] for another minimum, [`SensingError::Unconfirmed`] for an estimate that nothing confirms.
@@ -113,15 +114,14 @@ impl NonlinearEstimate {
         for (other_misfit, other_n) in minima {
             confirmations += usize::from(self.is_confirmed_by(other_n, other_misfit - misfit)?);
         }
-        // One of the minima is the estimate itself, so a confirmation needs a second minimum. A fit of many coordinates confirms the estimate as
-        // well.
+        // One of the minima is the estimate, so a confirmation needs a second minimum. A fit of many coordinates also confirms the estimate.
         let confirmed =
             near || confirmations >= 2 || coordinates >= CONFIRMING_COORDINATES * self.forces.forces_n.len();
         if confirmed { Ok(()) } else { Err(SensingError::Unconfirmed) }
     }
 }
 
-/// The estimated contact. A known direction is returned as given. The angle is reduced to -180 to 180 degrees.
+/// The estimated contact. A known direction replaces the estimated direction. The angle is reduced to the range from -180 to 180 degrees.
 fn answered(contact: &Contact, question: &ContactQuestion) -> Contact {
     let angle_deg = match question.direction {
         Direction::Angle(angle_deg) => angle_deg,
@@ -207,8 +207,8 @@ impl NonlinearEstimator<'_> {
         }
         let scales = &state.linearised.scales;
         let linear = |i: usize, j: usize| scales[i] * scales[j] * parts.covariance(i, j) * noise_mm * noise_mm;
-        // A force b across the direction adds b^2 / (2 f) to the force f, to second order. If b has the standard deviation s, the mean square of this term is 3
-        // s^4 / (4 f^2). Higher orders are negligible if the direction is known to within some degrees.
+        // A force b across the direction adds b^2 / (2 f) to the force f, to second order. If b has the standard deviation s, the mean square of this
+        // term is 3 s^4 / (4 f^2). Terms of higher order are negligible if the direction is known to within some degrees.
         let by_direction = |i: usize| {
             let across = self.unknowns.iter().position(|unknown| *unknown == Unknown::Across(i));
             across.map_or(0.0, |j| 0.75 * (linear(j, j) / state.forces_n[i]).powi(2))

@@ -1,7 +1,7 @@
 //! Uncertainty of a force due to an uncertain lean (angle between force and normal), beyond the linearisation at the estimate.
 //!
-//! Markers that barely constrain the direction let it trade off against contact position and magnitude. The resulting uncertainty of the force grows
-//! with the lean. The linearisation at the estimate may show only half of this uncertainty.
+//! Markers that barely constrain the direction of a force let the direction trade off against contact position and magnitude. The resulting
+//! uncertainty of the force grows with the lean. The linearisation at the estimate may show only half of this uncertainty.
 
 use super::search_history::SearchHistory;
 use super::{NonlinearEstimate, NonlinearEstimator, State};
@@ -9,7 +9,7 @@ use crate::measurement::Measurement;
 use crate::sensing::{ContactQuestion, Direction, Lean, SensingError};
 
 /// Distance, in standard deviations, of two leans (angles between force and normal) on either side of the estimated lean. Forces are evaluated at
-/// these two leans. The leans are the outer points of three-point Gauss-Hermite quadrature, and the ends of a uniform distribution.
+/// these two leans. The two leans are the outer points of three-point Gauss-Hermite quadrature, and also the ends of a uniform distribution.
 pub(crate) const REACH: f64 = 1.732_050_807_568_877_2;
 /// An uncertain lean (angle between force and normal) needs evaluation only if it contributes more than this share of a force's standard deviation.
 pub(crate) const COUNTS: f64 = 0.3;
@@ -29,8 +29,8 @@ pub(super) struct FoundLean {
 }
 
 impl NonlinearEstimator<'_> {
-    /// Widens the standard deviations of forces for each uncertain lean (angle between force and normal). If the forces at both ends of the lean's
-    /// range imply a larger deviation than the linearisation at the estimate, the larger deviation is used.
+    /// Widens the standard deviations of forces for each uncertain lean (angle between force and normal). The forces at both ends of the lean's range
+    /// may imply a larger deviation than the linearisation at the estimate. The larger deviation is then used.
     ///
     /// # Errors
     /// [`SensingError::Undetermined`] if the search finds forces at neither end.
@@ -67,7 +67,7 @@ impl NonlinearEstimator<'_> {
         Ok(())
     }
 
-    /// Forces, N, that explain the measurement best if the lean `found` is larger by `more_deg`, degrees.
+    /// Forces, N, that explain the measurement best if `more_deg`, in degrees, is added to the lean `found`.
     ///
     /// # Errors
     /// [`SensingError`] if the search finds no such forces.

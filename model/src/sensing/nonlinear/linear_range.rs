@@ -1,4 +1,4 @@
-//! Checks whether linearisation of the finger at the estimate gives valid standard deviations.
+//! Checks whether standard deviations that follow from linearisation of the finger at the estimate are valid.
 
 use super::linearised::Posed;
 use super::minima::MANY_COORDINATES;
@@ -11,8 +11,8 @@ use nalgebra::DVectorView;
 
 /// A force with at most this relative standard deviation needs no check.
 pub(crate) const WELL_KNOWN: f64 = 0.3;
-/// A force is refused if its change by one standard deviation moves the markers differently from the linearised motion, by more than this share. See
-/// Bates and Watts, Nonlinear Regression Analysis and Its Applications, ch. 7, on the intrinsic curvature.
+/// A change of a force by one standard deviation moves the markers. The force is refused if this motion differs from the linearised motion by more
+/// than this share. See Bates and Watts, Nonlinear Regression Analysis and Its Applications, ch. 7, on the intrinsic curvature.
 pub(crate) const LARGEST_DEPARTURE: f64 = 0.5;
 
 /// An axis of the confidence region needs no check if the standard deviation along the axis is at most this share of the largest force. Without
@@ -25,8 +25,8 @@ const REACH: f64 = 3.0;
 const LEAST_GROWTH: f64 = 1.0;
 
 impl NonlinearEstimator<'_> {
-    /// Widens standard deviations if the misfit (sum of squared residuals) grows less towards the ends of the confidence region than for a linear finger.
-    /// Applies only to forces at known contacts that are estimated from few coordinates.
+    /// Widens standard deviations if the misfit (sum of squared residuals) grows less towards the ends of the confidence region than it does for a
+    /// linear finger. Applies only to forces at known contacts that are estimated from few coordinates.
     ///
     /// # Errors
     /// [`SensingError::Undetermined`] if the misfit hardly grows.
@@ -52,7 +52,7 @@ impl NonlinearEstimator<'_> {
             if sd_n <= STRAIGHT * state.forces_n.iter().fold(0.0, |largest: f64, force_n| largest.max(force_n.abs())) {
                 continue;
             }
-            // The end with the smaller growth counts, because the true force may be there.
+            // The end with the smaller growth of the misfit counts, because the true force may be near this end.
             let mut widened = 0.0_f64;
             for reach in [-REACH, REACH] {
                 let forces_n: Vec<f64> = state.forces_n.iter().zip(&axis).map(|(f, a)| f + reach * sd_n * a).collect();
@@ -87,8 +87,8 @@ impl NonlinearEstimator<'_> {
         Ok(())
     }
 
-    /// Refuses a force if a change by one standard deviation does not move the markers linearly, or leads to forces without equilibrium. For example,
-    /// a force along a plate hardly moves any marker until the plate buckles.
+    /// Refuses a force if changing the force by one standard deviation does not move the markers linearly, or leads to forces without equilibrium.
+    /// For example, a force along a plate hardly moves any marker until the plate buckles.
     ///
     /// # Errors
     /// [`SensingError::Undetermined`] for the first force that is refused.

@@ -19,7 +19,7 @@ const RAYLEIGH_MEDIAN: f64 = 1.177_410_022_515_474_6;
 
 const ALL_ALIKE: SensingError = SensingError::IllConditioned { span: f64::INFINITY, limit: LARGEST_SPAN, weakest: 1 };
 
-/// Derivatives of the shape, and weights of the markers. Both are stored by key node, so they suit any set of markers.
+/// Derivatives of the shape, and weights of the markers. Both are stored by key node, so they are valid for any set of markers.
 #[derive(Debug, Clone)]
 pub(super) struct Linearised {
     /// Point of the mesh to which each marker belongs.
@@ -33,7 +33,7 @@ pub(super) struct Linearised {
     /// The priors. `prior_rows` contains the rows of the priors in the least-squares problem at the linearised state.
     pub priors: Priors,
     prior_rows: Vec<PriorRow>,
-    /// Violations of the contact conditions of an object at the linearised state, mm. Each violation is divided by its standard deviation and
+    /// Violations, at the linearised state, of the conditions for contact with an object, mm. Each violation is divided by its standard deviation and
     /// multiplied by the noise.
     misses_mm: Vec<f64>,
     /// Derivatives of these violations, conditions x unknowns, mm per unit of the unknown.
@@ -44,7 +44,7 @@ pub(super) struct Linearised {
     forces: usize,
     /// The last step, in the units of the unknowns.
     pub step: Vec<f64>,
-    /// Buffer for the distances whose median is computed. `problem` is the least-squares problem of a step.
+    /// Buffer for the markers' distances, whose median is computed. `problem` is the least-squares problem of a step.
     distances: Vec<f64>,
     problem: GramSchmidt,
     /// Length of each column of the derivatives with respect to the scaled unknowns, mm.
@@ -82,7 +82,7 @@ impl MarkerPoint {
     fn displacement(&self, shape: Posed) -> Vector {
         let base = &shape.nuisances.base;
         let displaced = shape.motion.displacements[self.node];
-        // If the base is at its expected pose, the part due to the motion of the base is exactly zero.
+        // If the base is at its expected pose, the part of the displacement due to the motion of the base is exactly zero.
         let by_base = base.translation.vector + (base.rotation * (self.rest + displaced) - (self.rest + displaced));
         displaced + by_base + shape.nuisances.shared_mm(self.key_node)
     }
@@ -117,8 +117,8 @@ impl Linearised {
         }
     }
 
-    /// Sets the derivatives with respect to one unknown by differences between two states and between the violations of their contact conditions.
-    /// `by` is the change of the unknown.
+    /// Sets the derivatives with respect to one unknown by the differences between two states, and between the violations of the contact conditions
+    /// at these states. `by` is the change of the unknown.
     pub(super) fn take_differences(&mut self, unknown: usize, [before, after]: [(Posed, &[f64]); 2], by: f64) {
         let key_nodes = self.marker_points.len();
         for (rate, point) in self.rates[unknown * key_nodes..].iter_mut().zip(&self.marker_points) {
@@ -149,8 +149,8 @@ impl Linearised {
         self.rates[unknown * self.weights.len() + key_node]
     }
 
-    /// Sets the robust factor of each marker from its distance to the computed position. The factor is 1 up to a limit of the distance, and limit /
-    /// distance beyond the limit. For large distances, this factor is the square root of Cauchy's weight.
+    /// Sets the robust factor of each marker from the distance between its measured and computed positions. The factor is 1 up to a limit of the
+    /// distance, and limit / distance beyond the limit. For large distances, this factor is the square root of Cauchy's weight.
     pub(super) fn weigh(&mut self, shape: Posed, measurement: &Measurement, noise_mm: Option<f64>) {
         let markers = measurement.markers();
         self.distances.clear();
@@ -165,8 +165,7 @@ impl Linearised {
         }
     }
 
-    /// Misfit of a shape, mm^2: sum of the squared weighted differences from the measurement, and of the squared deviations from the
-    /// priors.
+    /// Misfit of a shape, mm^2: sum of the squared weighted differences from the measurement and the squared deviations from the priors.
     pub(super) fn misfit(&self, shape: Posed, measurement: &Measurement) -> f64 {
         let weighted = |marker: &Marker| distance(&self.marker_points, marker, shape) * self.weights[marker.node.0 - 1];
         let markers: f64 = measurement.markers().iter().map(|marker| weighted(marker).norm_squared()).sum();
@@ -179,7 +178,7 @@ impl Linearised {
         measurement.markers().iter().map(|marker| weighted(marker).norm_squared()).sum()
     }
 
-    /// Largest decrease of the markers' misfit, mm^2, that changes of the forces in proportion to `shares` can cause, to first order.
+    /// Largest first-order decrease of the markers' misfit, mm^2, by changes of the forces in proportion to `shares`.
     pub(super) fn explained_along(
         &self,
         shares: impl Iterator<Item = f64> + Clone,
@@ -198,7 +197,8 @@ impl Linearised {
         if squares > 0.0 { along * along / squares } else { 0.0 }
     }
 
-    /// Computes the Levenberg-Marquardt step for a damping. The prediction states the decrease of the misfit, mm^2, and the motion of the markers, mm.
+    /// Computes the Levenberg-Marquardt step for a damping. Returns the predicted decrease of the misfit, mm^2, and the predicted motion of the
+    /// markers, mm.
     ///
     /// # Errors
     /// [`SensingError::IllConditioned`] if the unknowns are not identifiable.
@@ -240,7 +240,7 @@ impl Linearised {
         Ok(Prediction { decrease: decrease_mm2, reach: reach_mm2.sqrt() })
     }
 
-    /// Changes of the unknowns, in their units, that best explain the further displacement `further` of each key node, mm.
+    /// Changes of the unknowns, in the units of the unknowns, that best explain the additional displacement `further` of each key node, mm.
     ///
     /// # Errors
     /// [`SensingError::IllConditioned`] if the unknowns are not identifiable.
@@ -342,7 +342,7 @@ impl NonlinearEstimator<'_> {
                             BaseMotion::Turn => Vector::new(-position.y, position.x),
                         };
                     }
-                    // In the frame of the rotated base, a force of known direction rotates in the opposite sense to the base.
+                    // In the frame of the rotated base, a force of known direction rotates opposite to the base.
                     let held =
                         self.questions.iter().enumerate().filter(|(_, q)| matches!(q.direction, Direction::Angle(_)));
                     for (i, _) in held.filter(|_| way == BaseMotion::Turn) {
@@ -365,7 +365,7 @@ impl NonlinearEstimator<'_> {
     }
 }
 
-/// Sums the effects of the loads on the key nodes, and writes the sums to `rates`. `room` is a buffer for one load.
+/// Sums the effects of the loads on each key node, and writes the sums to `rates`. `room` is a buffer for one load.
 fn add_up(
     loads: impl Iterator<Item = Result<FrameLoad, LoadError>>,
     rates: &mut [Vector],

@@ -1,8 +1,9 @@
 //! Finds the minima of the misfit (sum of squared weighted residuals) from several starting points, and selects the smallest minimum.
 //!
 //! Most measurements have one minimum, to which the first starting point leads. Few markers, few ribs and buckling plates cause several minima. The
-//! search then also starts from multiples of the forces that fit the linear finger. For forces at known contacts, the search starts from every
-//! minimum among all equilibria of the finger under such forces ([`scan`](super::scan)). The scan may miss minima between the curves of a surface.
+//! search then also starts from multiples of the forces that fit the linear finger. For forces at known contacts, the search also starts from every
+//! minimum among all equilibria of the finger under such forces ([`scan`](super::scan)). The scan follows curves of equilibria and may miss minima
+//! between these curves.
 
 use super::scan::{ScannedPoint, least};
 use super::search_history::SearchHistory;
@@ -12,19 +13,19 @@ use crate::frame::FrameMotion;
 use crate::measurement::Measurement;
 use crate::sensing::SensingError;
 
-/// A minimum may be wrong if its residual exceeds both this share of the displacements and this many standard deviations of the noise. The search
-/// then also starts from multiples of the forces that fit the linear finger, and the best minimum is used.
+/// A minimum may be wrong if its residual exceeds both this share of the displacements and `POOR_FIT_SIGMAS` standard deviations of the noise. The
+/// search then also starts from multiples of the forces that fit the linear finger, and the best minimum is used.
 const POOR_FIT: f64 = 0.02;
 const POOR_FIT_SIGMAS: f64 = 3.0;
 
-/// A minimum may count as unique from this number of measured coordinates: the first value is for one force, the second for several forces. The minimum must
-/// also explain all coordinates, and the first starting point must lead to it.
+/// From this number of measured coordinates, a minimum may count as unique: the first value is for one force, the second for several forces. The
+/// minimum must also explain all coordinates, and the first starting point must lead to this minimum.
 pub(super) const MANY_COORDINATES: [usize; 2] = [16, 8];
-/// From this multiple of [`MANY_COORDINATES`], a minimum counts as unique if it explains all coordinates or if two searches end in it. This rule applies if
-/// only forces are unknown. None of 8000 random fingers had an undetected error (test `random_fingers`).
+/// From this multiple of [`MANY_COORDINATES`], a minimum counts as unique if it explains all coordinates or if two searches end in this minimum. This
+/// rule applies only if all unknowns are forces. None of 8000 random fingers had an undetected error (test `random_fingers`).
 const VERY_MANY: usize = 2;
 
-/// The smallest minimum, and the other results of the searches.
+/// The minimum with the smallest misfit, and the other results of the searches.
 pub(super) struct Minima {
     pub best: Found,
     /// Misfit, mm^2, and forces, N, of all minima.
@@ -39,7 +40,8 @@ pub(super) struct Minima {
 struct Search<'s> {
     measurement: &'s Measurement,
     noise_mm: Option<f64>,
-    /// Whether only forces are unknown and the measurement has [`VERY_MANY`] times [`MANY_COORDINATES`] coordinates.
+    /// Whether all unknowns are forces, no direction follows the plate, and the measurement has at least [`VERY_MANY`] times [`MANY_COORDINATES`]
+    /// coordinates.
     has_very_many: bool,
     history: SearchHistory,
     best: Option<Found>,
@@ -55,8 +57,8 @@ impl NonlinearEstimator<'_> {
     pub(super) fn minima(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Minima, SensingError> {
         let coordinates = measurement.coordinate_count();
         let moved_rms_mm = measurement.displacement_rms_mm();
-        // With priors, several minima may have residuals within a small share of the displacements. The limit of the misfit therefore follows from
-        // the noise alone.
+        // With priors, several minima may have residuals below a small share of the displacements. The limit of the misfit then follows from the
+        // noise alone.
         let share = if self.priors.count() == 0 { POOR_FIT } else { 0.0 };
         let poor = (share * moved_rms_mm).max(POOR_FIT_SIGMAS * noise_mm.unwrap_or(0.0));
         let largest_misfit = poor * poor * coordinates as f64;
@@ -82,7 +84,7 @@ impl NonlinearEstimator<'_> {
         let mut search = Search { measurement, noise_mm, has_very_many, history, best, failure, all };
         let starts = self.search_from_starts(&mut search, largest_misfit)?;
         let fits = search.best.as_ref().is_some_and(|it| self.misfit(&it.state, measurement) <= largest_misfit);
-        // With many markers, a minimum far from explaining the measurement also counts as unique if two searches agree on this minimum.
+        // With many markers, a minimum that is far from explaining the measurement also counts as unique if two searches agree on this minimum.
         let is_only_one = has_very_many && (fits || search.history.agree())
             || has_many && (is_good(&search.best, self) || search.history.agree_on_none());
         let is_worth_it = !is_coarse || self.priors.count() == 0 && !has_many;
@@ -110,7 +112,7 @@ impl NonlinearEstimator<'_> {
                 if is_only_one || matches!(start, Start::Towards(_) | Start::FromMovedBase | Start::Held) {
                     break;
                 }
-                // The measurement is refused if the unknowns of a minimum that fits well are not identifiable.
+                // Refuses the measurement if the unknowns of a minimum that fits well are not identifiable.
                 self.judged(&mut found.state, measurement, noise_mm, found.steps)?;
             }
             // If searches agree, further multiples of the linear finger's forces lead to no other minimum. Starts with other directions or another

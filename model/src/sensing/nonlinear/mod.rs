@@ -1,8 +1,8 @@
 //! Sensing with the co-rotational finger: Gauss-Newton on forces, positions and directions.
 //!
-//! An estimate starts from least squares on the linear finger ([`start`]) or from the last estimate. Near the minimum of the difference between measured
-//! and computed shape ([`linearised`]), forces and shape are corrected together ([`simultaneous`]). Elsewhere every step leads to an equilibrium
-//! ([`search`]). Each result is tested before it is returned ([`judgement`]).
+//! An estimate starts from least squares on the linear finger ([`start`]) or from the last estimate. Near the minimum of the difference between
+//! measured and computed shape ([`linearised`]), forces and shape are corrected together ([`simultaneous`]). Far from the minimum, every step ends at
+//! an equilibrium ([`search`]). Each result is tested before it is returned ([`judgement`]).
 
 mod discretisation;
 mod follow;
@@ -46,8 +46,8 @@ use scan::Scan;
 use touching::Touching;
 use unknowns::Unknown;
 
-/// A direction that follows the deformed plate has settled if it turns by at most this angle in a step, degrees. The corresponding change of a force is 1e-6 of
-/// the force.
+/// A direction that follows the deformed plate has settled if a step turns the direction by at most this angle, degrees. The corresponding change of
+/// a force is 1e-6 of the force.
 const SETTLED_ANGLE_DEG: f64 = 1e-4;
 
 /// Largest residual that noise and model error explain, mm, root mean square over the coordinates. `noise_mm` is the standard deviation of a coordinate,
@@ -92,11 +92,11 @@ pub struct NearForces<'n> {
 }
 
 /// Estimates forces with the co-rotational finger on one mesh. Each estimate after the first starts from the previous estimate, which suits a stream
-/// of camera frames. For unrelated measurements, call [`reset`](NonlinearEstimator::reset) before each measurement, and use one clone per thread.
+/// of camera frames. For unrelated measurements, call [`reset`](NonlinearEstimator::reset) before each measurement. Use one clone per thread.
 ///
 /// # Requirements
-/// At least as many measured coordinates as unknowns. Unknowns are one force per contact, and each unknown position or direction. The ratio of the
-/// largest to the smallest singular value is at most [`LARGEST_SPAN`](super::LARGEST_SPAN).
+/// At least as many measured coordinates as unknowns. The unknowns are one force per contact, and each unknown position or direction. The ratio of
+/// the largest to the smallest singular value is at most [`LARGEST_SPAN`](super::LARGEST_SPAN).
 ///
 /// # Reference
 /// Minimises |W (u - u(f, s, angle))|^2 by the Levenberg-Marquardt method (Nocedal and Wright, Numerical Optimization,
@@ -114,11 +114,12 @@ pub struct NonlinearEstimator<'m> {
     priors: Priors,
     statics: Statics<Ladder<'m>>,
     last: Option<State>,
-    /// State from which estimates start after a [`reset`](NonlinearEstimator::reset).
+    /// The held state, from which estimates start after a [`reset`](NonlinearEstimator::reset).
     held: Option<State>,
     /// Whether the minimum near the last estimate was chosen among all minima on a coarser mesh.
     is_chosen: bool,
-    /// Equilibria under all forces at the contacts. The outer option is `None` before the scan. The inner option is `None` if these contacts cannot be scanned.
+    /// Equilibria under all forces at the contacts. The outer option is `None` before the scan. The inner option is `None` if a scan is impossible
+    /// for the contacts.
     scan: Option<Option<Scan>>,
 }
 
@@ -169,8 +170,8 @@ impl State {
     }
 }
 
-/// A minimum and the number of steps to it. If `near`, the search started near the minimum, or every step was complete and as good as predicted. The minimum
-/// then counts as locally unique. Otherwise there may be further minima.
+/// A minimum and the number of steps to this minimum. If `near`, the search started near the minimum, or every step was complete and as good as
+/// predicted. The minimum then counts as locally unique. If not `near`, there may be further minima.
 struct Found {
     state: State,
     steps: usize,
@@ -187,7 +188,7 @@ impl<'m> NonlinearEstimator<'m> {
         if questions.is_empty() {
             return Err(SensingError::NoContact);
         }
-        // Checks the known part of each contact. An unknown direction or position is replaced by a valid value for this check.
+        // Checks the known part of each contact. For this check, a valid value replaces an unknown direction or position.
         for question in questions {
             let angle_deg = if let Direction::Angle(angle) = question.direction { angle } else { 0.0 };
             let position = question.position.unwrap_or(ContactPosition::Node(finger.tip()));
@@ -226,14 +227,15 @@ impl<'m> NonlinearEstimator<'m> {
         self.last.clone_from(&self.held);
     }
 
-    /// Holds the last estimate: estimates after a [`reset`](NonlinearEstimator::reset) start from the held estimate. This suits measurements that
-    /// differ only by noise.
+    /// Holds the last estimate: estimates after a [`reset`](NonlinearEstimator::reset) start from the held estimate. Suits measurements that differ
+    /// only by noise.
     pub fn hold(&mut self) {
         self.held.clone_from(&self.last);
     }
 
-    /// Holds the equilibrium under known forces, N: estimates after a [`reset`](NonlinearEstimator::reset) start from this equilibrium. Error bounds
-    /// at known forces use this method. Holds nothing if positions or directions are unknown, or the finger has no equilibrium under the forces.
+    /// Holds the equilibrium under known forces, N: estimates after a [`reset`](NonlinearEstimator::reset) start from this equilibrium. The
+    /// computation of error bounds at known forces uses this method. Holds nothing if positions or directions are unknown, or if the finger has no
+    /// equilibrium under the forces.
     pub fn hold_at(&mut self, forces_n: &[f64]) {
         let before = self.held.take();
         self.forget();
@@ -241,8 +243,9 @@ impl<'m> NonlinearEstimator<'m> {
     }
 
     /// Estimates the forces like [`estimate`](NonlinearEstimator::estimate), but the search starts from `near`: forces and contacts near the result.
-    /// The search of `estimate` follows if no minimum near them explains the measurement, or if the markers are so few that another minimum may
-    /// explain it as well. If `near` was chosen among all minima on a coarser mesh (`is_chosen`), only the nearest minimum is sought.
+    /// The search of `estimate` follows if no minimum near the forces `near` explains the measurement. This search also follows if the markers are so
+    /// few that another minimum may explain the measurement. If `near` was chosen among all minima on a coarser mesh (`is_chosen`), only the nearest
+    /// minimum is sought.
     ///
     /// # Errors
     /// [`SensingError`] as for `estimate`.
@@ -330,7 +333,8 @@ impl<'m> NonlinearEstimator<'m> {
             let is_confirmed = near || !scanned.is_empty();
             estimate.check_unconfirmed(coordinates, &starts)?;
             estimate.check_rivals(least_misfit, &all, is_confirmed, coordinates)?;
-            // A starting point has forces along the undeformed normal, so it cannot contradict forces along the deformed normal.
+            // At a starting point, the forces act along the undeformed normal, so a starting point cannot contradict forces along the deformed
+            // normal.
             if !self.follows_plate() {
                 let expected = Nuisances::expected(self.questions.len(), &self.shared_errors);
                 let starts = starts.iter().map(|(forces_n, motion)| {
@@ -347,10 +351,11 @@ impl<'m> NonlinearEstimator<'m> {
         Ok(estimate)
     }
 
-    /// Adopts the uncertain base, the shared errors and the noise of a measurement.
+    /// Prepares the estimator for the uncertain base, the shared errors and the noise of a measurement.
     ///
     /// # Errors
-    /// [`SensingError::NoiseNotStated`] if a prior or an object needs a noise, [`SensingError::NoObject`] if a direction needs an object.
+    /// [`SensingError::NoiseNotStated`] if a prior or an object requires a stated noise, [`SensingError::NoObject`] if a direction requires an
+    /// object.
     fn expect(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<(), SensingError> {
         self.require_object()?;
         let is_base_sought = measurement.base().is_some();

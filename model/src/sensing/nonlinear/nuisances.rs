@@ -3,7 +3,7 @@
 //!
 //! Each parameter has a Gaussian prior, which is one row of the least-squares problem below the markers. The row is the deviation from the expected
 //! value, in standard deviations, multiplied by the noise of a coordinate. The expected rotation of a compliant base is proportional to the sum of
-//! the forces. The uncertainty of this rotation grows with the sum.
+//! the forces. The uncertainty of this rotation grows with the sum of the forces.
 
 use super::unknowns::{BaseMotion, Unknown};
 use crate::Vector;
@@ -20,8 +20,8 @@ pub(super) struct Nuisances {
     pub further_leans_deg: Vec<f64>,
     /// Deviation of the object from its stated pose: x (mm), y (mm) and rotation (rad).
     pub object: [f64; 3],
-    /// Errors that all markers share, in standard deviations; `shared_mm` is the displacement of each key node's marker by all these errors together,
-    /// mm.
+    /// Errors that all markers share, in standard deviations. `shared_mm` is the displacement of each key node's marker due to all these errors
+    /// together, mm.
     pub shared: Vec<f64>,
     shared_mm: Vec<Vector>,
 }
@@ -38,7 +38,7 @@ impl Nuisances {
         }
     }
 
-    /// Displacement of a key node's marker by the errors that all markers share, mm.
+    /// Displacement of a key node's marker due to the errors that all markers share, mm.
     pub fn shared_mm(&self, key_node: usize) -> Vector {
         self.shared_mm.get(key_node).copied().unwrap_or_default()
     }
@@ -111,7 +111,7 @@ pub(super) struct PriorRow {
     pub left_mm: f64,
 }
 
-/// All priors. They are scaled by the measurement's noise, mm.
+/// All priors, scaled by the measurement's noise, mm.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Priors {
     priors: Vec<Prior>,
@@ -119,7 +119,8 @@ pub(super) struct Priors {
 }
 
 impl Priors {
-    /// Priors of the unknowns of the contacts in `questions`, a measurement's base, an object, and errors that all markers share.
+    /// Priors of all unknowns that have one: unknowns of the contacts in `questions`, of a measurement's base, of an object, and of errors that all
+    /// markers share.
     pub fn new(
         unknowns: &[Unknown],
         questions: &[ContactQuestion],
@@ -152,7 +153,7 @@ impl Priors {
         }
     }
 
-    /// Standard deviation of a measured coordinate that scales the priors, mm.
+    /// Standard deviation of a measured coordinate, mm. This noise scales the priors.
     pub fn noise_mm(&self) -> f64 {
         self.noise_mm
     }

@@ -11,18 +11,19 @@ use crate::sensing::{ContactQuestion, Pad, SensingError, TouchedObject, Warning}
 const REFINEMENT_TOLERANCE: f64 = 2e-3;
 const REFINEMENT_SIGMAS: f64 = 0.5;
 const NEGLIGIBLE: f64 = 1e-4;
-/// If refinement has settled, this share of the last change remains as an error of the last mesh. Errors decrease with the square of the element length
-/// (Richardson).
+/// If refinement has settled, this share of the last change remains as an error of the last mesh, because errors decrease with the square of the
+/// element length (Richardson).
 const REMAINS: f64 = 1.0 / 3.0;
-/// Beam elements per member: at least the first number on the first mesh, at most the second number on the finest mesh.
+/// Beam elements per member: lower limit for the first mesh, and upper limit for the finest mesh.
 const ELEMENTS: std::ops::RangeInclusive<usize> = 4..=64;
-/// The first mesh has at least this number of elements. Even for a finger with few ribs, it then separates minima as a fine mesh does.
+/// The first mesh has at least this number of elements. Even for a finger with few ribs, the first mesh then separates minima as well as a fine mesh
+/// does.
 const LEAST_ELEMENTS: usize = 40;
 
-/// Refines the mesh until doubling it changes every force by at most half of its standard deviation and at most 0.2 % of the largest force. A change
-/// of 0.01 % is always small enough. The standard deviations include the remaining error of the last mesh. Refinement also ends at 64 elements per
-/// member; the whole last change then counts as error. `object` touches the `pad` on the front plate. It is `None` if the shape of the object is
-/// unknown. On the first mesh, the search starts from `near` unless `near` is `None`.
+/// Refines the mesh until doubling the mesh changes every force by at most half of the force's standard deviation and at most 0.2 % of the largest
+/// force. A change of at most 0.01 % of the largest force is always small enough. The standard deviations include the remaining error of the last
+/// mesh. Refinement also ends at 64 elements per member; the whole last change then counts as error. `object` touches the `pad` on the front plate;
+/// `object` is `None` if the shape of the object is unknown. On the first mesh, the search starts from `near` unless `near` is `None`.
 ///
 /// Small changes alone do not prove convergence. Near a limit load, and for loads between nodes, changes may be small by chance and grow again.
 ///

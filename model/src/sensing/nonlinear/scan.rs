@@ -1,9 +1,9 @@
 //! Scans all equilibria of the finger under forces at the contacts, to start a search near every minimum of the misfit (sum of squared residuals).
 //!
 //! One force of known position and direction has one curve of equilibria, which passes through the unloaded finger. Two forces have a surface of
-//! equilibria. Curves along which the second force varies, one from each point of the first force's curve, cover this surface. For one force of
-//! unknown position or direction, curves at several positions and directions pass near every minimum. Misfits between the points of a curve follow
-//! from the displacements and their derivatives at the two neighbouring points (cubic Hermite interpolation).
+//! equilibria. This surface is covered by curves along which the second force varies. One such curve starts at each point of the first force's curve.
+//! For one force of unknown position or direction, curves at several positions and directions pass near every minimum. Between two points of a curve,
+//! misfits follow from the displacements and the derivatives of the displacements at both points (cubic Hermite interpolation).
 
 use super::{NonlinearEstimator, State};
 use crate::Vector;
@@ -17,10 +17,11 @@ use crate::sensing::{Contact, ContactPosition, ContactQuestion, Direction};
 const STEPS: [[f64; 2]; 2] = [[0.02, 0.15], [0.1, 0.6]];
 /// A step is repeated with half its length if its change exceeds the intended largest change by more than this factor.
 const TOO_LONG: f64 = 1.5;
-/// A curve ends beyond this displacement (share of the front plate's length) or this rotation (rad). Both exceed the displacements and rotations of a
-/// grasping finger.
+/// A curve ends beyond this displacement (share of the front plate's length) or this rotation (rad). Both limits exceed the displacements and
+/// rotations of a grasping finger.
 const ENDS: [f64; 2] = [0.5, 1.5];
-/// A step without equilibrium is repeated with this share of its length. [`Statics::tried`](crate::statics::Statics) has already tried larger shares.
+/// A step without equilibrium is repeated with this share of its length, because [`Statics::tried`](crate::statics::Statics) has already tried larger
+/// shares.
 const SHORTER: f64 = 0.125;
 /// A curve ends after this number of successive steps without equilibrium.
 const MOST_FAILED: usize = 2;
@@ -31,7 +32,8 @@ const MOST_FAILED_AT_REST: usize = 5;
 const MOST_POINTS: usize = 200;
 /// Number of intervals between neighbouring points of a curve. The misfit (sum of squared residuals) is evaluated at the ends of these intervals.
 const BETWEEN: usize = 8;
-/// Scanned positions, as shares of the front plate, and scanned directions, degrees, for contacts whose position or direction is unknown.
+/// Positions, as shares of the front plate, and directions (`ANGLES_DEG`, degrees) that are scanned for contacts whose position or direction is
+/// unknown.
 const POSITIONS: [f64; 6] = [0.15, 0.35, 0.5, 0.65, 0.8, 0.95];
 const ANGLES_DEG: [f64; 3] = [0.0, -40.0, 40.0];
 
@@ -61,7 +63,8 @@ pub(super) struct ScannedPoint {
     before: usize,
 }
 
-/// Change between two motions, as a multiple of the largest change `step` between points of a curve (displacement as a share of `length_mm`, rotation in rad).
+/// Change between two motions, as a multiple of `step`, the intended largest change between points of a curve (displacement as a share of
+/// `length_mm`, rotation in rad).
 fn change(from: &FrameMotion, to: &FrameMotion, length_mm: f64, step: [f64; 2]) -> f64 {
     let moved = from.displacements.iter().zip(&to.displacements).map(|(a, b)| (b - a).norm_squared());
     let turned = from.rotations.iter().zip(&to.rotations).map(|(a, b)| (b - a).abs());
@@ -98,8 +101,8 @@ impl NonlinearEstimator<'_> {
         Some(Scan { curves })
     }
 
-    /// Contacts at which equilibria are scanned. A direction that follows the plate is fixed to the undeformed normal. Several values replace an
-    /// unknown position or direction.
+    /// Contacts at which equilibria are scanned. A direction that follows the plate is replaced by the undeformed normal, and an unknown position or
+    /// direction by several values.
     fn scanned_contacts(&self, question: &ContactQuestion) -> Vec<Contact> {
         let length_mm = self.finger().plate_length_mm(Plate::Front);
         let positions = match question.position {

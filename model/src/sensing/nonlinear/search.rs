@@ -14,17 +14,18 @@ use crate::statics::StaticsError;
 
 /// The search ends after this number of steps. From a good starting point, the search needs three steps.
 const MAX_STEPS: usize = 60;
-/// Steps have converged when they change every unknown by less than this share of its scale. They have also converged when
-/// every combination of unknowns is within a hundredth of its standard deviation of the optimum.
+/// Steps have converged when they change every unknown by less than this share of its scale. Steps have also converged when every combination of
+/// unknowns differs from its optimum by less than a hundredth of its standard deviation.
 const CONVERGENCE: Convergence = Convergence { relative_decrease: 1e-2 * 1e-2, step: 1e-7 };
 /// After [`MAX_STEPS`], the result is accepted if the last step changed every unknown by at most this share of its scale. No camera resolves such a change. If
 /// the finger does not explain the data, the weights of the markers change in every step and converge slowly.
 const SMALL_ENOUGH: f64 = 1e-5;
-/// The minimum may be near if a step changes the unknowns by at most this share of their scales. If the minimum proves not to be near, the next limit
-/// is a tenth of the change in this step.
+/// The minimum may be near if a step changes every unknown by at most this share of its scale. If the minimum proves not to be near, a tenth of the
+/// change in this step is the next limit.
 const MAY_BE_NEAR: f64 = 0.03;
-/// A step is accepted if it increases the misfit (sum of squared residuals) by at most this share. Causes of an increase are rounding, and directions
-/// that follow a turning plate. A turning normal may make a good step look worse, but the next step corrects the residual.
+/// A step is accepted if it increases the misfit (sum of squared residuals) by at most this share, or by at most `TURNING_SLACK` while directions
+/// that follow the plate turn. Rounding may cause a small increase. A turning normal may increase the misfit in a good step, but the next step
+/// corrects the residual.
 const SETTLED_SLACK: f64 = 1e-12;
 const TURNING_SLACK: f64 = 0.5;
 
@@ -40,7 +41,7 @@ struct Search<'s, 'm> {
     reach: TrustRegion,
     /// Whether the last step left directions that follow the plate unchanged.
     is_settled: bool,
-    /// Largest relative change of an unknown in the last step. The minimum may be near if this change is below `near`.
+    /// Largest relative change of an unknown in the last step. The minimum may be near if this change does not exceed `near`.
     last_change: f64,
     near: f64,
     /// Whether every step was complete and as good as predicted.
@@ -56,9 +57,9 @@ enum End {
 }
 
 impl NonlinearEstimator<'_> {
-    /// Searches by Gauss-Newton steps. Each step ends at an equilibrium. Steps are shortened if they do not reduce the misfit (sum of squared
-    /// residuals). The minimum counts as near if every step was complete and as good as predicted. `None` if the search meets an earlier path of
-    /// `history`.
+    /// Searches for a minimum by Gauss-Newton steps. Each step ends at an equilibrium. A step is shortened if it does not reduce the misfit (sum of
+    /// squared residuals). The minimum counts as near if every step was complete and as good as predicted. `None` if the search meets an earlier path
+    /// of `history`.
     ///
     /// # Errors
     /// [`SensingError`] if the unknowns are not identifiable, or the steps do not converge.
@@ -129,7 +130,7 @@ impl Search<'_, '_> {
         self.estimator.misfit(&self.state, self.measurement)
     }
 
-    /// End of the search at the current state. `None` if the search goes on. `next` predicts the next step.
+    /// End of the search at the current state. `None` if the search goes on. `next` is the prediction for the next step.
     fn end_at(&mut self, misfit_mm2: f64, next: Prediction) -> Option<End> {
         if self.is_settled && self.history.ends_far(misfit_mm2, next.decrease) {
             self.history.reach(&self.state);
@@ -158,7 +159,8 @@ impl Search<'_, '_> {
         Some(End::Minimum(steps))
     }
 
-    /// Accepts the next step or a part of it, or rejects the step and shrinks the trust region. `whole` predicts the step without damping.
+    /// Accepts the next step or a part of this step, or rejects the step and shrinks the trust region. `whole` is the prediction for the step without
+    /// damping.
     fn step(&mut self, misfit_mm2: f64, whole: Prediction) -> Result<Option<End>, SensingError> {
         let prediction = self.within_reach(whole)?;
         let change = self.estimator.relative_change(&self.state);

@@ -1,4 +1,4 @@
-//! Paths of searches. A search that meets an earlier path ends there, because it would continue along this path.
+//! Paths of searches. A search ends when it meets an earlier path, because the search would continue along this path.
 //!
 //! With known contacts and directions, forces alone describe the state of a search. With unknown contacts or directions, two searches may pass the
 //! same forces and end at different minima, so their paths are not recorded.
@@ -17,11 +17,11 @@ const MET: f64 = 0.01;
 const FAR: f64 = 1.25;
 /// A search far from explaining the measurement ends if the next step is predicted to decrease the misfit (sum of squared residuals) by at most this share.
 const NEARLY: f64 = 0.01;
-/// Two searches agree if their misfits (relative difference) and their forces (share of the largest force) differ by at most this value.
+/// Two searches agree if neither their misfits (relative difference) nor their forces (share of the largest force) differ by more than this value.
 const AGREE: f64 = 0.05;
 
-/// Path of a search: the forces of each step, N, and the minimum at the end of the path, with misfit, mm^2, and forces, N. `end` is `None` if the
-/// search ended without a minimum.
+/// Path of a search: the forces at each step, N, and the minimum at the end of the path. `end` contains the misfit of this minimum, mm^2, and its
+/// forces, N; `end` is `None` if the search ended without a minimum.
 #[derive(Debug, Clone)]
 struct SearchPath {
     points: Vec<Vec<f64>>,
@@ -31,7 +31,7 @@ struct SearchPath {
 /// Paths of all searches.
 #[derive(Debug, Clone, Default)]
 pub(super) struct SearchHistory {
-    /// Whether paths are recorded. They are recorded only if forces are the only unknowns and no direction follows the plate.
+    /// Whether paths are recorded: only if forces are the only unknowns and no direction follows the plate.
     are_kept: bool,
     ended: Vec<SearchPath>,
     current: Vec<Vec<f64>>,
@@ -54,7 +54,7 @@ impl SearchHistory {
         SearchHistory { far_mm2: misfit_mm2.map(|misfit_mm2| FAR * FAR * misfit_mm2), ..self }
     }
 
-    /// Whether a search may end at the misfit `misfit_mm2`. It may if this misfit is far from explaining the measurement, and the predicted decrease
+    /// Whether a search may end at the misfit `misfit_mm2`: if this misfit is far from explaining the measurement, and the predicted decrease
     /// `decrease_mm2` in the next step is small.
     pub(super) fn ends_far(&self, misfit_mm2: f64, decrease_mm2: f64) -> bool {
         self.is_far(misfit_mm2) && decrease_mm2 <= NEARLY * misfit_mm2
@@ -108,7 +108,7 @@ impl SearchHistory {
         self.ended.iter().position(|way| way.end.is_some() && passes(way))
     }
 
-    /// Ends the current path. Returns the minimum at its end, or the minimum at the end of the earlier path that the current path has met.
+    /// Ends the current path with the minimum `end`. Returns this minimum, or the minimum of the earlier path that the current path has met.
     pub(super) fn end(&mut self, end: Option<(f64, Vec<f64>)>) -> Option<(f64, Vec<f64>)> {
         let end = self.met.map_or(end, |met| self.ended[met].end.clone());
         self.ended.push(SearchPath { points: std::mem::take(&mut self.current), end: end.clone() });
@@ -116,7 +116,7 @@ impl SearchHistory {
     }
 }
 
-/// Whether two minima agree. Each has a misfit, mm^2, and forces, N.
+/// Whether two minima agree. Each minimum consists of a misfit, mm^2, and forces, N.
 fn agree(one: &(f64, Vec<f64>), other: &(f64, Vec<f64>)) -> bool {
     let largest = other.1.iter().fold(0.0_f64, |m, n| m.max(n.abs()));
     let mut forces = one.1.iter().zip(&other.1);

@@ -1,26 +1,26 @@
 //! Simultaneous correction of forces and shape, for a starting point near a minimum.
 //!
-//! Each step factors the tangent once. It corrects the shape by Newton's method, then the forces by the Gauss-Newton method with derivatives from the same
-//! tangent. These derivatives lag one correction behind, but both methods still converge quadratically. A frame of a stream needs three or four linearisations
-//! instead of an equilibrium for every trial.
+//! Each step factors the tangent once. The step corrects the shape by Newton's method, then the forces by the Gauss-Newton method with derivatives
+//! from the same tangent. These derivatives lag one correction behind the shape, but both methods still converge quadratically. For a frame of a
+//! stream, three or four linearisations replace an equilibrium for every trial.
 
 use super::{NonlinearEstimator, SETTLED_ANGLE_DEG, State};
 use crate::measurement::Measurement;
 
 /// The correction fails after this number of steps. From one camera frame to the next, it needs three or four steps.
 const MAX_STEPS: usize = 12;
-/// The minimum is not near if a node turns by more than this angle in the first correction, rad.
+/// The minimum is not near if the first correction turns a node by more than this angle, rad.
 const LARGEST_TURN: f64 = 0.3;
-/// The minimum is not near if all later corrections together turn the nodes by more than this share of the turn in the first correction. The statics
-/// limit a load step in the same way. The tangent predicts a smooth path, but not a snap to another branch.
+/// The minimum is not near if all later corrections together turn the nodes by more than this share of the turn in the first correction. The limit of
+/// a load step in the statics is of the same kind. The tangent predicts a smooth path, but not a snap to another branch.
 const LATER_TURNS: f64 = 0.5;
-/// Later corrections may always turn nodes by this negligible angle, rad.
+/// Negligible angle, rad, by which later corrections may always turn nodes.
 const TURN_NOISE: f64 = 1e-4;
 /// The unknowns have converged if the last step changes each unknown by at most this share of its scale. The derivatives lag one correction behind, so the step
 /// has a relative error of about 1 %.
 const SETTLED_STEP: f64 = 1e-8;
-/// The shape has converged if its last correction is at most this share of the largest rotation. The remaining error of the shape is of second order, and the
-/// derivatives lag by this correction.
+/// The shape has converged if the rotation in its last correction is at most this share of the largest rotation. The remaining error of the shape is
+/// of second order, and the derivatives lag by this correction.
 const SETTLED_TURN: f64 = 1e-5;
 
 impl NonlinearEstimator<'_> {

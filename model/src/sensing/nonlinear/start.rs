@@ -21,19 +21,19 @@ pub(super) enum Start {
     Times(f64),
     /// The forces that fit the linear finger to the measurement, with all unknown directions at this angle, degrees from the undeformed inward normal.
     Towards(f64),
-    /// The forces that fit the linear finger after a rigid motion of the base. Of all rigid motions, this motion alone explains the measurement best.
+    /// The forces that fit the linear finger after a rigid motion of the base: the motion that explains the measurement best without any force.
     FromMovedBase,
-    /// The minimum for directions that do not follow the plate but keep their angle from the undeformed normal.
+    /// The minimum that results if directions do not follow the plate but keep their angle from the undeformed normal.
     Held,
 }
 
 const STARTS: [Start; 4] = [Start::Times(1.0), Start::Times(-1.0), Start::Times(0.3), Start::Times(-0.3)];
-/// Further starting points for unknown directions, degrees, if no multiple of the linear finger's forces explains the measurement. These starting
-/// points lead to forces nearly along a buckled plate.
+/// Further starting points for unknown directions, degrees, used if no multiple of the linear finger's forces explains the measurement. These
+/// starting points lead to forces that act nearly along a buckled plate.
 const STARTS_BY_DIRECTION: [Start; 3] = [Start::Towards(0.0), Start::Towards(-60.0), Start::Towards(60.0)];
 
 impl NonlinearEstimator<'_> {
-    /// Minimum of the misfit (sum of squared residuals) near the last estimate. For contacts with an object, the minimum near the estimate from markers alone.
+    /// Minimum of the misfit (sum of squared residuals) near the last estimate or, for contacts with an object, near the estimate from markers alone.
     /// `None` without such a minimum.
     pub(super) fn minimum_at_hand(
         &mut self,
@@ -83,7 +83,7 @@ impl NonlinearEstimator<'_> {
         }
         let from_base = seen_from(self.finger(), measurement, &nuisances.base);
         let finger = self.finger();
-        // Tries an unknown position at every contact node; tries several unknown positions one after the other.
+        // An unknown position is tried at every contact node. Several unknown positions are tried one after the other.
         let mut positions: Vec<Option<ContactPosition>> = self.questions.iter().map(|q| q.position).collect();
         for i in 0..positions.len() {
             if positions[i].is_some() {
@@ -141,7 +141,7 @@ impl NonlinearEstimator<'_> {
         Err(SensingError::Statics(StaticsError::NoEquilibrium { converged_fraction: 0.0 }))
     }
 
-    /// Starting point with directions that do not follow the plate. With directions that follow a strongly turning plate, the search fails more often.
+    /// Starting point with directions that do not follow the plate. If directions follow a strongly turning plate, the search fails more often.
     fn held_start(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<State, SensingError> {
         let held = |question: &ContactQuestion| match question.direction {
             Direction::Leaning(lean) => ContactQuestion { direction: Direction::Angle(lean.angle_deg), ..*question },
@@ -177,8 +177,8 @@ impl NonlinearEstimator<'_> {
         Ok(state)
     }
 
-    /// Contacts and forces by linear least squares. A force of unknown direction is estimated as two components, which are combined to one force and
-    /// its angle. If `towards_deg` is given, unknown directions have this angle instead.
+    /// Contacts and forces by linear least squares. A force of unknown direction is estimated as two components, from which one force and its angle
+    /// follow. If `towards_deg` is given, unknown directions have this angle instead.
     fn linear_start(
         &self,
         positions: &[Option<ContactPosition>],
@@ -200,9 +200,9 @@ impl NonlinearEstimator<'_> {
             }
         }
         let estimator = LinearEstimator::new(finger, &components, measurement)?;
-        // If few markers barely separate forces, least squares may return large forces that cancel. Such forces are a bad starting point. The prior
-        // prevents this. The prior's standard deviation is about the size of a single force that would move the markers as far as measured. The prior
-        // has little effect on forces that the markers separate well.
+        // If few markers barely separate forces, least squares may return large forces that cancel. Such forces are a bad starting point. A prior
+        // prevents such forces. The prior's standard deviation is about the size of a single force that would move the markers as far as measured.
+        // The prior has little effect on forces that the markers separate well.
         let moved: f64 = measurement.markers().iter().map(|m| (m.displacement * m.weight).norm_squared()).sum();
         let prior = Prior::Gaussian { force_n: moved.sqrt() / estimator.singular_values()[0] };
         let mut estimate = estimator.estimate(measurement, None, prior);
@@ -227,8 +227,8 @@ impl NonlinearEstimator<'_> {
     }
 }
 
-/// Pose of the base if nothing bends the finger, mm and rad. The pose is the rigid motion that best fits the finger's markers to their measured
-/// positions.
+/// Pose of the base, mm and rad, under the assumption that nothing bends the finger. The pose is the rigid motion that best fits the finger's markers
+/// to their measured positions.
 ///
 /// # Reference
 /// Umeyama, IEEE Transactions on Pattern Analysis and Machine Intelligence 13 (1991), in the plane.
@@ -249,7 +249,7 @@ fn rigid_motion(finger: &Finger, measurement: &Measurement) -> Isometry2<f64> {
     Isometry2::from_parts((to - rotation * from).into(), rotation)
 }
 
-/// The measurement with displacements, mm, relative to the pose `base` of the base.
+/// The measurement with its displacements, mm, converted to the pose `base` of the base.
 fn seen_from<'m>(finger: &Finger, measurement: &'m Measurement, base: &Isometry2<f64>) -> Cow<'m, Measurement> {
     if *base == Isometry2::identity() {
         return Cow::Borrowed(measurement);

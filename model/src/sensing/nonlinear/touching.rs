@@ -1,8 +1,8 @@
 //! Contacts with an object of known shape: the plate, or the pad on it, touches the object's outline tangentially.
 //!
 //! Each contact adds two rows to the least-squares problem, below the rows of the markers and the priors. The point of the outline that faces the
-//! plate must coincide with the contact, both perpendicular to the plate and along it. The rows determine position and direction as accurately as the
-//! object's pose is known.
+//! plate must coincide with the contact, both perpendicular to the plate and along the plate. The rows determine position and direction as accurately
+//! as the object's pose is known.
 
 use super::search_history::SearchHistory;
 use super::{NonlinearEstimator, Posed, SETTLED_ANGLE_DEG, State};
@@ -14,16 +14,16 @@ use crate::sensing::{Contact, ContactQuestion, Direction, Lean, Normal, SensingE
 use crate::statics::StaticsError;
 use nalgebra::Point2;
 
-/// Assumed standard deviation of a closed contact, mm: perpendicular to the plate, and along it. This deviation is far smaller than the error of
-/// outlines, but not smaller than the error of a mesh.
+/// Assumed standard deviations of a closed contact, mm: perpendicular to the plate, and along the plate. These values are far smaller than the error
+/// of outlines, but not smaller than the error of a mesh.
 const CLOSED_SD_MM: [f64; 2] = [0.01, 0.03];
-/// Step of the difference quotients, as a share of each unknown's scale. Within such a small step, the differenced quantities are almost linear.
+/// Step of the difference quotients, as a share of each unknown's scale. The differenced quantities are almost linear within such a small step.
 const STEP: f64 = 1e-5;
-/// Number of times that loads are updated for the bent shape. The shape determines directions and levers of the loads.
+/// Number of updates of the loads for the bent shape, which determines the directions and levers of the loads.
 const FOLLOWED: usize = 3;
-/// Settling (iteration to loads that fit the shape) ends after this number of updates. Each update removes most of the remaining change.
+/// The iteration to loads that fit the shape ends after this number of updates. Each update removes most of the remaining change.
 const SETTLINGS: usize = 12;
-/// A gap of more than this many standard deviations is no contact.
+/// A gap of more than this number of standard deviations is no contact.
 const LARGEST_GAP_SIGMAS: f64 = 6.0;
 /// Uncertainty of the plate's shape between markers, as a multiple of the markers' noise.
 const OPEN_BETWEEN_MARKERS: f64 = 2.0;
@@ -55,7 +55,7 @@ impl Touching {
         2 * self.contacts.len()
     }
 
-    /// Violations of the contact conditions by a shape. Each is divided by its standard deviation and multiplied by the noise, mm.
+    /// Violations of the contact conditions by a shape. Each violation is divided by its standard deviation and multiplied by the noise, mm.
     fn misses_mm<'t>(
         &'t self,
         mesh: &'t Mesh,
@@ -64,7 +64,7 @@ impl Touching {
         noise_mm: f64,
     ) -> impl Iterator<Item = f64> + 't {
         self.contacts.iter().flat_map(move |&i| {
-            // Checked contacts are on the plate.
+            // The contacts have been checked and are on the plate.
             let s_mm = contacts[i].position_mm(mesh.finger()).unwrap_or(f64::NAN);
             let missed = self.missed_mm(mesh, s_mm, shape).unwrap_or([f64::NAN; 2]);
             [0, 1].map(|way| missed[way] / CLOSED_SD_MM[way] * noise_mm)
@@ -111,7 +111,7 @@ impl<'m> NonlinearEstimator<'m> {
         Ok(NonlinearEstimator::new(self.mesh, questions)?.with_pad(self.pad).with_object(object))
     }
 
-    /// Refuses directions that refer to an object if no object is given.
+    /// Refuses contacts whose direction refers to an object if no object is given.
     ///
     /// # Errors
     /// [`SensingError::NoObject`] for the first such contact.
@@ -134,8 +134,8 @@ impl<'m> NonlinearEstimator<'m> {
         state.misfit(measurement) + touched
     }
 
-    /// Computes the same derivatives as [`differentiate`](NonlinearEstimator::differentiate), but by first-order differences of states. Directions
-    /// follow the object, and the differences include the effect of changed directions on the shape.
+    /// Computes the same derivatives as [`differentiate`](NonlinearEstimator::differentiate), but by first-order differences of states. Here,
+    /// directions follow the object, and the differences include the effect of changed directions on the shape.
     ///
     /// # Errors
     /// [`SensingError::Statics`] if the tangent does not belong to an equilibrium.
@@ -243,7 +243,7 @@ impl<'m> NonlinearEstimator<'m> {
         self.resumed(found.state, measurement, noise_mm)
     }
 
-    /// Refuses an object that is farther from the plate, or deeper in it, than its uncertainty allows.
+    /// Refuses an object that is farther from the plate, or deeper in the plate, than the uncertainty of the object's pose allows.
     fn require_touch(&self, state: &State, measurement: &Measurement, noise_mm: f64) -> Result<(), SensingError> {
         let Some(touching) = &self.object else { return Ok(()) };
         let length_mm = self.finger().plate_length_mm(Plate::Front);

@@ -8,7 +8,7 @@ use nalgebra::{Translation2, UnitComplex};
 
 /// A position changes by at most this share of the plate's length in one step.
 const LONGEST_MOVE: f64 = 0.2;
-/// A position stays at least this share of the plate's length away from the base. Closer positions are indistinguishable from the clamp.
+/// A position stays at least this share of the plate's length away from the base. Measurements cannot distinguish closer contacts from the clamp.
 const NEAREST_TO_BASE: f64 = 0.01;
 /// Scale of a rotation of the base, rad. A rotation by this scale moves the tip about as far as a force of 1 N does.
 const TURN_UNIT: f64 = 0.01;
@@ -42,7 +42,7 @@ pub(super) enum BaseMotion {
 }
 
 impl Unknown {
-    /// All unknowns: of the contacts in `questions`, of an uncertain base, of an object, and of `shared_errors` errors that all markers share.
+    /// All unknowns: those of the contacts in `questions`, of an uncertain base and of an object, and `shared_errors` errors that all markers share.
     pub(super) fn of(
         questions: &[ContactQuestion],
         is_base_sought: bool,
@@ -98,8 +98,8 @@ impl NonlinearEstimator<'_> {
         }
     }
 
-    /// Largest relative change of an unknown by the state's step. The change of a force is relative to the largest force, of a position to the
-    /// plate's length. The change of a rotation is in rad.
+    /// Largest relative change of an unknown by the state's step. Changes of forces are relative to the largest force, and changes of positions and
+    /// translations to the plate's length. Changes of rotations are in rad.
     pub(super) fn relative_change(&self, state: &State) -> f64 {
         let largest = state.forces_n.iter().fold(f64::MIN_POSITIVE, |m, f| m.max(f.abs()));
         let length = self.finger().plate_length_mm(Plate::Front);
@@ -127,7 +127,7 @@ impl NonlinearEstimator<'_> {
                 Unknown::Across(i) => {
                     let turned_deg = x.atan2(forces_n[i]).to_degrees();
                     match self.questions[i].direction {
-                        // A lean is small, so a positive or negative force keeps its sign.
+                        // A lean is small, so a force keeps its sign.
                         Direction::Leaning(_) => {
                             nuisances.further_leans_deg[i] += (x / forces_n[i]).atan().to_degrees();
                             forces_n[i] = forces_n[i].signum() * forces_n[i].hypot(x);

@@ -35,7 +35,7 @@ pub(in crate::statics) struct Balance<'m, R: Number = f64> {
     corrections: Vec<Ends<R>>,
     /// Correction of the tip, mm and rad.
     tip_correction: [R; 3],
-    /// `None` with linear kinematics, or if no line has inner nodes.
+    /// Updates the nodes inside lines after a correction. `None` with linear kinematics, or if no line has inner nodes.
     pub(super) retraction: Option<Retraction<R>>,
 }
 
@@ -171,7 +171,7 @@ impl<'m, R: Number> Balance<'m, R> {
         work
     }
 
-    /// Adds Newton's correction without the [`Retraction`], so nodes inside lines move along straight lines. Returns the squared energy norm of the
+    /// Adds Newton's correction without the [`Retraction`], so the interior nodes of a line move straight. Returns the squared energy norm of the
     /// correction, N mm.
     #[inline(always)]
     pub(super) fn correct_nodes(&mut self, stiffness: &Factor<R>, motion: &mut FrameMotion<R>) -> R {

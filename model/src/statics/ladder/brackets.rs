@@ -1,8 +1,8 @@
 //! Rigid brackets between the ends of a chain (a condensed rib) and the key nodes.
 //!
-//! A bracket v rotates with its key node. If the node moves by u and rotates by w, the end of the chain moves by u + w quarter_turn(v). A chain is
-//! formulated in the rotations of its own ends, which equal the rotations of the key nodes unless the chain is pinned. The chain rule for rigid arms
-//! then transforms stiffness and gradient from the ends of the chain to the key nodes.
+//! A bracket v rotates with its key node. If the node moves by u and rotates by w, the end of the chain moves by u + w quarter_turn(v). The equations
+//! of a chain use the rotations of the chain's ends. These rotations equal the rotations of the key nodes unless the chain is pinned. The chain rule
+//! for rigid arms then transforms stiffness and gradient from the ends of the chain to the key nodes.
 
 use super::ends::{Ends, EndsMatrix};
 use crate::finger::Part;
@@ -45,7 +45,7 @@ impl<R: Number> Brackets<R> {
         Brackets([bracket(0), bracket(1)])
     }
 
-    /// Transforms a gradient by the motions of the chain's ends into the gradient by the motions of the key nodes.
+    /// Transforms a gradient with respect to the motions of the chain's ends into the gradient with respect to the motions of the key nodes.
     #[inline(always)]
     pub(super) fn carry_gradient(&self, gradient: &mut Ends<R>) {
         for (i, v) in self.0.iter().enumerate() {
@@ -54,8 +54,7 @@ impl<R: Number> Brackets<R> {
         }
     }
 
-    /// Transforms the stiffness by the motions of the chain's ends into the stiffness by the motions of the key nodes. Only the upper triangle is
-    /// read.
+    /// Transforms the stiffness at the chain's ends into the stiffness at the key nodes. Only the upper triangle is read.
     #[inline(always)]
     pub(super) fn carry_stiffness(&self, stiffness: &mut EndsMatrix<R>) {
         for row in 1..6 {
@@ -82,7 +81,8 @@ impl<R: Number> Brackets<R> {
         }
     }
 
-    /// Adds the brackets' terms to the sum of the diagonal terms of each rotation. Pivots are compared with this sum to detect cancellation.
+    /// Adds the brackets' terms to the sum of the diagonal terms of each rotation. A pivot that is small compared with this sum indicates
+    /// cancellation.
     #[inline(always)]
     pub(super) fn carry_diagonal(&self, diagonal: &mut Ends<R>) {
         for (i, v) in self.0.iter().enumerate() {

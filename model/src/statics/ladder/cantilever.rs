@@ -2,10 +2,10 @@
 //!
 //! The motion of the second end relative to the rotating first end (the *deflection*) determines how the elements deform. With the deflection as
 //! unknown, the stiffness matrix contains only the elements' stiffness. With nodal positions as unknowns, the matrix also resists a motion of one end
-//! alone. The resistance to a common motion of both ends is then a small difference of large numbers. Eliminating n elements node by node amplifies
-//! rounding errors by n^3. The deflection of the next element is therefore eliminated instead of the node before that element. Consecutive elements
-//! act as springs in series. The stiffness S of the elements so far and the stiffness k of the next element combine to S - S (S + k)^-1 S. Little is
-//! subtracted, because k is large compared with S.
+//! alone. The resistance to a common motion of both ends would then be a small difference of large numbers. Eliminating n elements node by node would
+//! amplify rounding errors by n^3. The deflection of the next element is therefore eliminated instead of the node before that element. Consecutive
+//! elements act as springs in series. The stiffness S of the preceding elements and the stiffness k of the next element combine to S - S (S + k)^-1
+//! S. Little is subtracted, because k is large compared with S.
 //!
 //! A fourth unknown is the rotation of the whole cantilever, which rotates the elements' forces. A translation of the whole cantilever changes no forces.
 
@@ -20,19 +20,19 @@ use nalgebra::Vector2;
 pub(super) type Deflection<R = f64> = [R; 4];
 const TURN: usize = 3;
 
-/// Forces on a cantilever: gradient of the energy by the deflection (N, N mm), and by a translation of the whole cantilever (N).
+/// Forces on a cantilever: gradient of the energy with respect to the deflection (N, N mm), and to a translation of the whole cantilever (N).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Forces<R: Number> {
-    /// Gradient of the energy by the deflection, N and N mm.
+    /// Gradient of the energy with respect to the deflection, N and N mm.
     by_deflection: Deflection<R>,
-    /// Gradient of the energy by a translation of the whole cantilever, N.
+    /// Gradient of the energy with respect to a translation of the whole cantilever, N.
     by_displacement: [R; 2],
     /// Vector from the first to the second end, mm.
     lever: Vector2<R>,
 }
 
 impl<R: Number> Forces<R> {
-    /// Converts a gradient by the motions of the two ends to forces. `lever` is the vector from the first to the second end, mm.
+    /// Converts a gradient with respect to the motions of the two ends to forces. `lever` is the vector from the first to the second end, mm.
     #[inline(always)]
     pub(super) fn on(gradient: &Ends<R>, lever: Vector2<R>) -> Forces<R> {
         let [x, y, moment, end_x, end_y, end_moment] = *gradient;
@@ -44,7 +44,7 @@ impl<R: Number> Forces<R> {
         }
     }
 
-    /// The gradient by the motions of the two ends.
+    /// The gradient with respect to the motions of the two ends.
     #[inline(always)]
     pub(super) fn on_ends(&self) -> Ends<R> {
         let [x, y, moment, turn] = self.by_deflection;
@@ -107,10 +107,10 @@ impl<R: Number> Joint<R> {
     }
 }
 
-/// Stiffness of the first elements of a chain by the [`Deflection`]. The nodes between these elements are eliminated.
+/// Stiffness of the first elements of a chain with respect to the [`Deflection`]. The nodes between these elements are eliminated.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cantilever<R: Number> {
-    /// Stiffness by the deflection: a symmetric matrix of which only the upper triangle is valid.
+    /// Stiffness with respect to the deflection: a symmetric matrix of which only the upper triangle is valid.
     stiffness: [[R; 4]; 4],
     /// Vector from the first to the second end, mm.
     pub(super) lever: Vector2<R>,
@@ -119,8 +119,8 @@ pub(super) struct Cantilever<R: Number> {
 impl<R: Number> Cantilever<R> {
     /// The cantilever of one element without loads. `carried` is the force at the element's second end, N, which rotates with the element.
     ///
-    /// The stiffness by the deflection is the stiffness of the second end alone. A rotation of the whole cantilever by w changes the force f by w
-    /// quarter_turn(f). This change of the force has the moment w f . lever about the first end.
+    /// The stiffness with respect to the deflection is the stiffness of the second end alone. A rotation of the whole cantilever by w changes the
+    /// force f by w quarter_turn(f). This change of the force has the moment w f . lever about the first end.
     #[inline(always)]
     pub(super) fn of_element(element: &Response<R>, carried: Vector2<R>, lever: Vector2<R>) -> Cantilever<R> {
         let mut stiffness = [[lever.x.zero(); 4]; 4];
@@ -194,7 +194,7 @@ impl<R: Number> Cantilever<R> {
         joint.block.reduce_stiffness(s);
     }
 
-    /// Stiffness by the motions of the two ends.
+    /// Stiffness with respect to the motions of the two ends.
     #[inline(always)]
     pub(super) fn on_ends(&self) -> EndsMatrix<R> {
         let s = &self.stiffness;
@@ -226,7 +226,7 @@ impl<R: Number> Cantilever<R> {
         ends
     }
 
-    /// Diagonal entries of the stiffness by x, y and rotation of the deflection.
+    /// Diagonal entries of the stiffness with respect to x, y and rotation of the deflection.
     #[inline(always)]
     pub(super) fn diagonal(&self) -> [R; 3] {
         [self.stiffness[0][0], self.stiffness[1][1], self.stiffness[2][2]]

@@ -18,7 +18,7 @@ use std::ops::Range;
 
 /// An element of a chain with its loads.
 pub(super) struct Element<'a, R: Number> {
-    /// Elastic energy, with its derivatives by the motions of the two nodes.
+    /// Elastic energy, with its derivatives with respect to the motions of the two nodes.
     pub elastic: Response<R>,
     /// Potential of the loads on the element.
     pub load: Option<&'a Response<R>>,
@@ -37,7 +37,7 @@ pub(super) struct Chain<R: Number = f64> {
     pins: Option<Block<R, 2, 6>>,
     /// Brackets between the chain's ends and the key nodes; `None` without brackets.
     brackets: Option<Brackets<R>>,
-    /// Condensed stiffness by the motions of the chain's two ends, or of the key nodes if the chain has brackets.
+    /// Condensed stiffness with respect to the motions of the chain's two ends, or of the key nodes if the chain has brackets.
     pub stiffness: EndsMatrix<R>,
     pub positive: R::Mask,
     /// Lanes without significant loss of digits by cancellation. Digits are lost if an element is much softer than the elements before it.
@@ -85,7 +85,7 @@ impl<R: Number> Chain<R> {
         (one.positive, one.accurate) = (like.holds(self.positive, lane), like.holds(self.accurate, lane));
     }
 
-    /// Whether the ends of the chain are pinned, so that they rotate independently of the key nodes.
+    /// Whether the ends of the chain are pinned and therefore rotate independently of the key nodes.
     pub(super) fn is_pinned(&self) -> bool {
         self.pins.is_some()
     }
@@ -143,7 +143,7 @@ impl<R: Number> Chain<R> {
         forces.gradient = carried.on_ends();
     }
 
-    /// Stores the diagonal, eliminates pinned rotations, and transforms from the ends of brackets to the key nodes.
+    /// Stores the diagonal, eliminates pinned rotations, and transforms stiffness and gradient from the ends of brackets to the key nodes.
     #[inline(always)]
     pub(super) fn finish(&mut self, forces: &mut ChainForces<R>, brackets: Option<Brackets<R>>, linear: bool) {
         for i in 0..6 {
@@ -188,7 +188,7 @@ impl<R: Number> Chain<R> {
         self.release(forces);
     }
 
-    /// Eliminates pinned rotations from the gradient, and transforms it from the ends of brackets to the key nodes.
+    /// Eliminates pinned rotations from the gradient, and transforms the gradient from the ends of brackets to the key nodes.
     #[inline(always)]
     fn release(&self, forces: &mut ChainForces<R>) {
         if let Some(block) = &self.pins {
@@ -200,8 +200,8 @@ impl<R: Number> Chain<R> {
         }
     }
 
-    /// Gradient by the motions of the chain's two ends, or of the key nodes if the chain has brackets. This gradient is equivalent to the gradients
-    /// `on_element` by the motions of each element's nodes.
+    /// Gradient with respect to the motions of the chain's two ends, or of the key nodes if the chain has brackets. This gradient is equivalent to
+    /// the gradients `on_element` with respect to the motions of each element's nodes.
     pub(super) fn condensed_gradient(&self, joints: &[Joint<R>], on_element: impl Fn(usize) -> Ends<R>) -> Ends<R> {
         let mut gradient = on_element(0);
         if !joints.is_empty() {
@@ -267,7 +267,7 @@ impl<R: Number> Chain<R> {
 }
 
 impl<R: Number> Element<'_, R> {
-    /// The element as a cantilever: its stiffness, its forces, and the gradient by the motions of its two nodes.
+    /// The element as a cantilever: its stiffness, its forces, and the gradient with respect to the motions of its two nodes.
     #[inline(always)]
     fn cantilever(&self) -> (Cantilever<R>, Forces<R>, Ends<R>) {
         let mut gradient = numbers(&self.elastic.gradient);
@@ -286,9 +286,10 @@ impl<R: Number> Element<'_, R> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ChainForces<R: Number> {
     pins_y: [R; 2],
-    /// Gradient by the motions of the two ends, or of the key nodes if the chain has brackets; N and N mm.
+    /// Gradient with respect to the motions of the two ends, or of the key nodes if the chain has brackets; N and N mm.
     pub gradient: Ends<R>,
-    /// Gradient before any condensation, N and N mm: of the first element by the first end, and of the last element by the second end.
+    /// Gradient at both ends before any condensation, N and N mm: for the first end, only the first element contributes; for the second end, only the
+    /// last element.
     pub raw: Ends<R>,
     /// Work of the residual on the corrections of the eliminated unknowns, N mm.
     pub work: R,
@@ -314,7 +315,7 @@ impl<R: Number> ChainForces<R> {
     }
 }
 
-/// The elements of a chain that are condensed so far, as a cantilever with its forces.
+/// The elements of a chain that are already condensed, as a cantilever with its forces.
 pub(super) type PartialChain<R> = (Cantilever<R>, Forces<R>);
 
 /// Index ranges of a chain's inner nodes and inner rotations in a motion. Inner nodes and inner rotations are numbered consecutively.

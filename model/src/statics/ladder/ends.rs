@@ -6,7 +6,7 @@ use nalgebra::SVector;
 /// Motions x, y (mm) and rotation (rad) of the first end, then of the second end. Also used for the forces (N) and moments (N mm) conjugate to these
 /// motions.
 pub(super) type Ends<R = f64> = [R; 6];
-/// Second derivatives by the motions in [`Ends`]. The matrix is symmetric, and only its upper triangle is valid.
+/// Second derivatives with respect to the motions in [`Ends`]. The matrix is symmetric, and only its upper triangle is valid.
 pub(super) type EndsMatrix<R = f64> = [[R; 6]; 6];
 
 /// Splits [`Ends`] into the parts of its first and second end.

@@ -16,7 +16,7 @@ use crate::number::Number;
 pub(crate) struct Factor<R: Number = f64> {
     /// One chain per line of the mesh.
     pub(super) chains: Vec<Chain<R>>,
-    /// One joint per member of the frame: the elimination of the member's deflection. The first member of a line does not use its joint.
+    /// One joint per member of the frame: the elimination of the member's deflection. The joint of a line's first member is unused.
     pub(super) joints: Vec<Joint<R>>,
     /// Rungs (pairs of key nodes joined by a rib) from base to tip.
     pub(super) rungs: Vec<Rung<R>>,
@@ -29,7 +29,7 @@ pub(crate) struct Factor<R: Number = f64> {
 }
 
 impl<R: Number> Factor<R> {
-    /// A factor without arrays, in the number type of `like`, for ladders that only use the stiffness at rest.
+    /// A factor without arrays, in the number type of `like`, for ladders that use only the stiffness at rest.
     pub(super) fn none(like: R) -> Factor<R> {
         let (chains, joints, rungs) = (Vec::new(), Vec::new(), Vec::new());
         let never = like.zero().exceeds(like.zero());
@@ -111,7 +111,7 @@ impl<R: Number> Factor<R> {
         joints + chains + rungs + tip
     }
 
-    /// Eliminates the tip. `curvature` is the second derivative of the loads' potential by the rotation of the tip, N mm.
+    /// Eliminates the tip. `curvature` is the second derivative of the loads' potential with respect to the rotation of the tip, N mm.
     #[inline(always)]
     pub(super) fn eliminate_tip(&mut self, curvature: R) {
         let zero = curvature.zero();
@@ -142,8 +142,8 @@ impl<R: Number> Factor<R> {
         self.accurate = zero.both(self.accurate, self.tip.factor.pivots_exceed(&limits));
     }
 
-    /// Eliminates a rung (pair of key nodes joined by a rib). `curvatures` are the second derivatives of the loads' potential by the rotations of the rung's
-    /// back and front node, N mm.
+    /// Eliminates a rung (pair of key nodes joined by a rib). `curvatures` are the second derivatives of the loads' potential with respect to the
+    /// rotations of the rung's back and front node, N mm.
     #[inline(always)]
     pub(super) fn eliminate_rung(&mut self, level: usize, rib: Option<RigidRib<R>>, curvatures: [R; 2]) {
         let zero = curvatures[0].zero();

@@ -1,4 +1,4 @@
-//! Potentials of the loads, as functions of the motions of key nodes and of elements between key nodes.
+//! Potentials of the loads, as functions of the motions of the key nodes and of the elements between key nodes.
 
 use super::Location;
 use crate::Kinematics;
@@ -9,12 +9,13 @@ use crate::number::Number;
 use nalgebra::{SMatrix, SVector};
 use std::ops::Range;
 
-/// Derivatives of the loads' potential by the motion of one key node.
+/// Derivatives of the loads' potential with respect to the motion of one key node.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct OnNode<R> {
-    /// First derivatives by x, y (N) and by the rotation (N mm).
+    /// First derivatives with respect to x and y (N) and to the rotation (N mm).
     pub gradient: [R; 3],
-    /// Second derivative by the rotation, N mm. It is not zero for a load on a rigid arm, because the end of the arm moves on a circle.
+    /// Second derivative with respect to the rotation, N mm. This derivative is not zero for a load on a rigid arm, because the end of the arm moves
+    /// on a circle.
     pub curvature: R,
 }
 

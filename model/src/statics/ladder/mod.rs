@@ -5,8 +5,8 @@
 //! coupled only to its two neighbours, so the system is block tridiagonal. Elimination from the tip needs a fixed number of operations per rib and no
 //! heap memory. Tests compare the solution with the sparse solver ([`SparseEquations`](super::SparseEquations)).
 //!
-//! Stiffness and forces are stored separately. [`Factor`] stores the factored tangent. The tangent at rest is computed only once per mesh. It
-//! suffices for linear solutions, and co-rotational solutions start with it. [`Balance`] stores the forces. Both types are generic over
+//! Stiffness and forces are stored separately. [`Factor`] stores the factored tangent. The tangent at rest is computed only once per mesh. Linear
+//! solutions need only the tangent at rest, and co-rotational solutions start with it. [`Balance`] stores the forces. Both types are generic over
 //! [`Number`](crate::number::Number), for one load or for several loads in SIMD lanes.
 
 mod balance;
@@ -34,8 +34,8 @@ use ends::Ends;
 pub(super) use factor::Factor;
 
 /// A pivot below this share of the members' diagonal terms may have lost significant digits to cancellation. The same limit applies to the stiffness
-/// of a chain after an element is appended, relative to the stiffness before. In the paper's finger, the share is at least 2e-2 on any mesh. Thin
-/// plates, and random fingers with errors above 1e-8, have shares below the limit.
+/// of a chain after an element is appended, relative to the stiffness before. For the paper's finger, the share is at least 2e-2 on any mesh. Shares
+/// below the limit occur for thin plates, and for all random fingers with errors above 1e-8.
 const SMALL_PIVOT: f64 = 1e-3;
 
 /// Location of a frame node or of a load in the ladder.
@@ -96,7 +96,7 @@ impl<'m> Ladder<'m> {
         dispatched::factorise(&mut self.balance, &mut self.own, motion);
     }
 
-    /// Whether the tangent equals the stiffness at rest. With nonlinear kinematics, they are equal if nothing has moved, the ribs are deformable, and
+    /// Whether the tangent equals the stiffness at rest. With nonlinear kinematics, both are equal if nothing has moved, the ribs are deformable, and
     /// all loads act on nodes. Loads on arms or between nodes contribute to the tangent.
     fn has_rest_stiffness(&self, unmoved: bool, loads: &[FrameLoad]) -> bool {
         if self.linear() {

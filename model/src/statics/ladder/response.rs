@@ -9,7 +9,7 @@ use crate::Vector;
 use crate::element::quarter_turn;
 use crate::frame::{FrameLoad, FrameMotion};
 
-/// Line, element, and a gradient by the motions of the element's two nodes. The gradient is minus the forces, N and N mm.
+/// Line, element, and a gradient with respect to the motions of the element's two nodes. The gradient is minus the forces, N and N mm.
 type OnElement = (usize, usize, Ends);
 
 impl Ladder<'_> {
@@ -49,8 +49,8 @@ impl Ladder<'_> {
     }
 
     /// Writes to `out` the markers' first-order displacements per unit of ln(modulus), mm, at the last linearised `motion`. `shares` pairs a member's
-    /// index with the derivative of the member's ln(stiffness). The member's nodal forces times this derivative act as the additional load. `out` is
-    /// indexed by key node from 0.
+    /// index with the derivative of the member's ln(stiffness). The additional load consists of the member's nodal forces times this derivative.
+    /// `out` is indexed by key node from 0.
     pub fn stiffened(&mut self, motion: &FrameMotion, shares: &[(usize, f64)], out: &mut [Vector]) {
         let members = self.mesh.frame().members();
         let mut share_of = vec![0.0; members.len()];

@@ -3,11 +3,11 @@
 //! Newton's method adds displacements and rotations linearly. A correction that rotates a plate member by `a` rotates its nodes by `a`. The chords of
 //! the member's elements rotate only by atan(a) = a - a^3 / 3 (by `a e` less if the chords also elongate by the strain `e`). Both ends of an element
 //! of length h then rotate by phi = a^3 / 3 relative to the element's chord. This rotation causes a shear force of 12 EI phi / h^2. The shear force
-//! is negligible for an element that spans a whole member. However, the rotations for which the tangent stays positive definite shrink as h^(2/3), so
-//! finer meshes would need more load steps. The effect is larger at the end of a rigid arm or link, which moves on a circle while its neighbours move
-//! along straight lines.
+//! is negligible for an element that spans a whole member. On finer meshes, however, the tangent stays positive definite only for smaller rotations,
+//! which shrink as h^(2/3). Finer meshes would therefore need more load steps. The effect is larger at the end of a rigid arm or link, which moves on
+//! a circle while its neighbours move along straight lines.
 //!
-//! A *retraction* is an update that agrees with Newton's update to first order; it converges as fast as Newton's update. This retraction keeps
+//! A *retraction* is an update that agrees with Newton's update to first order; it converges as fast as Newton's update. Here, the retraction keeps
 //! Newton's update at the key nodes. It moves the nodes between key nodes along a smooth curve that follows arms and links, and rotates these nodes
 //! with their chords. A fine mesh then needs no more load steps and iterations than a coarse mesh. The curve must meet the key nodes without a kink.
 //! A curve correct to second order does not suffice, because the stiffness of elements grows without bound as they become shorter.
@@ -62,14 +62,14 @@ impl<R: Number> Retraction<R> {
         let ends = [first.ends[0], last.ends[1]];
         let off = self.measure(elements, motion, ends, end_nodes);
 
-        // Inner nodes first follow the ends linearly.
+        // First, the inner nodes follow the ends linearly.
         for i in 1..count {
             let xi = i as f64 / count as f64;
             let u = &mut motion.displacements[elements.node(i)];
             advance(&mut u.x, turns, off[0].x * (1.0 - xi) + off[1].x * xi);
             advance(&mut u.y, turns, off[0].y * (1.0 - xi) + off[1].y * xi);
         }
-        // A cubic deflection across the member then rotates the end chords back to Newton's rotations of the key nodes.
+        // Then, a cubic deflection across the member rotates the end chords back to Newton's rotations of the key nodes.
         let [from, to] = displacements(motion, ends);
         let whole = chord(&first, count as f64, from, to);
         // Closures would not be inlined here, and each lane operation would become a function call.
@@ -78,7 +78,7 @@ impl<R: Number> Retraction<R> {
         let end_chord = chord_in(motion, &last);
         let last_slope = slope(whole, count, end_chord, -self.surplus(count - 1, end_chord));
         let mut slopes = end_slopes([first_slope, last_slope], count);
-        // The current slopes are exact for the end chords, but Newton's rotations apply at the end nodes, half an element away. The difference would
+        // The current slopes rotate the end chords exactly, but Newton's rotations apply at the end nodes, half an element away. The difference would
         // cause a shear force that grows as 1 / h. The effect of axial forces would grow with this shear force, so the tangent might lose positive
         // definiteness.
         if count > 2 {

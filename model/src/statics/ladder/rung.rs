@@ -5,7 +5,7 @@ use super::ends::{Ends, EndsMatrix};
 use crate::number::Number;
 use nalgebra::Vector2;
 
-/// Kinematics of an undeformable rib, which joins the front node to the back node.
+/// Kinematics of an undeformable rib between the back node and the front node.
 ///
 /// The rung's unknowns become generalised coordinates q: x, y and rotation of the back node, rotation of the rib, rotation of the front node. If rib
 /// and nodes rotate together, the last two coordinates are absent. Unused coordinates keep unit stiffness. The motion of the nodes is u = T q.
@@ -16,8 +16,8 @@ pub(super) struct RigidRib<R> {
     pub levers: [Vector2<R>; 3],
     /// Whether the rib and both of its nodes rotate by the same angle.
     pub together: bool,
-    /// Gradient of elements and loads by the position of the front node, N; zero with linear kinematics. This gradient adds geometric stiffness when
-    /// the levers rotate.
+    /// Gradient of the energy of elements and loads with respect to the position of the front node, N; zero with linear kinematics. This gradient
+    /// adds geometric stiffness when the levers rotate.
     pub front_pull: Vector2<R>,
 }
 
@@ -171,7 +171,7 @@ impl<R: Number> Rung<R> {
         }
     }
 
-    /// Forward substitution y = L^-1 g for a gradient by the motions of the rung's nodes; g is the gradient in generalised coordinates.
+    /// Forward substitution y = L^-1 g for a gradient with respect to the motions of the rung's nodes; g is the gradient in generalised coordinates.
     #[inline(always)]
     pub(super) fn forward(&self, gradient: &Ends<R>) -> Ends<R> {
         match self.rib {

@@ -14,7 +14,7 @@ use crate::number::Number;
 use finray_numerics::linear::copy_lane;
 use nalgebra::{SMatrix, Vector2};
 
-/// Whether lines are so few that scalar computation is faster. One pass in lanes takes about as long as 1.5 scalar passes.
+/// Whether there are so few lines that scalar computation is faster. One pass in lanes takes about as long as 1.5 scalar passes.
 fn are_few<L: Number>(lines: &[usize]) -> bool {
     lines.len() == 1 || L::LANES == 1
 }

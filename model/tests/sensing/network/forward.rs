@@ -9,7 +9,7 @@ use finray_tests::{at_node, at_position, cases, paper};
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 
-/// Largest difference from burn's forces: 1e-5 of the 5 N of the training. burn adds in another order and uses another tanh.
+/// Largest difference from burn's forces: 1e-5 of the 5 N of the training. burn adds numbers in another order and uses another tanh.
 const AGAINST_BURN_N: f64 = 5e-5;
 
 /// burn's forces for the inputs of the first layer, including the skip branch.

@@ -109,8 +109,8 @@ fn stated_sigmas_hold_what_base_and_friction_leave_open() {
     assert!(largest > 0.02, "the priors are part of the sigmas: {largest}");
 }
 
-/// A lean within a wide range that markers hardly determine. The standard deviation follows from the forces at both ends of the range. At one end,
-/// the force differs more than the tangent at the estimate predicts.
+/// Markers hardly determine a lean that lies within a wide range. The standard deviation follows from the forces at both ends of the range. At one
+/// end, the force differs more than the tangent at the estimate predicts.
 #[test]
 fn a_wide_range_of_friction_widens_by_its_ends() {
     // A stated noise so large that the markers do not constrain the lean.

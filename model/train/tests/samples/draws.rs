@@ -15,7 +15,7 @@ fn chi_square(counts: impl IntoIterator<Item = (usize, f64)>) -> f64 {
     counts.into_iter().map(|(found, expected)| (found as f64 - expected).powi(2) / expected).sum()
 }
 
-/// A recipe in which all quantities are random. The finger does not carry many of these forces, so draws are also repeated.
+/// A recipe in which all quantities are random. The finger has no equilibrium under many of these forces, so draws are also repeated.
 fn all_spread() -> SampleRecipe {
     SampleRecipe {
         any_of: true,
@@ -50,7 +50,7 @@ fn the_first_of_a_longer_draw_are_the_same() {
     assert_eq!((few.count(), few.markers), (15, many.markers));
 }
 
-/// No case occurs for two seeds or two streams, and no two purposes share random numbers.
+/// No case occurs with two different seeds or streams, and no two purposes share random numbers.
 #[test]
 fn seeds_and_streams_share_nothing() {
     let (recipe, finger) = (linear([19, 20]), paper());
@@ -104,7 +104,7 @@ fn assert_evenly_spread(numbers: &[f64], largest: f64) {
     assert!(numbers.iter().any(|x| *x > 0.99 * largest) && numbers.iter().any(|x| *x < 0.01 * largest));
 }
 
-/// Every number of loaded contacts is equally frequent, and so is every subset with the same number of contacts.
+/// All numbers of loaded contacts are equally frequent, and all subsets with the same number of contacts are equally frequent.
 #[test]
 fn every_number_of_contacts_touches_as_often() {
     let count = 3600;

@@ -11,7 +11,7 @@ use finray_train::samples::SampleRecipe;
 
 /// Tolerance between ladder solver and sparse solver, as a share of the largest displacement.
 const BETWEEN_PATHS: f64 = 1e-8;
-/// Tolerance between two computations of the same linear solution, which multiply in another order.
+/// Tolerance between two computations of the same linear solution that multiply in different orders.
 const ROUNDING: f64 = 1e-9;
 
 /// Displacements of the free nodes by the sparse solver, mm: ux and uy of each node.

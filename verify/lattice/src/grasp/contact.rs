@@ -1,7 +1,7 @@
 //! Kinematics of one contact: gap, slip, and the effect of its forces on finger and object.
 //!
-//! The unknowns are displacement and rotation of a body of the finger, in the finger's frame, and the pose of the object in the world. Each formula is
-//! written once, for plain and for dual numbers; dual numbers give the derivatives for Newton's method.
+//! The unknowns are displacement and rotation of a body of the finger, in the finger's frame, and the pose of the object in the world. Each formula
+//! is written once, for plain and for dual numbers; dual numbers yield the derivatives for Newton's method.
 
 use crate::energy::BodyMotion;
 use finray_model::Vector;

@@ -83,8 +83,8 @@ pub struct Shape {
 const BEHIND_MM: f64 = 0.5;
 /// Margin of the coarse distance test, mm; it is larger than rounding errors.
 const FAR_MM: f64 = 1e-3;
-/// A corner can touch a piece up to this share of the piece's length beyond the piece's ends. Where two pieces meet at a concave angle, both may then touch
-/// the corner.
+/// A corner can touch a piece up to this share of the piece's length beyond the piece's ends. If two pieces meet at a concave angle, both pieces can
+/// therefore touch the corner.
 const BEYOND: f64 = 1e-9;
 
 impl Shape {

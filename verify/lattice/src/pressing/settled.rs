@@ -61,9 +61,9 @@ const OVERLAP: f64 = 1e-5;
 /// Displacement of the hand during one period of the finger's slowest motion, as a share of the front plate's length. At this speed the finger follows:
 /// the object does not pass through the finger, and the finger does not swing back over the object.
 const WAY: f64 = 1.0 / 75.0;
-/// The same displacement with friction. It is smaller, because the rest state then depends on every slip on the path.
+/// Same as [`WAY`], with friction. This displacement is smaller, because with friction the rest state depends on every slip on the path.
 const WAY_WITH_FRICTION: f64 = 1.0 / 300.0;
-/// Settling fails this number of steps after the hand has stopped. The finger of Xu et al. (2021) needs 2000 with two segments per member.
+/// Settling fails this number of steps after the hand has stopped. The finger of Xu et al. (2021) needs 2000 steps with two segments per member.
 const MOST_STEPS: usize = 50_000;
 /// Number of position checks between two tests of whether the object still touches the finger.
 const LOOKS: usize = 8;

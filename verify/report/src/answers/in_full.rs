@@ -101,8 +101,8 @@ fn failing_if_known(known: &Situation) -> String {
     )
 }
 
-/// Shares of failing cells, for forces off the normal and along it, and the main causes for forces along it. `None` if either share has no cell
-/// with an equilibrium.
+/// Shares of failing cells for forces off the normal and for forces along the normal, and the main causes of failure along the normal. `None` if
+/// either share has no cell with an equilibrium.
 fn failing(study: &Study, situation: &Situation) -> Option<String> {
     let failed = |is_turned: bool| {
         let counts = situation.counts(&study.finger, |_, angle_deg| (angle_deg != 0.0) == is_turned);
@@ -134,7 +134,7 @@ fn use_what(study: &Study) -> Option<String> {
         Some(_) => [" if the search starts from the previous answer", "without a previous answer, "],
         None => [""; 2],
     };
-    // If the time without a previous answer to start from was measured, that time counts.
+    // If a search without a previous answer was timed, its time is the slowest time.
     let slowest = way.cold.unwrap_or(way.one);
     let within = slowest.seconds_95.map(|seconds| format!("; {cold}95 % take less than {}", time(seconds)));
     let within = within.unwrap_or_default();

@@ -66,7 +66,8 @@ pub(super) struct Shares {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CauseShare {
     pub cause: Cause,
-    /// Share of the mean square error that disappears without the cause. Cells that the estimator does not answer without the cause count as no reduction.
+    /// Share of the mean square error that disappears without the cause. A cell that the estimator does not answer without the cause counts as no
+    /// reduction.
     pub share: f64,
     /// Root mean square of sensed / true - 1 without the cause, over the cells answered without the cause.
     pub rms_without: f64,

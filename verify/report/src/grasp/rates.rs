@@ -89,7 +89,7 @@ fn chart(LoopStudy { target_n, runs, .. }: &LoopStudy) -> Result<String, FigureE
         let frames = 1.0 + delay(run) as f64;
         let share = |rate: f64| 0.8 * frames / (rise_s * rate);
         let points = rates.iter().map(|rate| [*rate, 100.0 * share(*rate)]).collect();
-        // All guides have the same style, so one entry of the legend names them.
+        // All reference lines have the same style, so one legend entry names all of them.
         let is_first = series.iter().all(|of| of.marker.is_some());
         let label = format!("force added by the motor in {} frames", list(DELAYS.map(|delay| delay + 1), " and "));
         series.push(Series::guide(if is_first { label } else { String::new() }, points));

@@ -9,7 +9,7 @@ use finray_studies::sampling::map::{AccuracyMap, MapRequest};
 use finray_studies::sampling::sweep::MapCell;
 use finray_studies::truths::TruthId;
 
-/// Least squares or the nonlinear estimator, off by `error` in its one cell.
+/// A map of one cell, in which the estimator has the relative error `error`.
 fn map(estimator: EstimatorId, error: f64) -> AccuracyMap {
     let request = MapRequest {
         positions_mm: vec![76.5],
@@ -35,7 +35,7 @@ fn map(estimator: EstimatorId, error: f64) -> AccuracyMap {
     AccuracyMap { request, truth: TruthId::Lattice, estimator, noise_mm: 0.0, cells: vec![cell] }
 }
 
-/// A study of 2 and 4 segments a plate member: errors that fall to an eighth at 1 N and to a sixteenth at 5 N.
+/// A study with 2 and 4 segments per plate member. With 4 segments, errors are an eighth at 1 N and a sixteenth at 5 N of the errors with 2 segments.
 pub fn sample() -> LatticeStudy {
     let row = |fineness: usize, errors: [f64; 2], settling| FinenessRow {
         fineness,

@@ -10,14 +10,14 @@ fn with(records: &[RecipeRow], error: impl Fn(&RecipeRow) -> f64) -> Vec<RecipeR
     records.iter().map(|row| RecipeRow { mean_error: Some(error(row)), ..row.clone() }).collect()
 }
 
-/// The paper's own error of what a row records.
+/// The paper's error of the quantity that a row records.
 fn as_in_the_paper(row: &RecipeRow) -> f64 {
     let of_set = |group: &ContactGroup| group.sets.iter().any(|set| list(*set, " ") == row.nodes);
     let group = CONTACT_GROUPS.into_iter().find(of_set).expect("a set of the table");
     if row.quantity == "sum" { group.paper_sum.expect("a sum") } else { group.paper_force }
 }
 
-/// Four of five figures are not Table II.
+/// Four of the five figures do not suffice to reproduce Table II.
 #[test]
 fn table_two_is_reproduced_by_all_five_figures_alone() {
     let records = Records::shipped().expect("records").recipes;
@@ -31,6 +31,6 @@ fn table_two_is_reproduced_by_all_five_figures_alone() {
     let words = said(&apart_missed);
     assert!(words.contains("does not reproduce Table II") && words.matches("4 of 5").count() == 2, "{words}");
     assert!(said(&with(&records, |row| 10.0 * as_in_the_paper(row))).contains("meets 0 of 5"));
-    // What is recorded today misses some of the paper's figures.
+    // The shipped records miss some of the paper's figures.
     assert!(said(&records).contains("does not reproduce Table II"));
 }

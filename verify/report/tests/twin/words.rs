@@ -29,7 +29,7 @@ fn the_twin_is_one_of_several_fits() {
     assert!(freedom(&[fit_of(TWIN, 0.3)]).contains("not fitted this time"));
 }
 
-/// The shipped twin is softer than the softest TPU that the paper quotes; a finger within the range is not said to be.
+/// The shipped twin is softer than the softest TPU that the paper quotes; the sentence does not claim this for a finger within the range.
 #[test]
 fn moduli_are_held_against_the_material() {
     let twin = Scene::from_toml(finray_fixtures::TWIN_SCENE).expect("the twin's scene").finger;

@@ -64,8 +64,8 @@ fn warn_of_contradictions(found: &ModulusEstimate) {
     outliers.sort_by(|a, b| b.distance_mm.total_cmp(&a.distance_mm));
     for outlier in outliers.iter().take(MOST_NAMED) {
         print_message(format_args!(
-            "warning: case {} in the order of the file: node {} is {:.2} mm from its computed position, so it gets little weight: check its node \
-             number and the load",
+            "warning: case {} in the order of the file: node {} is {:.2} mm from its computed position, so this row gets little weight: check its \
+             node number and the load",
             outlier.case + 1,
             outlier.node,
             outlier.distance_mm

@@ -45,7 +45,8 @@ fn print_base(found: &RigEstimate) {
     ));
 }
 
-/// Warns of a negative coefficient of friction. Reports its scatter between objects, and the predicted mean lean of the forces of each left-out object.
+/// Warns of a negative coefficient of friction. Reports the coefficient's scatter between objects, and the predicted mean lean of the forces of each
+/// left-out object.
 fn print_friction(FrictionEstimate { lean, between_objects, left_out }: &FrictionEstimate) {
     let [coefficient, _] = lean.coefficient();
     if coefficient < 0.0 {
@@ -56,8 +57,8 @@ fn print_friction(FrictionEstimate { lean, between_objects, left_out }: &Frictio
     }
     if let Some(between_objects) = between_objects {
         print_message(format_args!(
-            "note: friction differs from object to object by {between_objects:.3} (standard deviation); friction_sigma includes this scatter, and \
-             its uncertainty due to the few objects"
+            "note: friction differs from object to object by {between_objects:.3} (standard deviation); friction_sigma includes this scatter and the \
+             uncertainty of the scatter, which is estimated from few objects"
         ));
     }
     for LeftOutObject { object, predicted_deg, sigma_deg, measured_deg } in left_out {

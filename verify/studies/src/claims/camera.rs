@@ -35,8 +35,8 @@ pub fn position_error(camera: Option<&CameraStudy>, words: &Words) -> Result<Cla
     )
 }
 
-/// Claim on the rate of sensing. The paper states the rate of image processing on the authors' computer. Therefore the test is only whether forces are
-/// estimated within a frame time on this computer.
+/// Claim on the rate of sensing. The paper states the rate of image processing on the authors' computer. The claim therefore only tests whether this
+/// computer estimates forces within one frame time.
 ///
 /// # Errors
 /// [`ClaimError`] if a number in the claim's text has no value.

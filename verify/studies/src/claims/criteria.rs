@@ -14,13 +14,13 @@ pub fn figure(same: bool) -> ClaimVerdict {
     if same { Reproduced } else { NotReproduced }
 }
 
-/// Verdict on a relative error: `ours` on a simulated finger whose model is known, `paper` measured on a real finger. A smaller error of ours shows
-/// the potential of sensing with a correct model, and does not contradict the measurement.
+/// Verdict on a relative error. `ours` was computed on a simulated finger whose model is known; `paper` was measured on a real finger. If `ours` is
+/// smaller, it shows the potential of sensing with a correct model, and does not contradict the measurement.
 pub fn simulated(ours: f64, paper: f64) -> ClaimVerdict {
     if ours < paper { LessInSimulation } else { NotReproduced }
 }
 
-/// Combined verdict over pairs of errors, ours and the paper's. Without pairs the claim is not tested.
+/// Combined verdict over pairs of errors. Each pair contains our error and the paper's error. Without pairs the claim is not tested.
 pub fn all_simulated(pairs: &[(f64, f64)]) -> ClaimVerdict {
     match pairs {
         [] => NotTested,
@@ -49,13 +49,13 @@ pub fn at_most_nodes(figures: &[f64], holds: impl Fn(f64) -> bool) -> (usize, bo
     (count, 2 * count > figures.len())
 }
 
-/// Displacements agree if they differ by less than this, relative (paper, sec. III: "negligible").
+/// Displacements agree if their relative difference is below this value (paper, sec. III: "negligible").
 pub const NEGLIGIBLE_SHARE: f64 = 0.015;
-/// A finer mesh is unnecessary if it changes displacements by less than this, relative (paper, sec. III).
+/// A finer mesh is unnecessary if the relative change of the displacements is below this value (paper, sec. III).
 pub const MESH_SHARE: f64 = 0.0026;
 /// Largest number that rounds to the paper's "about 2.4%", dimensionless.
 pub const DIRECTION_SHARE: f64 = 0.0245;
-/// A relative force error up to this is negligible (paper, sec. V-C, on the direction). Also applied to torques.
+/// A relative force error up to this value is negligible (paper, sec. V-C, on the direction). The limit also applies to errors caused by torques.
 pub const NEGLIGIBLE_FORCE_SHARE: f64 = 0.024;
 /// A loss of accuracy counts as large above this relative error. The paper's Table I shades larger errors.
 pub const MUCH_SHARE: f64 = 0.10;
@@ -68,13 +68,13 @@ pub const MOST_OF: f64 = 0.5;
 /// Range of Young's modulus of TPU quoted by the paper (sec. II), MPa.
 pub const TPU_MPA: [f64; 2] = [10.0, 1000.0];
 
-/// Whether a cause alone produces most of each error. Each pair holds our error and the paper's. False without pairs.
+/// Whether a cause alone produces most of each error. Each pair contains our error and the paper's error. False without pairs.
 pub fn accounts_for(pairs: &[(f64, f64)]) -> bool {
     !pairs.is_empty() && pairs.iter().all(|(ours, paper)| *ours > MOST_OF * paper)
 }
 
-/// Verdict on recalibration with all nodes, in simulation: errors must grow in the middle and shrink at the ends. Each array holds the mean errors before and
-/// after recalibration.
+/// Verdict in simulation on recalibration with all nodes. The claim holds if errors grow in the middle and shrink at the ends. Each array contains
+/// the mean errors before and after recalibration.
 pub fn recalibration(middle: [f64; 2], ends: [f64; 2]) -> ClaimVerdict {
     in_simulation(middle[1] > middle[0] && ends[1] < ends[0])
 }

@@ -45,7 +45,8 @@ fn on_the_gripper(
     Ok(each.into_iter().chain(sum.transpose()?.flatten()).collect())
 }
 
-/// Motor angles, degrees, at which the later of two forces begins and at which it exceeds the earlier one: the sequence of Fig. 11(a).
+/// Motor angles, degrees, at which the later of two forces begins, and at which the later force exceeds the earlier force (the sequence of Fig.
+/// 11(a)).
 pub fn order(test: &ModuleTest) -> [Option<f64>; 2] {
     let at =
         |holds: &dyn Fn(&[f64]) -> bool| test.steps.iter().find(|step| holds(&step.true_n)).map(|step| step.turned_deg);
@@ -102,7 +103,7 @@ pub fn untouched(observed: Option<&Observations>, words: &Words) -> Result<Claim
     words.claim("untouched", verdict, numbers)
 }
 
-/// Claim that a finger has equal forces while opening and closing.
+/// Claim that the forces on a finger are equal while the gripper opens and closes.
 ///
 /// # Errors
 /// [`ClaimError`] if a number in the claim's text has no value.

@@ -10,7 +10,7 @@ use finray_model::estimators::EstimatorId;
 use minijinja::value::Serde;
 use minijinja::{Value, context};
 
-/// Bounds of relative errors in the paper's conclusion (sec. VII): upper bound for the sum of two forces, lower bound for each of them.
+/// Bounds of relative errors in the paper's conclusion (sec. VII): upper bound for the sum of two forces, lower bound for each single force.
 const SUM_BOUND: f64 = 0.08;
 const EACH_BOUND: f64 = 0.30;
 
@@ -75,7 +75,7 @@ pub fn of_the_papers_network(
     words.claim("papers-network", over_assumptions(&verdicts), numbers)
 }
 
-/// Claims of the paper's conclusion, for network inputs scaled by the largest displacement, and by the spread. `noise_mm` is the noise of a
+/// Claims of the paper's conclusion, for networks whose inputs are scaled by the largest displacement or by the spread. `noise_mm` is the noise of a
 /// coordinate, mm.
 ///
 /// # Errors

@@ -12,7 +12,8 @@ use minijinja::context;
 
 /// Assumed range of friction coefficients for neglected torques: from plastic on steel to rubber on most materials.
 const FRICTIONS: [f64; 2] = [0.2, 0.5];
-/// Noise of a displacement divided by the noise of a coordinate: for exact undeformed positions, and for those measured in an image (sec. V-B).
+/// Noise of a displacement divided by the noise of a coordinate. The undeformed positions are exact for the first value, and measured in an image for
+/// the second value (sec. V-B).
 const NOISE_OF_IMAGES: [f64; 2] = [1.0, std::f64::consts::SQRT_2];
 /// Pairs of nodes of the paper's Fig. 12, by increasing distance.
 const EXCHANGED: [[usize; 2]; 4] = [[18, 19], [18, 20], [17, 20], [17, 21]];
@@ -24,7 +25,7 @@ pub(super) fn claims(study: &Study, words: &Words) -> Result<Vec<Claim>, ClaimEr
     let mut claims = vec![all_at_once(finger, words)?];
     claims.extend(exchanged(finger, words)?);
     claims.extend([unknown_direction(finger, words)?, wrong_direction(finger, words)?, torque(finger, words)?]);
-    // Grasps test this claim better, and each claim has only one row.
+    // Each claim has only one row. Grasps test this claim better, so this row is added only without observations of grasps.
     if study.observations.is_none() {
         claims.push(zero_force(finger, words)?);
     }
@@ -119,7 +120,7 @@ fn zero_force(finger: &Finger, words: &Words) -> Result<Claim, ClaimError> {
     words.claim("zero-force", ClaimVerdict::NotTested, numbers)
 }
 
-/// Claim on the time of the shipped network, measured by this report or by criterion.
+/// Claim on the computation time of the shipped network, measured by this report or by the benchmark library criterion.
 fn network_time(study: &Study, words: &Words) -> Result<Option<Claim>, ClaimError> {
     let here = |timed_by: &TimedBy| !matches!(timed_by, TimedBy::OtherProgram { .. });
     let point = study.speed_error.iter().find(|point| {

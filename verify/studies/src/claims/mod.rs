@@ -63,7 +63,7 @@ impl ClaimVerdict {
 /// A claim of the paper, with its test.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Claim {
-    /// The paper's statement with its section; verbatim in quotation marks.
+    /// The paper's statement with its section. Quotation marks enclose verbatim text.
     pub claim: String,
     /// Figure of the paper, with its unit.
     pub paper: String,

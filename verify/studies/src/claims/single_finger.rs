@@ -40,7 +40,7 @@ fn papers(row: &TableOneRow) -> f64 {
     row.paper_mean_error
 }
 
-/// Splits the rows: those with small mean errors in the paper, then those with large mean errors.
+/// Splits the rows into two lists: rows with small mean errors in the paper, then rows with large mean errors.
 fn split(table: &TableOne) -> (Vec<&TableOneRow>, Vec<&TableOneRow>) {
     table.rows.iter().partition(|row| row.paper_mean_error <= MUCH_SHARE)
 }
@@ -144,7 +144,7 @@ fn noise(study: &Study, table: &TableOne, words: &Words) -> Result<Option<Claim>
     words.claim("poor-ends", all_simulated(&pairs), numbers).map(Some)
 }
 
-/// Claims on the paper's conclusions from its errors, tested on the digital twin: a finger fitted to these errors.
+/// Claims on conclusions that the paper draws from its errors. They are tested on the digital twin, a finger fitted to these errors.
 fn on_the_twin(table: &TableOne, twin: &TwinStudy, words: &Words) -> Result<[Claim; 3], ClaimError> {
     let moduli = moduli_mpa(&twin.finger);
     let mean = |rows: &[&TableOneRow], factor: f64| {

@@ -30,7 +30,7 @@ impl Words {
     /// Reads the shipped texts.
     ///
     /// # Errors
-    /// [`ClaimError`] if they are not valid templates.
+    /// [`ClaimError`] if a text is not a valid template.
     pub fn shipped() -> Result<Words, ClaimError> {
         let File { fitted, untested, claims } = toml::from_str(include_str!("words.toml"))?;
         let unsaid = |(part, text): (&str, &str)| (part.to_owned(), text.to_owned());

@@ -1,4 +1,4 @@
-//! Sensing with an assumed contact. Its position and direction are wrong by as much as a user's assumption may be.
+//! Sensing with an assumed contact, whose position and direction have the errors that a user's assumption may have.
 
 use super::Context;
 use super::causes::{DIRECTION_OFF_DEG, POSITION_OFF_MM};

@@ -1,6 +1,7 @@
-//! What beam theory neglects: beams against the same finger as a plane continuum of CalculiX.
+//! Errors of beam theory: beams compared with the same finger as a plane continuum, solved by CalculiX.
 //!
-//! Slender beams lack the rods' extent, plane strain and shear. The deviation is one of the theory, not of a solver: no tolerance applies.
+//! Slender beams neglect the extent of the rods, plane strain and shear. The deviation is an error of the theory, not of a solver, so no tolerance
+//! applies.
 
 use super::table_one::{TableOne, table_one};
 use super::{Context, Evidence, ExperimentError};
@@ -29,19 +30,19 @@ pub struct Deviation {
     pub displacement: f64,
     /// Key node with the largest difference.
     pub at: NodeId,
-    /// Displacements of the beams as a multiple of those of the continuum, by least squares over all key nodes.
+    /// Ratio of the beams' displacements to the continuum's displacements, by least squares over all key nodes.
     pub scale: f64,
 }
 
-/// Properties of the continuum that a beam model has. Each variant includes those before it.
+/// Properties that a beam model shares with the continuum. Each variant includes the properties of all earlier variants.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Constants {
-    /// Young's modulus alone.
+    /// Only Young's modulus.
     Modulus,
-    /// Poisson's ratio too: E / (1 - nu^2).
+    /// Also Poisson's ratio: the modulus of the beams is E / (1 - nu^2).
     PlaneStrain,
-    /// Rigid arms at the key nodes and shear deformation too.
+    /// Also rigid arms at the key nodes, and shear deformation.
     ArmsAndShear,
 }
 
@@ -58,10 +59,10 @@ impl Constants {
         }
     }
 
-    /// The beam model with these properties of `finger`, which has all of them.
+    /// The beam model with only these properties of `finger`, which itself has all properties.
     ///
     /// # Errors
-    /// [`ProblemError`] if this is no valid finger.
+    /// [`ProblemError`] if the result is no valid finger.
     pub fn of(self, finger: &Finger) -> Result<Finger, ProblemError> {
         let all = finger.description().clone();
         let description = match self {
@@ -78,29 +79,29 @@ impl Constants {
 /// Deviations of one beam model from the continuum over all forces up to [`LARGEST_FORCE_N`] that do not act on the tip.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BeamTheoryRow {
-    /// Table of the continuum.
+    /// Name of the continuum's exported table.
     pub continuum: &'static str,
-    /// What the beams have of it.
+    /// Properties that the beams share with the continuum.
     pub constants: Constants,
     /// Number of forces.
     pub cases: usize,
     /// Median over the forces of the largest difference of a displacement, relative to the largest displacement.
     pub median: f64,
-    /// Largest of these differences.
+    /// Largest difference of a displacement over all forces, relative to the largest displacement.
     pub worst: f64,
-    /// Node that is loaded where the difference is largest.
+    /// Loaded node of the case with the largest difference.
     pub load: usize,
-    /// Key node at which it is largest.
+    /// Key node with the largest difference.
     pub node: usize,
-    /// Median of the beams' displacements as a multiple of the continuum's.
+    /// Median over the forces of the ratio of the beams' displacements to the continuum's displacements.
     pub scale: f64,
 }
 
 /// Results on the continuum of a scene's finger.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct ContinuumStudy {
-    /// Deviations of beams from the continuum, by the beams' constants; after those of the scene's finger, for the paper's finger, those of the
-    /// continuum without rods. Empty if CalculiX did not solve the finger.
+    /// Deviations of beams from the continuum, by the beams' constants. For the paper's finger, deviations from the continuum without rods follow.
+    /// Empty if CalculiX did not solve the finger.
     pub rows: Vec<BeamTheoryRow>,
     /// The protocol of Table I on the continuum of the paper's finger, for each of [`ANGLES_DEG`]; empty for any other finger.
     pub tables_one: Vec<TableOne>,
@@ -139,7 +140,7 @@ impl Evidence for ContinuumStudy {
     }
 }
 
-/// Compares beams with the continuum of a scene's finger, and senses the weights of Table I on that of the paper's finger.
+/// Compares beams with the continuum of a scene's finger. For the paper's finger, also runs the protocol of Table I on the continuum.
 pub(crate) fn run(context: &Context) -> Result<ContinuumStudy, ExperimentError> {
     let export = calculix::PROGRAM.export_of(context.finger);
     let without_rods = context.is_paper.then_some(&PAPER_PLAIN);
@@ -187,7 +188,7 @@ fn row(continuum: &'static str, constants: Constants, deviations: &[Deviation]) 
 }
 
 /// Deviations of co-rotational beams on `mesh` from the exported shapes, for all forces up to [`LARGEST_FORCE_N`] that do not act on the tip. Forces
-/// that the beams cannot carry are left out.
+/// that the beams cannot carry are omitted.
 ///
 /// # Errors
 /// [`ProblemError`] if the export cannot be read.

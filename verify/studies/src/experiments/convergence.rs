@@ -1,7 +1,7 @@
 //! Mesh refinement: co-rotational solutions on successively finer meshes against the converged solution.
 //!
 //! Every member is divided into 1, 2, 4, ... elements. The differences between the three finest solutions give the observed order p. Richardson
-//! extrapolation of the last two gives the converged solution, and Roache's grid convergence index bounds the error of the finest mesh.
+//! extrapolation of the two finest solutions gives the converged solution, and Roache's grid convergence index bounds the error of the finest mesh.
 //!
 //! Source: Roache, Perspective: A Method for Uniform Reporting of Grid Refinement Studies, J. Fluids Eng. 116 (1994).
 

@@ -1,7 +1,8 @@
 //! Coverage of stated intervals over positions, directions and forces, by finger and estimator.
 //!
 //! On the finger that equals the estimators' model, every cell has independent noise samples, because samples that cells share (as in maps) test
-//! coverage poorly. On the finger with softer ends the model's error dominates, so cells of its maps, with shared samples, are counted.
+//! coverage poorly. On the finger with softer ends the model's error dominates, so the cells of this finger's maps are counted although they share
+//! samples.
 
 use super::{Context, Evidence};
 use crate::prelude::*;

@@ -194,8 +194,8 @@ impl DirectionStudy {
             .fold([0, 0], |[identified, all], cell| [identified + usize::from(cell.answers.is_identified()), all + 1])
     }
 
-    /// For pushes without friction under the smallest force: whether the mean error of the force is smaller if the direction is assumed along the deformed
-    /// normal than if it is unknown.
+    /// Whether the mean force error is smaller if the estimator assumes the deformed normal than if the direction is unknown. Considers only pushes
+    /// without friction under the smallest force.
     pub fn is_normal_better(&self) -> bool {
         let mean_error = |assumed: Assumption| {
             let is_asked = |push: &&FrictionlessPush| push.assumed == assumed && push.force_n == self.forces_n[0];

@@ -1,8 +1,8 @@
 //! Noise floors of forces for three ways to obtain the undeformed positions: Cramer-Rao bounds, and a Monte Carlo study.
 //!
 //! The report's other studies draw an independent error for each displacement coordinate, as if the undeformed positions were exact. Here the same
-//! camera measures the undeformed positions too, or they follow from the motor angle ([`DisplacementNoise`]). A generalised least-squares estimator
-//! uses the covariance; an ordinary estimator assumes independent errors.
+//! camera measures the undeformed positions too, or the undeformed positions follow from the motor angle ([`DisplacementNoise`]). A generalised
+//! least-squares estimator uses the covariance; an ordinary estimator assumes independent errors.
 
 use super::{Context, Evidence};
 use crate::experiments::table_two::contact_sets;
@@ -47,7 +47,8 @@ pub struct DisplacementNoiseRow {
     pub generalised_rms_n: f64,
     /// Root mean square error of ordinary least squares, N.
     pub ordinary_rms_n: f64,
-    /// Cramer-Rao bound by a second method, N: sqrt(2) times the bound of one image, or with the base's motion as additional unknowns with a prior.
+    /// Cramer-Rao bound by a second method, N: sqrt(2) times the bound of one image, or the bound with the base's motion as additional unknowns that
+    /// have a prior.
     #[serde(skip)]
     pub other_way_n: f64,
 }

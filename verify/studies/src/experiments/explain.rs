@@ -1,8 +1,8 @@
 //! Explanation of an accuracy map: noise floors of forces, and errors caused by wrong directions and positions.
 //!
-//! To first order, everything follows from three motions of the markers of the loaded finger. A small additional force along the load causes the
-//! motion j. A small force across the load causes c, and a shift of the load along the plate causes m. They are columns of the co-rotational finger's
-//! tangent compliance in its loaded shape, because the deformed finger has another stiffness than the finger at rest.
+//! To first order, all limits of sensing follow from three motions of the loaded finger's markers. A small additional force along the load causes the
+//! motion j. A small force across the load causes c, and a shift of the load along the plate causes m. These motions are columns of the co-rotational
+//! finger's tangent compliance in its loaded shape. The stiffness of the deformed finger differs from the stiffness at rest.
 
 use super::{Context, Evidence};
 use crate::prelude::*;

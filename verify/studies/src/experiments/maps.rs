@@ -14,8 +14,8 @@ struct Plan {
 }
 
 /// Computes a map for each true finger and estimator. For scenes other than the paper's, true fingers consist of the scene's own beams only. Maps on
-/// the spring lattice are part of [its own study](super::lattice), except maps of networks. The continuum has no map: in every cell it would show the
-/// factor by which material and rods stiffen the finger, which the claim on solid elements states.
+/// the spring lattice are part of [its own study](super::lattice), except maps of networks. The continuum has no map, because every cell would show
+/// the factor by which material and rods stiffen the finger. The claim on solid elements states this factor.
 pub(crate) fn run(context: &Context) -> Result<Vec<AccuracyMap>, TruthError> {
     let finger = context.finger;
     let is_mapped = |id: &TruthId| id.kinematics().is_some() || context.is_paper && *id != TruthId::Continuum;
@@ -49,7 +49,7 @@ pub(crate) fn run(context: &Context) -> Result<Vec<AccuracyMap>, TruthError> {
 }
 
 /// Grid of the map of an estimator on a true finger. Only networks, and least squares on the scene's own beams, get the finest grid. `None` if
-/// another study covers the pair.
+/// another study covers this pair of estimator and true finger.
 fn plan(context: &Context, truth: &dyn Truth, estimator: EstimatorId) -> Result<Option<Plan>, TruthError> {
     let is_asked = if estimator.at_nodes() { context.is_paper } else { truth.id() != TruthId::Lattice };
     if !is_asked {

@@ -1,6 +1,6 @@
 //! Images of a finger under measured forces: the force sensed in each image, and the benefit of each piece of prior knowledge.
 //!
-//! The scene is used unchanged. It does not record whether these images were used to calibrate it.
+//! The scene is used unchanged. The scene does not record whether it was calibrated with these images.
 
 mod knowledge;
 mod lens;
@@ -66,7 +66,7 @@ pub struct MeasuredStudy {
     pub forces: Vec<MeasuredForce>,
     /// Residuals of all markers.
     pub residuals: Vec<MarkerResidual>,
-    /// Pictures of the residuals over those images whose files are given.
+    /// Pictures that show the residuals over the images. Only images with a given file have a picture.
     pub pictures: Vec<Picture>,
 }
 

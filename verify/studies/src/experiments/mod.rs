@@ -43,7 +43,7 @@ pub struct Context<'c> {
     pub given: &'c SceneWithOutline,
     /// The finger of the scene.
     pub finger: &'c Finger,
-    /// Whether the finger is the paper's, the only finger with reference values.
+    /// Whether the finger is the paper's finger. Only this finger has reference values.
     pub is_paper: bool,
     /// Standard deviation of the camera noise of one coordinate, mm.
     pub noise_mm: f64,

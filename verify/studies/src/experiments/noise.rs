@@ -58,8 +58,8 @@ struct Cases {
 }
 
 impl Cases {
-    /// Pairs of the paper's finger have more cases, because their figures are checked against [`BOUND_STANDARD_ERROR`]. On other fingers, the
-    /// figures are only shown. Their control variates make up for half of the cases: a mean error has a standard error of 7 % with 100 cases.
+    /// Pairs of the paper's finger have more cases, because their figures are checked against [`BOUND_STANDARD_ERROR`]. On other fingers, the figures
+    /// are only shown. Control variates then allow half as many cases: with 100 cases, a mean error has a standard error of 7 %.
     fn of(effort: Effort, is_paper: bool) -> Cases {
         match effort {
             Effort::Quick => Cases { single: 20, pairs: 0, checked: 100 },
@@ -113,7 +113,7 @@ impl NoiseStudy {
         let both = scatter_controlled(&request(cases.pairs), &[&of_pairs[0], &of_pairs[1]], &pairs, two_n, &step)?;
         let (mut nonlinear_pairs, linear_pairs): (Vec<ScatterRow>, Vec<ScatterRow>) =
             both.into_iter().partition(|row| row.estimator == EstimatorId::Nonlinear);
-        // On the paper's finger, pairs too close to the tolerance to decide are computed again, with more new cases.
+        // On the paper's finger, pairs that are too close to the tolerance for a verdict are computed again with more cases, which are newly drawn.
         let is_open = |&i: &usize| is_paper && nonlinear_pairs[i].is_near_tolerance(BOUND_TOLERANCE);
         let open: Vec<usize> = (0..pairs.len()).filter(is_open).collect();
         let sets: Vec<Vec<NodeId>> = open.iter().map(|&i| pairs[i].clone()).collect();

@@ -131,7 +131,7 @@ pub struct SpeedErrorPoint {
     pub failed: usize,
     /// Number of requested answers.
     pub asked: usize,
-    /// Whether the point is on the Pareto front of its task: no other point is both faster and more accurate. Other programs do not compete.
+    /// Whether the point is on the Pareto front of its task: no other point is both faster and more accurate. Points of other programs do not count.
     pub on_front: bool,
     /// Source of the time.
     pub timed_by: TimedBy,

@@ -10,7 +10,8 @@ pub const PAPER: ExportedFinger = ExportedFinger {
     scene: finray_fixtures::CONTINUUM_PAPER_SCENE,
     csv: finray_fixtures::CONTINUUM_PAPER,
 };
-/// The paper's finger without rods: plates and ribs in one piece. A [`Finger`] does not state the radius of its rods, so [`PROGRAM`] leaves it out.
+/// The paper's finger without rods: plates and ribs in one piece. A [`Finger`] does not state the radius of its rods, so [`PROGRAM`] does not contain
+/// this finger.
 pub const PAPER_PLAIN: ExportedFinger = ExportedFinger {
     name: "paper-plain",
     scene: finray_fixtures::CONTINUUM_PAPER_PLAIN_SCENE,

@@ -31,21 +31,21 @@ pub enum ExportError {
 pub struct Program {
     /// Name of the program.
     pub name: &'static str,
-    /// All exported fingers, one at most for each finger of a scene.
+    /// All exported fingers. At most one of them has the shapes of a given scene's finger.
     pub fingers: &'static [ExportedFinger],
-    /// Whether the first finger, of a scene, has the shapes of the second, which was exported.
+    /// Whether the first finger (from a scene) has the shapes of the second finger (exported).
     is_exported: fn(&Finger, &Finger) -> bool,
-    /// Which differences to the exported finger do not matter, for messages; empty if all do.
+    /// Text for messages: the differences from an exported finger that do not matter. Empty if every difference matters.
     ignored: &'static str,
 }
 
 impl Program {
-    /// The export that has the shapes of `finger`, regardless of names; `None` if no exported finger has.
+    /// The export that has the shapes of `finger`, regardless of names; `None` if no export has these shapes.
     pub fn export_of(&self, finger: &Finger) -> Option<&'static ExportedFinger> {
         self.fingers.iter().find(|exported| exported.finger().is_ok_and(|known| (self.is_exported)(finger, &known)))
     }
 
-    /// The exported fingers, as the beginning of a message.
+    /// Beginning of a message, which lists the exported fingers.
     pub fn coverage(&self) -> String {
         let names = self.fingers.iter().map(|exported| exported.name).collect::<Vec<_>>().join(", ");
         format!("{}'s shapes were exported for the fingers {names} only{}", self.name, self.ignored)

@@ -1,5 +1,5 @@
-//! Three fingers, and a cylinder pushed into the paper's, solved by MuJoCo: discrete elastic rods between rigid rods, with independent code.
-//! `fixtures/mujoco/README.md` describes the export and its accuracy.
+//! Shapes computed by MuJoCo for three fingers, and for the paper's finger with a cylinder pushed into it. MuJoCo solves discrete elastic rods
+//! between rigid rods, with independent code. `fixtures/mujoco/README.md` describes the export and its accuracy.
 
 use super::{ExportError, ExportedFinger, Program, rows, shape};
 use crate::prelude::*;
@@ -8,7 +8,7 @@ use crate::prelude::*;
 pub const PAPER: ExportedFinger =
     ExportedFinger { name: "paper", scene: finray_fixtures::PAPER_SCENE, csv: finray_fixtures::MUJOCO_PAPER };
 
-/// MuJoCo's fingers. Each has the shapes of the equal finger alone.
+/// The fingers that MuJoCo solved. The shapes of an export apply only to an equal finger.
 pub const PROGRAM: Program = Program {
     name: "MuJoCo",
     fingers: &[

@@ -1,7 +1,7 @@
 //! Lee's frame: a hinged right-angled frame with snap-back. It has two limit loads, one downwards and one upwards.
 //!
-//! Source: S. L. Lee, F. S. Manuel, E. C. Rossow, Large deflections and stability of elastic frames, J. Eng. Mech. Div.
-//! ASCE 94 (1968) 521-547; the limit loads to more digits from the elastic line ([`elastic_line`]).
+//! Source: S. L. Lee, F. S. Manuel, E. C. Rossow, Large deflections and stability of elastic frames, J. Eng. Mech. Div. ASCE 94 (1968) 521-547; the
+//! elastic line ([`elastic_line`]) gives the limit loads with more digits.
 
 use super::ProblemError;
 use super::elastic_line::{self, Rigidity};

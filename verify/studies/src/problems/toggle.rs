@@ -1,7 +1,7 @@
 //! Williams' toggle with snap-through: two shallow straight members, clamped, rigidly joined, loaded at the apex.
 //!
-//! Source: F. W. Williams, The non-linear behaviour of rigid jointed plane frameworks with finite deflections, Quart.
-//! J. Mech. Appl. Math. 17 (1964) 451-469; limit loads from the [`elastic_line`].
+//! Source: F. W. Williams, The non-linear behaviour of rigid jointed plane frameworks with finite deflections, Quart. J. Mech. Appl. Math. 17 (1964)
+//! 451-469; the [`elastic_line`] gives the limit loads.
 
 use super::ProblemError;
 use super::elastic_line::{self, Rigidity};

@@ -100,8 +100,8 @@ impl AccuracyMap {
         self.cells.chunks(self.request.forces_n.len().max(1)).map(move |group| group.iter().filter(wanted))
     }
 
-    /// Summary for one force (N), or for the mean over all forces. A cell with several forces counts with its worst outcome: a force without
-    /// equilibrium, otherwise a refused force.
+    /// Summary for one force (N), or for the mean over all forces. A cell with several forces has the worst outcome of its forces: without
+    /// equilibrium is worse than refused, and refused is worse than answered.
     pub fn summary(&self, force_n: Option<f64>) -> MapSummary {
         let errors = self.errors(force_n);
         let known: Vec<f64> = errors.iter().flatten().flatten().copied().collect();

@@ -137,8 +137,8 @@ impl ScatterRow {
         self.cases + self.refused
     }
 
-    /// Whether more cases are needed: a root mean square of error / bound differs from 1 by more than `tolerance`, or by less but with a margin below
-    /// two standard errors.
+    /// Whether more cases are needed: a root mean square of error / bound differs from 1 by more than `tolerance`, or is within `tolerance` by less
+    /// than two standard errors.
     pub fn is_near_tolerance(&self, tolerance: f64) -> bool {
         let mut figures = self.forces.iter().chain(&self.sum).filter_map(|scatter| scatter.bound?.controlled);
         figures.any(|found| (found.over_bound_controlled - 1.0).abs() + 2.0 * found.standard_error > tolerance)

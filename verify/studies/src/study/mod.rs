@@ -176,7 +176,7 @@ study! { |context|
     "lattice, objects":
         /// Results on the paper's finger as a lattice of rigid bodies and springs.
         lattice: Option<lattice::LatticeStudy>,
-        /// Results of contact scenes: the shipped scenes for the paper's finger, else the scene's own object.
+        /// Results of contact scenes: the shipped scenes for the paper's finger, otherwise the scene's own object.
         contact_scenes: Vec<SceneStudy> = lattice::run_beside_objects(context, &maps);
     "grasp":
         /// Results of objects grasped by two fingers; only for the paper's finger in a full study.

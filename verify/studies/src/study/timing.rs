@@ -1,4 +1,4 @@
-//! Computation times of models and estimators that were measured outside the report: by the library criterion, or of other programs.
+//! Computation times that were measured outside the report: finray's times by the benchmark library criterion, and times of other programs.
 
 use super::Study;
 use crate::experiments::speed_error::criterion::{self, CriterionTimes};
@@ -8,7 +8,7 @@ use std::path::Path;
 
 impl Study {
     /// Replaces the report's times by the times of the benchmark library criterion, for all points that criterion has measured. Criterion's times
-    /// hold for the paper's finger only.
+    /// apply only to the paper's finger.
     pub fn take_criterion(&mut self, folder: &Path, times: &CriterionTimes) {
         let folder = folder.display();
         if !self.is_paper {
@@ -19,7 +19,7 @@ impl Study {
         let taken = criterion::take_times(&mut self.speed_error, times);
         let all = self.speed_error.len();
         self.timing_notes.push(match taken {
-            0 => format!("Criterion's results in {folder} have none of these points (cargo bench -p finray-bench --bench speed_error)."),
+            0 => format!("Criterion's results in {folder} contain none of these points (cargo bench -p finray-bench --bench speed_error)."),
             _ => format!("The times of {taken} of {all} points are criterion's medians, from {folder}."),
         });
         if let Some(first) = times.unreadable.first() {
@@ -57,8 +57,8 @@ impl Study {
             ));
         }
         self.timing_notes.push(format!(
-            "{} points are of other programs, timed by bench/peers{machine}, for the same nodes and forces as ours. They take no part in the \
-             dotted line.",
+            "{} points are of other programs, timed by bench/peers{machine}, for the same nodes and forces as ours. The dotted line \
+             excludes these points.",
             same.len()
         ));
         self.speed_error.extend(same.into_iter().map(SpeedErrorPoint::from));

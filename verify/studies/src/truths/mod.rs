@@ -44,7 +44,7 @@ struct TruthRow {
 }
 
 impl TruthId {
-    /// Kinematics if this true finger consists of the scene's own beams, so that a network can be trained on it; else `None`.
+    /// Kinematics if this true finger consists of the scene's own beams, so that a network can be trained on this finger; otherwise `None`.
     pub fn kinematics(self) -> Option<Kinematics> {
         self.row().kinematics
     }
@@ -78,7 +78,7 @@ pub enum TruthError {
     /// The lattice of the finger cannot be built.
     #[error(transparent)]
     Lattice(#[from] LatticeError),
-    /// An export has no shapes of the finger, or none under a force.
+    /// An export has no shapes of the finger, or no shape under a force.
     #[error("--truth {0}: {1}")]
     NotExported(TruthId, #[source] NotExported),
     /// The finger has no digital twin.
@@ -89,7 +89,7 @@ pub enum TruthError {
 /// Positions along the front plate (mm from the base), and directions (degrees from the inward normal).
 pub type Positions = (Vec<f64>, Vec<f64>);
 
-/// A true finger. It gives the shape of the simulated finger under a force.
+/// A true finger, which returns the shape of the simulated finger under a force.
 pub trait Truth: Sync {
     /// Type of this true finger.
     fn id(&self) -> TruthId;

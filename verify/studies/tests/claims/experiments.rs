@@ -50,7 +50,7 @@ fn a_wrong_direction_costs_more_on_the_other_side() {
     assert!((low - 0.026).abs() < 0.001 && (high - 0.040).abs() < 0.001, "{low} {high}");
 }
 
-/// Half of the noise doubles the distance between the shapes; equal forces have the distance zero.
+/// Half the noise doubles the distance between the shapes. For equal forces, the distance is zero.
 #[test]
 fn exchanged_forces_are_apart_by_their_shapes_and_the_noise() {
     let finger = paper();

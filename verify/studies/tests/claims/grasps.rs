@@ -1,4 +1,4 @@
-//! Verdicts on grasps, confirming and rejecting, from observations.
+//! Observations of grasps lead to confirming and to rejecting verdicts.
 
 use finray_model::estimators::EstimatorId;
 use finray_studies::claims::grasps::{crossing, left_right, order, pick_and_place, untouched};

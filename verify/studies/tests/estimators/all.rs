@@ -7,10 +7,10 @@ use finray_model::sensing::Pad;
 use finray_studies::truths::TruthId;
 use finray_tests::{CAMERA_NOISE_MM, at_node, paper};
 
-/// Tolerance of the relative error. For a small force in the middle, linear estimators have an error of 1 %, and networks a smaller one.
+/// Tolerance of the relative error. For a small force in the middle, linear estimators have an error of 1 %, and networks have a smaller error.
 const TOLERANCE: f64 = 0.02;
 
-/// Every estimator senses 0.5 N in the middle of the co-rotational finger, both prepared and asked once.
+/// Every estimator senses 0.5 N in the middle of the co-rotational finger, both as a prepared estimator and in a single call.
 #[test]
 fn every_estimator_finds_a_small_force() {
     let finger = paper();

@@ -65,8 +65,8 @@ fn intervals_cover_the_truth_where_no_noise_is_stated() {
     }
 }
 
-/// Tests every estimator of the beam model over positions, directions and forces of the 684-node finger. Of the answers without a warning, 95 % lie
-/// within 1.96 standard deviations; of the answers with a warning, at least 95 %.
+/// Tests every estimator of the beam model over positions, directions and forces of the 684-node finger. The true force is within 1.96 stated
+/// standard deviations for 95 % of the answers without a warning, and for at least 95 % of the answers with a warning.
 #[test]
 fn stated_intervals_cover_the_truth_over_the_map() {
     let finger = paper();

@@ -197,7 +197,7 @@ fn errors_of_a_network_and_of_its_model_are_separate() {
     }
 }
 
-/// Weights that a finger carries, but its coarsest mesh does not carry, once ended the report.
+/// The report once failed under weights that a finger carries but that its coarsest mesh does not carry.
 #[test]
 fn weights_that_a_coarse_model_does_not_carry_do_not_calibrate_it() {
     let snapping = finger_of(

@@ -96,8 +96,8 @@ fn beams_without_arms_are_as_far_from_continua_as_stated() {
     );
 }
 
-/// On the continuum the paper's protocol finds a stiffer finger and senses it within some per cent; the paper's finger was sensed 56 % too strong at
-/// node 14, 12 % at 16 and 20 % at 24. The bound is the report's criterion for a cause.
+/// On the continuum, the paper's protocol finds a stiffer finger, and senses forces within some per cent. In the paper, sensed forces were too large
+/// by 56 % at node 14, 12 % at node 16 and 20 % at node 24. The bound is the report's criterion for a cause.
 #[test]
 fn the_continuum_does_not_explain_the_papers_errors_at_tip_and_base() {
     let tables = tables_one(&paper()).expect("every force has a shape");
@@ -117,8 +117,8 @@ fn the_continuum_does_not_explain_the_papers_errors_at_tip_and_base() {
 /// Relative error of beam theory in sensed forces that the scene states below: the root mean square over the forces on `paper` and `thick`, rounded.
 const MODEL_ERROR: f64 = 0.008;
 
-/// Relative errors of the sensed forces without noise, up to 3 N and not on the tip, and their residuals (root mean square) relative to the largest
-/// displacement, of one finger.
+/// Results on one finger without noise, under forces up to 3 N that do not act on the tip: relative errors of the sensed forces, and root mean square
+/// residuals relative to the largest displacement.
 fn errors_of_beams(exported: &ExportedFinger) -> (Vec<f64>, Vec<f64>) {
     let finger = exported.finger().expect("a scene");
     let mesh = Mesh::with_elements_per_member(&finger, 8);
@@ -178,7 +178,7 @@ fn sensed_forces_on_continua_are_as_near_as_stated() {
 }
 
 /// With the stated error of beam theory, the 95 % intervals on the tested continua contain the force in 90 to 98 % of all samples with the paper's
-/// noise, and in more with less noise. Refusals count as misses. Without the stated error, the intervals contain the force less often.
+/// noise, and in more than 90 % with less noise. Refusals count as misses. Without the stated error, the intervals contain the force less often.
 #[test]
 fn intervals_with_a_model_error_hold_on_continua() {
     let mut figures = Vec::new();
@@ -225,7 +225,7 @@ fn intervals_with_a_model_error_hold_on_continua() {
     println!("model error, noise (mm), share that holds, mean width relative to the force: {figures:?}");
     let held: Vec<f64> = figures.iter().map(|(_, _, held, _)| *held).collect();
     assert!((0.90..0.98).contains(&held[0]), "with the paper's noise: {figures:?}");
-    // With less noise the errors of beam theory dominate. The tested continua all lie within two of its standard deviations.
+    // With less noise the errors of beam theory dominate. On all tested continua, these errors are within two stated standard deviations.
     assert!(held[1] > 0.90, "with little noise: {figures:?}");
     assert!(held[2] < 0.9 && held[3] < 0.6, "without the model error: {figures:?}");
 }

@@ -86,8 +86,8 @@ fn larger_forces_are_identifiable_in_more_directions() {
     assert!(shares[0] < shares[1] && shares[1] < shares[2], "{shares:?}");
 }
 
-/// For a push along the deformed normal, the estimator that assumes this direction has the smallest error and no bias. The undeformed normal has an
-/// error equal to the rotation of the plate.
+/// For a push along the deformed normal, the estimator that assumes this direction has the smallest error and no bias. Assuming the undeformed normal
+/// causes an error equal to the rotation of the plate.
 #[test]
 fn the_deformed_normal_is_worth_assuming() {
     let mean = |assumed: Assumption| {

@@ -17,7 +17,7 @@ fn tables_hold_the_cases_of_the_manifest() {
         let stated = record["largest_uncertainty"].as_f64().expect("a number");
         let largest =
             cases.iter().map(|case| case.uncertainty_mm / case.shape.largest_displacement_mm()).fold(0.0, f64::max);
-        // Tables have two significant digits of an uncertainty.
+        // Tables contain uncertainties with two significant digits.
         assert!((largest / stated - 1.0).abs() < 0.05, "{}: {largest}, not {stated}", exported.name);
         assert!(cases.iter().all(|case| case.uncertainty_rad.is_none()));
     }

@@ -20,8 +20,8 @@ const SENSED_TOLERANCE: f64 = 0.05;
 /// errors of 1e-14 mm, and its springs have some 1e4 N/mm.
 const BALANCE_TOLERANCE_N: f64 = 1e-6;
 const BALANCE_TOLERANCE_NMM: f64 = 1e-4;
-/// Tolerance between two formulations in MuJoCo, as a share of the largest displacement; beams have the same tolerance. The second formulation has
-/// gaps of 1e-4 mm in its welds, and coarse meshes.
+/// Tolerance between two formulations in MuJoCo, as a share of the largest displacement; the comparison with beams has the same tolerance. The second
+/// formulation has gaps of 1e-4 mm in its welds, and coarse meshes.
 const GUARD_TOLERANCE: f64 = 3e-4;
 
 fn folder() -> PathBuf {

@@ -35,7 +35,7 @@ fn elastica_rows() {
 #[test]
 fn lee_frame_limit_loads() {
     let checks = lee_frame::checks().expect("the path is followed");
-    // The number of limit loads, the first against literature, both against shooting, and stability.
+    // Checks of the number of limit loads, the first limit load against literature, both limit loads against shooting, and stability.
     assert_eq!(checks.len(), 5);
     assert_all_pass(&checks);
 }

@@ -4,7 +4,7 @@ use crate::check::assert_all_pass;
 use finray_studies::problems::lattice;
 use finray_tests::paper;
 
-/// The checks of the report: against beams, linear theory and settling, and of repeatability.
+/// The report's checks compare the lattice with beams, linear theory and settled shapes, and test repeatability.
 #[test]
 fn paper_finger_is_that_of_beams() {
     let checks = lattice::checks(&paper()).expect("every load has an equilibrium");

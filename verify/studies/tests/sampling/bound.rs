@@ -54,7 +54,7 @@ fn every_node_and_pair_reaches_the_bound() {
             assert_efficient(&format!("{:?}", row.nodes), scatter, cases, TOLERANCE);
         }
     }
-    // For the first forces of all rows together, chance is small.
+    // In means over the first forces of all rows, chance is small.
     let mean = |quantity: fn(&Scatter) -> Option<f64>| {
         let first: Option<Vec<f64>> = single.iter().chain(&pairs).map(|row| quantity(&row.forces[0])).collect();
         let first = first.expect("there is noise");

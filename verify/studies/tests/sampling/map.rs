@@ -71,7 +71,7 @@ fn one_refused_force_refuses_the_mean_over_all() {
     assert_eq!(both.summary(Some(1.0)).answered, 1);
 }
 
-/// A rounding error put the last position of a finger without ribs beyond the tip, and its report failed.
+/// For a finger without ribs, a rounding error once put the last position beyond the tip, and the report failed.
 #[test]
 fn a_grid_ends_at_the_tip() {
     let description = paper().description().clone();

@@ -3,10 +3,11 @@
 use finray_studies::truths::TruthId;
 use finray_tests::{at_node, paper};
 
-/// A finger that is softer at its ends, or of another discretisation, still bends as beams do: within this factor of the linear finger.
+/// A true finger may be softer at its ends or have another discretisation. Its displacement still differs from the linear finger's by less than this
+/// factor.
 const SOFTER: f64 = 2.0;
 
-/// Every truth of the paper's finger answers to 1 N in the middle, away from the force, and by about as much as the linear finger.
+/// Under 1 N in the middle, every true finger moves in the direction of the force, by about as much as the linear finger.
 #[test]
 fn every_truth_bends_away_from_a_force() {
     let finger = paper();

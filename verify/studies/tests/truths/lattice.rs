@@ -7,7 +7,7 @@ use finray_studies::truths::TruthId;
 use finray_studies::truths::{LATTICE_FINENESS, MeshTruth, Truth, fine_mesh};
 use finray_tests::{at_position, paper};
 
-/// The third finger of the maps, at positions between nodes as well, is that of beams.
+/// The lattice has the shapes of co-rotational beams, also under forces between nodes.
 #[test]
 fn lattice_truth_is_that_of_beams() {
     let finger = paper();

@@ -65,7 +65,7 @@ fn the_pose_may_come_from_an_image_at_rest() {
     // A bent finger is rejected as a finger at rest.
     let message = finray(&["locate", &scene, "--image", &image, "--rest", &image]).refused();
     assert_says(&message, &["unloaded"]);
-    // The effect of a small load may also be markers beside their nodes, so it causes only a warning.
+    // Markers beside their nodes may have the same effect as a small load, so a small load causes only a warning.
     let (bent, _) = image_of(&folder, "bent.png", "80:0.05", &[]);
     let (_, warnings) = finray(&["locate", &scene, "--image", &image, "--rest", &bent]).warned();
     assert_says(
@@ -180,7 +180,7 @@ fn intervals_of_forces_and_bases_hold_on_images_of_an_exact_finger() {
 /// background was sampled beyond the blur of bracket and rib. They do not touch the inner edge of the ring.
 #[test]
 fn strips_that_meet_at_a_ring_do_not_pull_its_centre() {
-    // Measured: 0.008 mm. The error is 0.023 mm if contradictory edges keep their weights, and 0.060 mm with the outer edge alone.
+    // The measured error is 0.008 mm. It was 0.023 mm if contradictory edges kept their weights, and 0.060 mm with the outer edge alone.
     const LARGEST_MM: f64 = 0.015;
     let folder = Folder::new();
     let scene = BRACKETED_SCENE

@@ -16,7 +16,7 @@ fn scenes_of_two_fingers(folder: &Folder) -> [String; 2] {
 /// Topic, stamp (s) and force (N) of a recorded wrench.
 type Wrench = (String, f64, [f64; 3]);
 
-/// The wrenches and the lines of JSON in a recording. Decoded by hand from the standard of CDR.
+/// The wrenches and the lines of JSON in a recording. The function decodes CDR by its standard, without a library.
 fn recorded(bytes: &[u8], options: &[mcap::read::Options]) -> (Vec<Wrench>, Vec<Value>) {
     let (mut wrenches, mut found) = (Vec::new(), Vec::new());
     let messages =
@@ -48,7 +48,7 @@ fn recorded(bytes: &[u8], options: &[mcap::read::Options]) -> (Vec<Wrench>, Vec<
     (wrenches, found)
 }
 
-/// Two fingers in one image are sensed apart. The recording has the same lines, and the forces as vectors in the finger frame.
+/// Two fingers in one image are sensed separately. The recording has the same lines, and the forces as vectors in the finger frame.
 #[test]
 fn two_fingers_in_one_image_are_distinguished_and_recorded() {
     let folder = Folder::new();
@@ -87,7 +87,7 @@ fn two_fingers_in_one_image_are_distinguished_and_recorded() {
     }
 }
 
-/// Positions of several fingers are distinguished by name, as JSON and as a table. A name that is not expected refuses the frame.
+/// Positions of several fingers are distinguished by name, as JSON and as a table. A frame with an unexpected name is refused.
 #[test]
 fn positions_of_several_fingers_have_names() {
     let folder = Folder::new();

@@ -39,7 +39,7 @@ fn fetched(port: u16, method: &str, path: &str, host: &str) -> String {
     answer
 }
 
-/// The page draws the finger; each event is the printed line; the last event states the end. Other requests are refused.
+/// The page draws the finger; each event contains a printed line; the last event states the end of the stream. Other requests are refused.
 #[test]
 fn a_page_shows_each_line() {
     let Served { mut child, mut err, port } = served(&[]);

@@ -109,7 +109,7 @@ fn nothing_claims_more_independence_than_there_is() {
         }
     }
     assert!(PAPERS.pages().contains("Material and joints of a real finger are not verified here"));
-    // Beam theory is compared where a continuum exists, without a verdict; elsewhere the page says that it is not.
+    // Beam theory is compared with a continuum, without a verdict. For a finger without a continuum solution, the page states that there is none.
     let summary = PAPERS.summary();
     let median = |beams: &str| {
         let found = array(&summary, "comparisons").iter().find(|entry| {

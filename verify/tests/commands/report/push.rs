@@ -9,7 +9,7 @@ use finray_push::{Knowledge, MESH_NODES, Push, Pushed, PushedFinger, Sensed};
 use finray_tests::{case_count, random_stream};
 use rand::RngExt;
 
-/// Pointer, keys and choices change the drawing without script errors. If there is no force, none is shown.
+/// Pointer, keys and choices change the drawing without script errors. Without a sensed force, the page shows no force.
 #[test]
 fn the_finger_of_the_page_can_be_pushed() {
     let Some(browser) = browser::browser() else { return };

@@ -33,7 +33,7 @@ fn twelve_normal_forces_are_separable() {
     assert_close(&forces, &truth.iter().map(|(_, _, force)| *force).collect::<Vec<_>>(), 100.0 * SENSED);
 }
 
-/// Least squares for one contact, computed by hand: f = c.u / c.c and sigma = noise / |c|, where c holds the displacements under 1 N. The measured
+/// Least squares for one contact, computed by hand: f = c.u / c.c and sigma = noise / |c|, with the displacements c under 1 N. The measured
 /// displacements u are a multiple of c plus a part that no force explains, like noise.
 #[test]
 fn force_and_sigma_are_those_of_least_squares() {

@@ -59,7 +59,7 @@ fn the_stated_deviation_is_that_of_sense() {
     assert_close(&table.numbers("sigma_n")[row..=row], &sigma, LINEAR_ROUNDING);
 }
 
-/// MuJoCo's directions are 30 degrees apart, those of the continuum 20: both have the normal alone.
+/// MuJoCo's directions are 30 degrees apart, the continuum's directions 20 degrees. The normal is the only common direction.
 #[test]
 fn exported_fingers_are_swept_where_all_have_shapes() {
     let sweep = ["sweep", PAPER, "--truth", "mujoco,continuum", "--estimator", "least-squares", "--force-n", "3"];
@@ -82,11 +82,11 @@ fn sweeps_that_make_no_sense_are_refused() {
     ] {
         assert_says(&finray(&with(&["sweep", PAPER], &arguments)).refused(), &[expected]);
     }
-    // No shipped network is for another finger than the paper's.
+    // All shipped networks are for the paper's finger.
     assert_says(&finray(&["sweep", SPRING_STEEL, "--estimator", "network"]).refused(), &["no network ships"]);
 }
 
-/// Networks give forces for the contacts of their training, and the nonlinear estimator for all contacts.
+/// Networks return forces only for the contacts of their training; the nonlinear estimator returns forces for all contacts.
 #[test]
 fn every_estimator_can_be_mapped() {
     let folder = Folder::new();

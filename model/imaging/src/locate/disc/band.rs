@@ -22,8 +22,9 @@ pub(super) struct Band {
     sector: Vec<u32>,
     /// For brightness and for colour, three values per pixel: squared contrast, contrast times light above background, and squared light above background.
     light: [[Vec<f32>; 3]; PARTS],
-    /// For brightness and for colour at the last edge, three values per pixel. The first is the disc's share of the pixel's light. The second is the increase
-    /// of this share per px by which the edge moves outwards. The third is the second times the pixel's distance outside the edge in units of the blur.
+    /// For brightness and for colour at the last edge, three values per pixel. The first value is the disc's share of the pixel's light. The second
+    /// value is the increase of this share per px by which the edge moves outwards. The third value is the second value times the pixel's distance
+    /// outside the edge in units of the blur.
     share: [[Vec<f32>; 3]; PARTS],
     edge: Edge,
 }

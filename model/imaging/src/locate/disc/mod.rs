@@ -1,12 +1,12 @@
-//! Measurement of the centre of a disc from the light of the pixels about its edge. The light of a pixel is its brightness and two components of colour, grey
-//! levels.
+//! Measurement of the centre of a disc from the light of the pixels about its edge. The light of a pixel consists of its brightness and two
+//! components of colour, in grey levels.
 //!
-//! A pixel at the distance d (px) outside the disc's edge is modelled as background + (disc - background) Phi(-d / b). This is an edge blurred by a Gaussian of
-//! standard deviation b, with Phi the normal distribution function. Brightness and colour have separate blurs b, because compressed images store colour with
-//! fewer pixels. The disc's light varies linearly over its inside. The background may differ from sector to sector around the disc, because plates and ribs
-//! cross it; between the middles of two sectors, it is interpolated. Centre, radius and both blurs follow from least squares over the pixels of the edge.
-//! Pixels are weighted by the squared contrast, because the noise is the same everywhere. Sectors that do not look like an edge (an occluder, another marker)
-//! are omitted.
+//! A pixel at the distance d (px) outside the disc's edge is modelled as background + (disc - background) Phi(-d / b). This is an edge blurred by a
+//! Gaussian of standard deviation b, with Phi the normal distribution function. Brightness and colour have separate blurs b, because compressed
+//! images store colour with fewer pixels. The disc's light varies linearly over its inside. The background may differ from sector to sector around
+//! the disc, because plates and ribs cross it; between the middles of two sectors, the background is interpolated. Centre, radius and both blurs
+//! follow from least squares over the pixels of the edge. Pixels are weighted by the squared contrast, because the noise is the same everywhere.
+//! Sectors that do not look like an edge (an occluder, another marker) are omitted.
 //!
 //! Distances are measured in the finger's plane, where the disc is a circle, so that perspective and lens distortion are taken into account.
 

@@ -177,7 +177,7 @@ impl Shades {
         }
     }
 
-    /// Fits a plane to the brightness inside the disc, and applies its relative slope also to colour. Omits pixels of an occluder.
+    /// Fits a plane to the brightness inside the disc, and applies the relative slope of this plane to colour as well. Omits pixels of an occluder.
     fn find_inside(&mut self, pixels: &Pixels, edge: &Edge) -> Option<()> {
         let mut median = [0.0; 3];
         for (median, light) in median.iter_mut().zip(&pixels.light) {

@@ -8,8 +8,8 @@ use super::{Candidate, Marked, Names};
 use finray_model::Vector;
 use finray_model::finger::Plate;
 
-/// Two candidates are a pair only if the cost of their distance is at most this. The value is the cost of three times the length error that has cost
-/// 1.
+/// Two candidates are a pair only if the cost of their distance is at most this. The value is the cost of a length error that is three times as large
+/// as the error with cost 1.
 const MOST_OF_RIB: f64 = 9.0;
 /// At most this number of pairs is considered for a rib, those with the best lengths first.
 const MOST_PAIRS: usize = 64;

@@ -160,9 +160,9 @@ fn circle(view: &GreyView, shape: &RimShape, mut centre: Vector) -> Option<(Circ
     last.filter(is_rim)
 }
 
-/// The rim of a ring, with the weighted mean of the centres of its outer and inner edge. `None` for a disc, or if the inner edge is not a circle. Strips behind
-/// a ring shift its outer edge but not its inner edge. If the two centres contradict each other, the variance of the outer centre is therefore raised until
-/// they agree.
+/// The rim of a ring, with the weighted mean of the centres of its outer and inner edge. `None` for a disc, or if the inner edge is not a circle.
+/// Strips behind a ring shift its outer edge but not its inner edge. If the two centres contradict each other, the variance of the outer centre is
+/// therefore raised until the centres agree.
 fn with_inner_edge(view: &GreyView, shape: &RimShape, rim: Rim) -> Option<Rim> {
     let shade = match shape.shade {
         Shade::Bright => Shade::Dark,

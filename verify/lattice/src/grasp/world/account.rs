@@ -14,7 +14,7 @@ use serde::Serialize;
 /// of the springs. No value is computed from the others, so an imbalance shows an error of the integration or of the forces.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Account {
-    /// Work done by the bases, and by the numerical resistance, which carries an object along with the gripper, N mm.
+    /// Work done by the bases and by the numerical resistance that carries an object along with the gripper, N mm.
     pub driven_nmm: f64,
     /// Elastic energy of the fingers, N mm.
     pub elastic_nmm: f64,
@@ -24,7 +24,7 @@ pub struct Account {
     pub friction_nmm: f64,
     /// Work against the numerical resistance during snaps and while the object comes to rest, N mm.
     pub resistance_nmm: f64,
-    /// Largest decrease of [`lost_nmm`](Self::lost_nmm) below its maximum so far, N mm: energy that errors have created.
+    /// Largest decrease of [`lost_nmm`](Self::lost_nmm) below its maximum so far, N mm: energy created by numerical errors.
     pub created_nmm: f64,
     /// Sum of the absolute imbalances of all increments, N mm: an estimate of the error of all work integrals.
     pub error_nmm: f64,
@@ -84,7 +84,7 @@ impl World<'_> {
         }
     }
 
-    /// Energy balance of the last solved increment. `drive` and `start` are the placements and the forces at the beginning of the increment.
+    /// Energy balance of the last solved increment. The increment begins with the placements `drive` and the forces `start`.
     pub(super) fn booked(&self, drive: &Drive, start: &Acting) -> Account {
         let (end, [from, to]) = (&self.acting, [&self.before, &self.state]);
         let mean = |of: &dyn Fn(&Acting) -> f64| 0.5 * (of(start) + of(end));

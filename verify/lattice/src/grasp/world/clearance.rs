@@ -8,7 +8,7 @@ use finray_model::Vector;
 use finray_model::finger::{FingerPoint, Plate};
 use finray_model::gripper::Placement;
 
-/// Bodies count as overlapping only above this depth, mm; rounding causes less.
+/// Two bodies count as overlapping only above this depth, mm; rounding errors are smaller.
 const ROUNDING_MM: f64 = 1e-9;
 
 /// A deformed part of a finger's front surface: all points within a radius (mm) of a line segment, world frame.

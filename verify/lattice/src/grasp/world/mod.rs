@@ -1,4 +1,4 @@
-//! Fingers on moving bases with an object and its support. The bases move, and each equilibrium is followed to the next.
+//! Fingers on moving bases with an object and its support. The bases move in increments, and each equilibrium is computed from the previous one.
 
 mod account;
 mod clearance;
@@ -133,7 +133,8 @@ impl<'l> World<'l> {
         self.attempt(|world| world.move_to(to).and_then(|()| world.come_to_rest(FIRST_DRAG, BOLDER)))
     }
 
-    /// Moves the fingers' bases and applies the weight, without waiting for rest. An object without contact is then held only by numerical resistance.
+    /// Moves the fingers' bases and applies the weight, without waiting for rest. During this motion, only numerical resistance holds an object
+    /// without contact.
     ///
     /// # Errors
     /// As for [`advance`](Self::advance).

@@ -6,7 +6,7 @@ use finray_model::gripper::Placement;
 
 /// A snap (a jump to another equilibrium) is assumed if no increment of at least this share of a step is solved.
 const LEAST_PART: f64 = 1.0 / 16.0;
-/// Limit as [`LEAST_PART`], but for increments that are solved and violate the energy balance.
+/// Same limit as [`LEAST_PART`], for increments that are solved but violate the energy balance.
 const LEAST_LEAP: f64 = 1.0 / 256.0;
 /// An increment is rejected above this energy imbalance, relative to the energy that bends a finger by the object's size.
 const MISSING: f64 = 1e-4;
@@ -25,7 +25,7 @@ const DRAG_FACTOR: f64 = 10.0;
 const LESS: f64 = 3.0;
 /// Number of solved increments in a row before a larger increment, or less resistance, is tried.
 pub(super) const BOLDER: usize = 2;
-/// An increment fails if the object or a body moves farther than this share of the object's size plus the displacement of the fingers' bases.
+/// An increment fails if the object or a body moves farther than the displacement of the fingers' bases plus this share of the object's size.
 const FARTHEST: f64 = 0.1;
 /// Everything counts as at rest if the force of the numerical resistance is at most this share of the largest contact force or of the weight. Unless the
 /// resistance is at its minimum, the last displacement must also be at most this share of the object's size.
@@ -115,8 +115,8 @@ impl World<'_> {
         ways.map(|(finger, (a, b))| (tip(finger, b) - tip(finger, a)).norm()).fold(0.0, f64::max)
     }
 
-    /// Lets the object move until the numerical resistance is negligible compared with the contact forces. It begins with the resistance `drag`, under
-    /// which the last `solved` increments were solved.
+    /// Lets the object move until the numerical resistance is negligible compared with the contact forces. The first increment has the resistance
+    /// `drag`, under which the last `solved` increments were solved.
     pub(super) fn come_to_rest(&mut self, mut drag: f64, mut solved: usize) -> Result<(), GraspFailure> {
         let drive = self.drive.clone();
         // Number of solved increments before less resistance is tried; doubled each time that less resistance fails.
@@ -139,7 +139,8 @@ impl World<'_> {
             let moved_mm = self.scene.way_mm(&held, &self.state);
             let resistance_n = drag * self.scene.stiffness * moved_mm;
             let forces = self.near_pairs().into_iter().filter_map(|pair| self.state.forces.get(&pair.key).copied());
-            // Below this force nothing counts as a contact. A finger may snap off an object held by a hand, and then rests without contact force.
+            // Lower limit of the force to which the resistance is compared. A finger that has snapped off an object held by a hand rests without
+            // contact force.
             let least_n = drive.weight.norm().max(self.scene.nothing_n());
             let largest_n = forces.map(|[normal, _]| normal).fold(least_n, f64::max);
             if resistance_n <= AT_REST * largest_n && (drag <= DRAG || moved_mm <= AT_REST * self.scene.size_mm) {

@@ -65,7 +65,7 @@ const fn assumed(item: &'static str, setting: &'static str, change: AssumedChang
     Condition { item, setting, change: Change::Assumed(change), is_rest_seen }
 }
 
-/// All conditions. The first is the scene's camera unchanged, and a quick study uses only the first few.
+/// All conditions. The first condition is the scene's unchanged camera. A quick study uses only the first few conditions.
 pub(super) const CONDITIONS: &[Condition] = &[
     image(super::AS_IT_IS, "noise 2 of 255, blur 0.8 px", ORDINARY),
     image("resolution", "1/4 along each side", ImageChange { resolution: 0.25, ..ORDINARY }),

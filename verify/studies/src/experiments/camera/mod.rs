@@ -1,8 +1,8 @@
 //! From image to force: effects of noise, blur, resolution, markers, compression, lens, pose and height on displacement and force.
 //!
-//! A known force at a node deforms the finger. The scene's camera sees the finger in a rendered image, in which the markers are located. The force
-//! is sensed with the same beams, so that all errors come from the camera. Errors in the assumed camera (lens, pose, height) need no image: points
-//! are projected by the true camera and read with the assumed one.
+//! A known force at a node deforms the finger. The scene's camera sees the finger in a rendered image, in which the markers are located. The
+//! estimator uses the same beam model as the simulated finger, so all errors come from the camera. Errors in the assumed camera (lens, pose, height)
+//! need no image: points are projected by the true camera and read with the assumed one.
 
 mod conditions;
 mod tried;
@@ -32,7 +32,8 @@ pub struct CameraRow {
     pub setting: &'static str,
     /// Whether images were rendered and searched; otherwise points were projected.
     pub in_images: bool,
-    /// Whether displacements are relative to the undeformed finger seen by the same camera; otherwise to the scene's undeformed positions.
+    /// Whether displacements are relative to the undeformed finger seen by the same camera; otherwise they are relative to the scene's undeformed
+    /// positions.
     pub is_rest_seen: bool,
     /// Number of markers of free nodes in all images.
     pub markers: usize,
@@ -170,7 +171,7 @@ impl CameraStudy {
         self.rows.first()
     }
 
-    /// Root mean square relative error of a force over the nodes of the rows, by the Cramer-Rao bound, for independent noise `noise_mm` (mm).
+    /// Root mean square, over the nodes of the rows, of the relative force error at the Cramer-Rao bound for independent noise of `noise_mm` (mm).
     pub fn bound_rms(&self, noise_mm: f64) -> Option<f64> {
         let asked = self.needed.iter().filter(|needed| self.nodes.contains(&needed.node));
         rms(asked.map(|needed| ASKED_ERROR * noise_mm / needed.noise_mm))

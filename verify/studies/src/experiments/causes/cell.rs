@@ -103,7 +103,8 @@ impl Squared {
         estimator.reset();
         // The stated noise only decides how large a misfit counts as an outlier.
         let sensed = estimator.estimate(seen, Some(noise_mm.max(LEAST_STATED_MM))).ok()?.forces;
-        // With a wrong model, the stated standard deviation follows the residual instead of the noise, so it is scaled back.
+        // With a wrong model, the stated standard deviation follows the residual instead of the noise, so the standard deviation is scaled to the
+        // noise.
         Some(Squared::of(sensed.forces_n[0], sensed.sigmas_n[0] * noise_mm / sensed.noise_mm, force_n))
     }
 

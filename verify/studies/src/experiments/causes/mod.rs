@@ -1,9 +1,9 @@
-//! Causes of sensing errors: the error removed by eliminating one cause, and the remaining error after several.
+//! Causes of sensing errors: the error that disappears without one cause, and the error that remains without several causes.
 //!
-//! A true finger, co-rotational on a fine mesh, is pushed at a position in a direction. Sensing follows a user's practice. This practice treats softer parts
-//! of the finger as uniform, and calibrates the modulus by shapes under weights. It assumes a direction and a position with errors, and uses a noisy camera.
-//! Each [`Cause`] can be eliminated separately. The share of a cause is the part of the mean square error that disappears without it. Shares need not add up
-//! to one: errors of equal sign reinforce each other when squared, and a cause that compensates another has a negative share.
+//! A true finger, co-rotational on a fine mesh, is pushed at a position in a direction. Sensing follows a user's practice. The user ignores softer
+//! zones of the finger, calibrates the modulus by shapes under weights, assumes a direction and a position with errors, and has a noisy camera. Each
+//! [`Cause`] can be eliminated separately. The share of a cause is the part of the mean square error that disappears without it. Shares need not add
+//! up to one: errors of equal sign reinforce each other when squared, and a cause that compensates another has a negative share.
 
 mod cell;
 mod models;
@@ -27,23 +27,23 @@ pub const POSITION_OFF_MM: f64 = 1.5;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Cause {
-    /// Noise of the camera. Eliminated: no noise.
+    /// Noise of the camera. Eliminated by measurements without noise.
     Noise,
-    /// Assumption of small rotations. Eliminated: the nonlinear estimator. (The mesh is no cause, because the linear finger is exact at its key nodes
-    /// on any mesh.)
+    /// Assumption of small rotations. Eliminated by the nonlinear estimator. (The mesh is no cause, because the linear finger is exact at its key
+    /// nodes on any mesh.)
     Linearisation,
-    /// Young's modulus calibrated by the model from shapes under weights (paper, eq. (11)). Eliminated: the true modulus.
+    /// Young's modulus calibrated by the model from shapes under weights (paper, eq. (11)). Eliminated by the true modulus.
     Modulus,
-    /// Assumed direction, wrong by [`DIRECTION_OFF_DEG`] to either side. Eliminated: the true direction.
+    /// Assumed direction, wrong by [`DIRECTION_OFF_DEG`] to either side. Eliminated by the true direction.
     Direction,
-    /// Assumed position, wrong by [`POSITION_OFF_MM`] to either side. Eliminated: the true position.
+    /// Assumed position, wrong by [`POSITION_OFF_MM`] to either side. Eliminated by the true position.
     #[serde(rename = "position")]
     Position,
-    /// Unknown zones nearer to the base than to the tip. Eliminated: known zones.
+    /// Unknown zones nearer to the base than to the tip. Eliminated by knowledge of these zones.
     BaseCompliance,
-    /// Unknown zones nearer to the tip than to the base. Eliminated: known zones.
+    /// Unknown zones nearer to the tip than to the base. Eliminated by knowledge of these zones.
     TipCompliance,
-    /// Use of a network instead of the model that it was trained on. Eliminated: the nonlinear estimator on that model.
+    /// Use of a network instead of the model that it was trained on. Eliminated by the nonlinear estimator on that model.
     NetworkFit,
 }
 

@@ -86,7 +86,7 @@ pub(super) fn has_zones(finger: &Finger, end: End) -> bool {
     finger.description().zones.iter().any(|zone| end_of(finger, zone) == end)
 }
 
-/// The finger with only its known zones. Where a zone is unknown, the part is uniform.
+/// The finger with only its known zones; unknown zones are removed.
 pub(super) fn with_zones(finger: &Finger, base: bool, tip: bool) -> Result<Finger, ExperimentError> {
     let mut description = finger.description().clone();
     description.zones.retain(|zone| match end_of(finger, zone) {
@@ -96,7 +96,7 @@ pub(super) fn with_zones(finger: &Finger, base: bool, tip: bool) -> Result<Finge
     Ok(Finger::new(description)?)
 }
 
-/// Shapes under ascending weights (N) along the normal. At each node the shapes end before the first weight without equilibrium.
+/// Shapes under ascending weights (N) along the normal. The shapes of each node end before the first weight without equilibrium.
 pub(super) fn weighed(finger: &Finger, truth: &dyn Truth, weights_n: &[f64]) -> Vec<CalibrationCase> {
     let nodes: Vec<NodeId> = finger.contact_nodes().collect();
     let mut loaded = [nodes.len() / 3, nodes.len() / 2, 2 * nodes.len() / 3].map(|i| nodes[i]).to_vec();

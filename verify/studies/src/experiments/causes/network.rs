@@ -1,8 +1,8 @@
 //! Errors that a network adds to the errors of the model with which it was trained.
 //!
-//! A network senses only at its contact nodes and along the normal. In the other studies of causes, sensing assumes a wrong contact and a wrong model. Here
-//! the true contact deviates by the same amounts instead, and a cause in the zones is eliminated by removing them from the true finger. The measurements are
-//! noisy.
+//! A network senses only at its contact nodes and along the normal. In the other studies of causes, sensing assumes a wrong contact and a wrong
+//! model. Here the true contact deviates by the same amounts instead, and a cause in the zones is eliminated by removing these zones from the true
+//! finger. The measurements are noisy.
 
 use super::cell::{Squared, beside};
 use super::models::{calibrated, weighed, with_zones};
@@ -17,8 +17,8 @@ use crate::truths::{MeshTruth, Truth, TruthId, fine_mesh};
 const SAMPLES: usize = 40;
 const SEED: u64 = 1;
 
-/// Causes of a network's errors on a true finger, at every contact node with a network. The network was trained on the `believed` finger. It may be
-/// used with another modulus, because forces are proportional to the modulus. Forces in N, noise in mm.
+/// Causes of a network's errors on a true finger, at every contact node with a network. The network was trained on the `believed` finger. The network
+/// may be used with another modulus, because forces are proportional to the modulus. Forces are in N, the noise is in mm.
 ///
 /// # Errors
 /// [`ExperimentError`] if a finger at rest cannot be solved or its modulus cannot be calibrated.
@@ -109,7 +109,7 @@ impl World {
         };
         let finger = self.mesh.finger();
         let Some(s_mm) = finger.front_position_mm(node) else { return Vec::new() };
-        // True contacts that the network treats as a force on the node along the normal.
+        // The true contacts. The network assumes a force on the node along the normal instead.
         let contacts = beside(finger, s_mm, 0.0, [!off(Cause::Position), !off(Cause::Direction)]);
         for contact in &contacts {
             let shapes = truth.shapes(contact, forces_n);

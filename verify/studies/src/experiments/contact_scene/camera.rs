@@ -14,13 +14,14 @@ use crate::prelude::*;
 use finray_lattice::skin::{Touch, TouchedPart};
 use finray_model::sensing::MeasuredContact;
 
-/// Positions read by the camera are at least this share of the first segment's length from the base, because forces nearer to the base deform nothing.
+/// Positions read by the camera are at least this distance from the base, relative to the first segment's length. Forces nearer to the base deform
+/// nothing.
 const NEAREST_TO_BASE: f64 = 0.01;
 
 /// Standard deviation of a uniform distribution relative to half its interval, 1 / sqrt(3).
 const EVENLY: f64 = 0.577_350_269_189_625_8;
 
-/// Contact as read by the camera with noise of `noise_mm` (standard deviation of a coordinate, mm). It uses six standard normal numbers.
+/// Contact as read by the camera with noise of `noise_mm` (standard deviation of a coordinate, mm). Uses six standard normal numbers.
 pub fn read_contact(
     finger: &Finger,
     seen: &SeenContact,

@@ -13,15 +13,15 @@ const DISPLACEMENT: &str = "largest displacement difference / largest displaceme
 pub const BALANCE_TOLERANCE: f64 = 1e-6;
 /// Tolerance of a shape against the lattice's equilibrium under the contact forces, relative to the largest displacement.
 const EQUILIBRIUM_TOLERANCE: f64 = 1e-6;
-/// Tolerance of a shape against rapier's shape at rest, relative to the largest displacement. It covers the errors of rapier's sweeps and of its criterion of
-/// rest.
+/// Tolerance of a shape against rapier's shape at rest, relative to the largest displacement. The tolerance covers the errors of rapier's sweeps and
+/// of rapier's criterion for rest.
 const ENGINE_TOLERANCE: f64 = 5e-4;
 /// Tolerance of the sum of contact forces against the sum in rapier, relative to the sum.
 const ENGINE_FORCE_TOLERANCE: f64 = 2e-3;
-/// Tolerance of a shape against converged beams under the contact forces, relative to the largest displacement. It also bounds errors of sensed totals,
-/// because forces follow shapes. With two segments between rods, the difference is 1.0e-3 for the box and 1.1e-3 for the disc, under 5 N. A single
-/// force in its worst direction causes four times this difference. The difference decreases with the square of the number of segments (2.0e-4 for the
-/// disc with four).
+/// Tolerance of a shape against converged beams under the contact forces, relative to the largest displacement. The tolerance also bounds errors of
+/// sensed totals, because sensed forces follow from shapes. With two segments between rods, the difference is 1.0e-3 for the box and 1.1e-3 for the
+/// disc, under 5 N. A single force in its worst direction causes four times this difference. The difference decreases with the square of the number
+/// of segments (2.0e-4 for the disc with four).
 const BEAMS_TOLERANCE: f64 = 1.3e-3;
 const SEGMENTS: f64 = 2.0;
 /// With friction, a stated standard deviation may be at most this share of the force. A larger standard deviation would cover the error but provide
@@ -31,11 +31,13 @@ const LARGEST_SIGMA: f64 = 0.5;
 const OVERLAP_TOLERANCE_MM: f64 = 1e-3;
 /// Tolerance of a touch beyond its friction cone, N: rounding.
 const CONE_TOLERANCE_N: f64 = 1e-6;
-/// Nominal coverage, and the change of coverage caused by the difference between lattice and beams, which is less than half a standard deviation.
+/// Nominal coverage, and the change of coverage caused by the difference between lattice and beams. This difference is less than half a standard
+/// deviation.
 const MEANT: f64 = 0.95;
 const SHIFT: f64 = 0.01;
-/// Allowance for chance, in standard errors of a binomial share. The share of all samples of a scene exceeds the first allowance once in 370. The second is
-/// for the smallest of some hundred shares, one per contact and step; each exceeds the second once in 2000.
+/// Allowance for chance, in standard errors of a binomial share. The first allowance is for the share over all samples of a scene, which exceeds it
+/// once in 370 cases. The second allowance is for the smallest of some hundred shares, one per contact and step. Each of these shares exceeds it once
+/// in 2000 cases.
 const STANDARD_ERRORS: f64 = 3.0;
 const WORST_STANDARD_ERRORS: f64 = 3.5;
 

@@ -4,8 +4,8 @@
 use crate::prelude::*;
 use finray_lattice::skin::{Touch, TouchedPart};
 
-/// Touches closer than this share of the plate segment between two rods form one contact for the camera. Touches on two different rods never form one
-/// contact.
+/// Touches closer together than this share of the plate segment between two rods form one contact for the camera. Touches on two different rods never
+/// form one contact.
 const TOGETHER: f64 = 0.25;
 
 /// A contact seen by the camera, with the true force that it carries.

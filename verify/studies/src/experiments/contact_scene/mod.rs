@@ -1,8 +1,8 @@
 //! Contact scenes: an object is pressed onto the lattice finger, a camera observes the nodes, and the forces are sensed.
 //!
-//! The camera sees, with noise, the position and direction of each contact, but not its force (`camera`). Sensing gets these contacts, the noisy
-//! displacements of the markers, and a bound of the friction coefficient (`outline_estimator`). The sensed forces are compared with the true forces.
-//! Presses are quasi-static equilibria on sufficiently fine lattices (`refined`), verified by rapier (`verified`).
+//! The camera observes position and direction of each contact with noise, but not the contact force (`camera`). Sensing gets these contacts, the
+//! noisy displacements of the markers, and a bound of the friction coefficient (`outline_estimator`). The sensed forces are compared with the true
+//! forces. Presses are quasi-static equilibria on sufficiently fine lattices (`refined`), verified by rapier (`verified`).
 
 mod camera;
 pub mod checks;
@@ -184,8 +184,8 @@ impl ContactScene {
         &self.object
     }
 
-    /// Senses the forces of a step from the key nodes and the contacts. Both have noise of `noise_mm` (standard deviation of a coordinate, mm), with numbers
-    /// from `standard_normal`. Forces lie within the cone of the assumed friction. `None` if no contact deforms the finger.
+    /// Senses the forces of a step from the key nodes and the contacts. Both are observed with noise of `noise_mm` (standard deviation of a
+    /// coordinate, mm), drawn from `standard_normal`. Forces lie within the cone of the assumed friction. `None` if no contact deforms the finger.
     ///
     /// # Errors
     /// [`Refusal`] if the forces are not identifiable.

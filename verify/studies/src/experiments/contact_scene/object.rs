@@ -155,7 +155,7 @@ pub struct PreparedObject {
     pub friction: f64,
     /// Starting position in the finger frame, mm.
     pub start: Vector,
-    /// Unit vector of the motion in the finger frame; for a path, of its first segment.
+    /// Unit vector of the motion in the finger frame; on a path, the direction of the first segment.
     pub along: Vector,
     /// Motion of the hand, step by step.
     pub steps: Vec<HandStep>,

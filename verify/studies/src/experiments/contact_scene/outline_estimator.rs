@@ -1,4 +1,4 @@
-//! Sensing of forces at contacts that a camera sees: with measured contacts, or by an estimator that treats them as exact.
+//! Sensing of forces at contacts that a camera sees: with measured contacts, or by an estimator that treats the contacts as exact.
 
 use super::{SeenContact, SensedContact, SensedForce, SensedStep, read_contact};
 use crate::prelude::*;
@@ -13,7 +13,7 @@ pub struct OutlineEstimator<'s> {
     pub scene: &'s Scene,
     /// Upper bound of the friction coefficient, dimensionless.
     pub friction: f64,
-    /// Standard deviation of a marker's coordinate, mm; `None` if observations state it.
+    /// Standard deviation of a marker's coordinate, mm; `None` if the observations state this value.
     pub marker_noise_mm: Option<f64>,
     /// Standard deviation of a coordinate of an outline point, mm.
     pub outline_noise_mm: f64,

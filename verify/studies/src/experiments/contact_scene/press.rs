@@ -7,7 +7,7 @@ use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use finray_model::validity::Doubt;
 
-/// A warning is given if the object stops farther than this from its prescribed position, mm; rounding alone causes less.
+/// A press warns if the object stops farther than this distance from its prescribed position, mm. Rounding alone causes a smaller distance.
 const STOPPED_MM: f64 = 1e-6;
 
 /// All steps of a press, with true and sensed forces.
@@ -101,7 +101,7 @@ impl PressValidity {
         }
     }
 
-    /// Warnings about the step with the largest strain.
+    /// Warnings about the first step in which the beams have no equilibrium, and about the step with the largest strain.
     fn warnings(&self) -> Vec<String> {
         let unsolved = self.unsolved.iter().map(|(step, error)| {
             format!("warning: step {step}: the beam model has no equilibrium under the contact forces: {error}")

@@ -4,7 +4,7 @@ use super::{ContactScene, SceneStep};
 use crate::prelude::*;
 use finray_lattice::pressing::{Pressing, Push};
 
-/// A lattice is fine enough if no total differs by more than this, relative, from the total on a lattice half as fine.
+/// A lattice is fine enough if no total has a larger relative difference than this from the total on a lattice half as fine.
 pub const TOTAL_TOLERANCE: f64 = 1e-3;
 /// For a total below this share of the scene's largest total, the change is relative to that share of the largest total.
 const SMALL: f64 = 0.1;

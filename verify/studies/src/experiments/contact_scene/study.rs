@@ -122,10 +122,10 @@ pub struct SceneWithOutline {
 }
 
 impl SceneWithOutline {
-    /// A scene whose object, if it has one, is no polygon.
+    /// Reads a scene without an object, or with an object that is no polygon.
     ///
     /// # Errors
-    /// [`SceneError`] if the text is no scene.
+    /// [`SceneError`] if the text is not a valid scene.
     pub fn from_toml(text: &str) -> Result<SceneWithOutline, SceneError> {
         Ok(SceneWithOutline { scene: Scene::from_toml(text)?, text: text.to_owned(), corners: Vec::new() })
     }

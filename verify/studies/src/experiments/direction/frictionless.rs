@@ -5,7 +5,7 @@ use crate::prelude::*;
 use crate::sampling::scatter::sampled_nodes;
 use crate::truths::Truth;
 
-/// Push and normal count as aligned if the normal changes by less than this, degrees: an effect of 1e-6 on the force.
+/// Push and normal count as aligned if they differ by at most this angle, degrees. Such an angle changes the force by 1e-6, relative.
 const SETTLED_DEG: f64 = 1e-4;
 /// Largest number of iterations for the normal.
 const MOST_TURNS: usize = 30;

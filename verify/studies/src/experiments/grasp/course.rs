@@ -166,7 +166,7 @@ impl<'s, 'l> Course<'s, 'l> {
         self.task == Task::Close
     }
 
-    /// Takes over the next step of another course with the same closing motion, already at rest.
+    /// Copies the next step, already at rest, from another course with the same closing motion.
     pub(super) fn follow(&mut self, other: &Course<'_, 'l>) {
         (self.world, self.motor_deg, self.phase) = (other.world.clone(), other.motor_deg, other.phase);
         self.step += 1;
@@ -347,7 +347,7 @@ impl<'s, 'l> Course<'s, 'l> {
         self.motor_deg = (self.motor_deg + closing * wanted_deg).clamp(a.min(b), a.max(b));
     }
 
-    /// Force per degree of closing, N/deg, from the frames between half the target and the target.
+    /// Force per degree of closing, N/deg, from the frames in which the sensed force rises from half the target to the target.
     fn stiffness(&self) -> Option<f64> {
         let target_n = self.scene.grasp.until_force_n?;
         let end = self.sensed.iter().position(|(sensed_n, _)| *sensed_n >= target_n)?;

@@ -133,7 +133,7 @@ pub struct GraspStep {
     pub energy: Account,
 }
 
-/// Receives every step of a grasp, with the images of both fingers as far as they were rendered.
+/// Receives every step of a grasp, with the image of each finger; `None` for an image that was not rendered.
 type Each<'e> = dyn FnMut(&GraspStep, [Option<RgbImage>; 2]) -> ControlFlow<()> + 'e;
 
 impl GraspStep {
@@ -261,8 +261,8 @@ impl GraspScene {
         })
     }
 
-    /// Runs the grasp. `each` receives every step at rest, and the images of the left and the right finger, as far as they were rendered
-    /// ([`Eyes::Images`]). The grasp ends if `each` returns [`ControlFlow::Break`].
+    /// Runs the grasp. `each` receives every step at rest, with the images of the left and the right finger. An image is `None` if it was not
+    /// rendered ([`Eyes::Images`]). The grasp ends if `each` returns [`ControlFlow::Break`].
     ///
     /// # Errors
     /// [`GraspError`] if the grasp cannot start.

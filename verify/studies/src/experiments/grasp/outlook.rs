@@ -8,7 +8,7 @@ use serde::Serialize;
 pub struct LoopFigures {
     /// Target force, N.
     pub target_n: f64,
-    /// Rise time from 10 % to 90 % of the target, s; `None` if steps have no time.
+    /// Rise time from 10 % to 90 % of the target, s; `None` if the steps have no times.
     pub rise_s: Option<f64>,
     /// Overshoot until the gripper opens: excess of the largest force over the target, relative to the target.
     pub overshoot: f64,

@@ -1,8 +1,9 @@
 //! The closed loop against the camera's frame rate: overshoot, steady error and rise time, with two noise levels and two delays.
 //!
-//! The scene is `loop.toml` without its path: close until a force is sensed, then hold it. Up to 90 % of the force, no frame affects the loops. All
-//! loops are therefore identical until then, with steps of the motor angle and without noise. After 90 % of the force, a step is a frame. Until the
-//! target is reached the motor turns regardless of the sensed force, so a slower camera sees a subset of the fastest camera's frames.
+//! The scene is `loop.toml` without its path: the gripper closes until the target force is sensed, then holds this force. Up to 90 % of the target,
+//! frames do not affect the loops. All loops therefore share this part, which has steps of the motor angle and no noise. Above 90 % of the target,
+//! each step is a frame. Until the target is reached, the motor turns regardless of the sensed force, so a slower camera sees a subset of the fastest
+//! camera's frames.
 
 use super::course::Course;
 use super::{Eyes, GraspEnd, GraspError, GraspScene, GraspStep, LoopFigures, loop_figures};
@@ -110,7 +111,7 @@ pub fn closed_loops(settings: &[LoopSetting]) -> Result<LoopStudy, ExperimentErr
     let of = |scene: &Scene| Ok::<_, GraspError>(GraspScene::new(scene, &[])?.with_fineness(FINENESS));
     let grasp = of(&scene)?.grasp().clone();
     let (target_n, motor_deg_per_s) = (grasp.until_force_n.unwrap_or_default(), grasp.motor_deg_per_s);
-    // All loops share their beginning, because frames have no effect up to 90 % of the force.
+    // All loops share their beginning, because frames have no effect up to 90 % of the target force.
     let mut closing = |changed: GraspDescription| {
         scene.grasp = Some(GraspDescription { path_mm: Vec::new(), ..changed });
         of(&scene)

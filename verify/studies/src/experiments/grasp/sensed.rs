@@ -51,7 +51,7 @@ impl Eyes {
         eyes
     }
 
-    /// Standard deviations of a coordinate of a marker and of an outline point, mm; `None` if the observations state it.
+    /// Standard deviations of a coordinate of a marker and of an outline point, mm; `None` if the observations state the standard deviation.
     fn noise_mm(&self) -> [Option<f64>; 2] {
         match self {
             Eyes::Noise(noise_mm) => [Some(*noise_mm); 2],

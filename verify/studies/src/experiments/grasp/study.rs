@@ -9,10 +9,11 @@ use crate::prelude::*;
 const BALANCE_TOLERANCE: f64 = 1e-4;
 /// Relative tolerance of the difference of both fingers' totals while only the fingers hold the object: the forces balance across the gripper.
 const EQUAL_TOLERANCE: f64 = 1e-4;
-/// Tolerance of the relative error of sensed totals without noise. The error comes from the difference between the lattice and converged beams, and
-/// from friction, because sensing knows only its coefficient.
+/// Tolerance of the relative error of sensed totals without noise. The error comes from friction, because sensing knows only the friction
+/// coefficient, and from the difference between the lattice and converged beams.
 const TOTAL_TOLERANCE: f64 = 0.01;
-/// Tolerance of the difference between the work of the bases and the work of friction over the whole grasp, relative, by the trapezoidal rule.
+/// Relative tolerance of the difference between the work of the bases and the work of friction over the whole grasp. The trapezoidal rule computes
+/// both works.
 const WORK_TOLERANCE: f64 = 0.02;
 /// Tolerance of unaccounted energy, relative to the largest elastic energy: the error of the trapezoidal rule over increments. While the bases move without a
 /// snap, the imbalance of an increment is at most 1e-4 of the energy that deforms a finger by the object's size.

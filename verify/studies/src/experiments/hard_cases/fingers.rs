@@ -22,20 +22,20 @@ pub(super) const QUESTIONS: &[Question] = &[
     },
     Question {
         case: "modulus 1e-3 to 1e6 MPa",
-        difficulty: "energies over eighteen powers of ten: no tolerance may carry a unit",
+        difficulty: "energies differ by eighteen powers of ten: no tolerance may have a unit",
         expectation: "the shape depends on load / modulus alone",
         answer: modulus,
     },
     Question {
         case: "modulus ratio 1e6 between zones",
         difficulty: "stiffness of neighbours differs by six powers of ten, also within one element",
-        expectation: "sound equilibrium; a zone 1e6 times stiffer is rigid, 1e7 times changes nothing more",
+        expectation: "sound equilibrium; a zone 1e6 times stiffer is rigid, and 1e7 times gives the same shape",
         answer: zones,
     },
     Question {
         case: "200 ribs",
         difficulty: "403 key nodes; ribs shorter than they are thick near the tip",
-        expectation: "sound equilibrium; two elements per member change nothing linear",
+        expectation: "sound equilibrium; two elements per member do not change the linear solution",
         answer: many_ribs,
     },
     Question {
@@ -47,7 +47,7 @@ pub(super) const QUESTIONS: &[Question] = &[
     Question {
         case: "needle-thin and very obtuse triangles",
         difficulty: "the tip's position cancels; plates nearly in line with each other",
-        expectation: "sides as given; sound equilibrium, or a clear refusal with a carried load",
+        expectation: "sides as given; sound equilibrium, or a clear refusal that states a carried load",
         answer: triangles,
     },
     Question {

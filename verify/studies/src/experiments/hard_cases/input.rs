@@ -9,26 +9,26 @@ use finray_model::measurement::MeasurementError;
 pub(super) const QUESTIONS: &[Question] = &[
     Question {
         case: "denormal, infinite and not-a-number loads",
-        difficulty: "energies under- and overflow long before the displacements do",
-        expectation: "infinite and not a number: refused; what is finite scales with the load down to the smallest normal number",
+        difficulty: "energies underflow and overflow long before displacements do",
+        expectation: "infinite or not a number: refused; tiny loads give proportional displacements, down to the smallest normal number",
         answer: loads,
     },
     Question {
         case: "denormal, infinite and not-a-number scene values",
-        difficulty: "one such value spoils every number that it touches",
+        difficulty: "one such value invalidates every result computed from it",
         expectation: "each refused with its line and key",
         answer: scene_values,
     },
     Question {
         case: "scene values of 1e-100 to 1e100",
-        difficulty: "legal numbers whose products under- and overflow",
+        difficulty: "valid numbers whose products underflow or overflow",
         expectation: "refused, or a sound equilibrium",
         answer: extreme_scene_values,
     },
     Question {
         case: "denormal, infinite and not-a-number displacements",
-        difficulty: "no camera measures them, but files hold them",
-        expectation: "infinite and not a number: refused; what is finite gives forces in proportion, or is refused",
+        difficulty: "files may contain them, although no camera measures them",
+        expectation: "infinite or not a number: refused; finite displacements give proportional forces, or are refused",
         answer: displacements,
     },
 ];

@@ -8,20 +8,20 @@ use finray_model::statics::Equilibrium;
 pub(super) const QUESTIONS: &[Question] = &[
     Question {
         case: "loads from 1e-9 N on",
-        difficulty: "the finger hardly moves: stopping rules with a unit end too early or never",
+        difficulty: "the finger hardly moves: stopping rules with a unit stop too early or never",
         expectation: "the geometrically nonlinear change is proportional to the load",
         answer: tiny,
     },
     Question {
         case: "buckling and beyond",
         difficulty: "no equilibrium, or one far away that an iteration might jump to",
-        expectation: "a clear refusal with the load that was carried, whatever was asked for; a little less is carried",
+        expectation: "for every requested load, a clear refusal that states the carried load; a slightly smaller load is carried",
         answer: buckling,
     },
     Question {
         case: "load at the tip, along the plate, pulling",
         difficulty: "directions in which the finger is stiffest, softest, or unstable",
-        expectation: "sound equilibrium, or a clear refusal with a load that is carried",
+        expectation: "sound equilibrium, or a clear refusal that states a load that is carried",
         answer: directions,
     },
 ];

@@ -1,4 +1,4 @@
-//! Hard cases: measurements that are hard to sense from.
+//! Hard cases: measurements from which forces are hard to sense.
 
 use super::{Findings, Question, Unexpected, middle};
 use crate::prelude::*;
@@ -8,8 +8,8 @@ use finray_model::sensing::Estimate;
 pub(super) const QUESTIONS: &[Question] = &[
     Question {
         case: "contacts on neighbouring nodes",
-        difficulty: "two forces that deform the finger nearly alike",
-        expectation: "exact without noise, within five stated sigma of the truth with it",
+        difficulty: "two forces that deform the finger in nearly the same way",
+        expectation: "exact without noise; with noise, within five stated sigma of the true force",
         answer: neighbours,
     },
     Question {
@@ -21,24 +21,24 @@ pub(super) const QUESTIONS: &[Question] = &[
     Question {
         case: "all contact nodes at once",
         difficulty: "as many forces as the front plate has nodes: the worst condition of all",
-        expectation: "exact without noise, within five stated sigma of the truth with it",
+        expectation: "exact without noise; with noise, within five stated sigma of the true force",
         answer: everywhere,
     },
     Question {
         case: "1 to 20 hidden markers",
-        difficulty: "little is left to see",
-        expectation: "within five stated sigma of the truth, which grows with every marker that is lost; refused when none is left",
+        difficulty: "few markers may remain visible",
+        expectation: "within five stated sigma of the true force; sigma grows with every hidden marker; refused without markers",
         answer: hidden,
     },
     Question {
         case: "noise from 0 to 1 mm",
         difficulty: "noise as large as the displacements of many nodes",
-        expectation: "exact without noise, within five stated sigma of the truth with it",
+        expectation: "exact without noise; with noise, within five stated sigma of the true force",
         answer: noise,
     },
     Question {
         case: "one marker off by 20 mm",
-        difficulty: "a marker taken for another outweighs all others in least squares",
+        difficulty: "in least squares, a misidentified marker outweighs all other markers",
         expectation: "co-rotational: the force moves by less than 2 %; linear: the residual shows that something is wrong",
         answer: wild_marker,
     },

@@ -50,8 +50,9 @@ impl Soundness {
         Ok([self.linear(mesh, load)?, self.corotational(mesh, load)?])
     }
 
-    /// Like [`add`](Soundness::add), for a force (N) that may have no equilibrium. If it has none, slightly less than the reported carried share must have an
-    /// equilibrium, and half of that share must pass all checks. Returns the carried share, 1 for the full force.
+    /// Like [`add`](Soundness::add), for a force (N) under which the finger may have no equilibrium. Without equilibrium, a force slightly below the
+    /// reported carried share must have an equilibrium, and half of the carried share must pass all checks. Returns the carried share, 1 for the full
+    /// force.
     pub fn add_or_refused(&mut self, mesh: &Mesh, node: NodeId, force: Vector) -> Result<f64, Unexpected> {
         let solve = |share: f64| {
             let load = mesh.frame_load(&Load::at_node(node, force * share))?;
@@ -135,7 +136,8 @@ fn work(load: &FrameLoad, motion: &FrameMotion) -> f64 {
     }
 }
 
-/// Imbalance of load and reactions, relative: force over the load, and moment about the origin over load times distance of the loaded node.
+/// Relative imbalance of load and reactions: the force relative to the load, and the moment about the origin relative to the load times the distance
+/// of the loaded node.
 fn unbalanced(mesh: &Mesh, load: &FrameLoad, motion: &FrameMotion, kinematics: Kinematics) -> f64 {
     let FrameLoad::Node { node, force, .. } = *load else { return f64::NAN };
     let (frame, finger) = (mesh.frame(), mesh.finger());

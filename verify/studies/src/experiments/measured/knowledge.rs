@@ -1,4 +1,4 @@
-//! Variants of prior knowledge about finger, rig and friction: with all items, or without one of them.
+//! Variants of prior knowledge about finger, rig and friction: all items, or all except one item.
 
 use finray_model::finger::{BracketLengths, Finger, FingerDescription, RigidEnds};
 use finray_model::sensing::{Direction, Lean};
@@ -6,7 +6,7 @@ use finray_model::sensing::{Direction, Lean};
 /// Prior knowledge for sensing: all that the scene states, or all except one item.
 pub(super) struct Knowledge {
     pub name: &'static str,
-    /// The finger to sense with; `None` if this variant does not differ from the scene's finger.
+    /// The finger that sensing assumes; `None` if this variant does not differ from the scene's finger.
     pub finger: fn(&Finger) -> Option<Finger>,
     /// Direction of the force for sensing, given the measured direction; `None` if the scene does not define it.
     pub direction: fn(measured: Direction, Option<Lean>) -> Option<Direction>,

@@ -14,8 +14,9 @@ pub const FORCES_N: [f64; 2] = TWO_FORCES_N;
 const CHANCE: f64 = 3.3;
 /// Tolerance of the mean relative error of the sum of two forces.
 const SUM_ERROR: f64 = 0.01;
-/// Tolerance of a mean error, as a multiple of the error at the Cramer-Rao bound. The error of a force was at most 7 % above its bound, known to 2 %. The
-/// error of a sum was up to 59 % above its bound: the noise of neighbours cancels in a sum, but the networks' own errors need not.
+/// Tolerance of a mean error, as a multiple of the error at the Cramer-Rao bound. The error of a force was at most 7 % above its bound; this excess
+/// is known within 2 %. The error of a sum was up to 59 % above its bound: the noise of neighbours cancels in a sum, but the networks' own errors
+/// need not cancel.
 const OVER_BOUND: f64 = 1.10;
 const SUM_OVER_BOUND: f64 = 1.70;
 const SEED: u64 = 2;
@@ -87,8 +88,8 @@ impl NetworkStudy {
         CHECKED_SETS.iter().filter(|set| found(set, sensed).is_none()).count()
     }
 
-    /// Senses `cases` random cases of each set of contacts on `fine`, the mesh of the true finger, with noise `noise_mm` (mm). Rows in `sensed`, at the
-    /// same noise, are reused. `progress` is called after each set, [`NetworkStudy::steps`] times.
+    /// Senses `cases` random cases of each set of contacts on `fine`, the mesh of the true finger, with noise `noise_mm` (mm). Rows of `sensed`,
+    /// which have the same noise, are reused. `progress` is called after each set, [`NetworkStudy::steps`] times.
     ///
     /// # Errors
     /// [`EstimatorError`] for a finger or contacts without a shipped network.
@@ -123,8 +124,8 @@ impl NetworkStudy {
         self.rows.iter().flat_map(|row| self.checks_of(row)).collect()
     }
 
-    /// Checks of one set of contacts: each force, and the sum of several. They apply to the camera's noise, for which the networks are trained; at
-    /// another noise the list is empty.
+    /// Checks of one set of contacts: each force, and the sum of several. The checks apply only to the camera's noise, for which the networks are
+    /// trained. At another noise the list is empty.
     pub fn checks_of(&self, row: &ScatterRow) -> Vec<Check> {
         let set = CHECKED_SETS.iter().find(|set| set.nodes == row.nodes);
         let Some(set) = set.filter(|_| self.noise_mm == CAMERA_NOISE_MM) else { return Vec::new() };

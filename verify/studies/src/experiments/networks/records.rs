@@ -10,8 +10,9 @@ use serde::{Deserialize, Serialize};
 /// Errors of one quantity for a network with one recipe and seed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RecipeRow {
-    /// Name of the recipe. `a` is the paper's: linear, without noise, inputs scaled by the largest displacement. `a, by spread` scales by the spread;
-    /// `b` adds noise to `a`. `c` is co-rotational with noise, principal directions and a linear branch.
+    /// Name of the recipe. `a` is the paper's recipe: the linear finger without noise, and inputs scaled by the largest displacement. `a, by spread`
+    /// scales the inputs by their spread; `b` adds noise to `a`. `c` uses the co-rotational finger with noise, principal directions and a linear
+    /// branch.
     pub recipe: String,
     /// Seed of the training.
     pub seed: u64,

@@ -1,7 +1,7 @@
-//! Criterion's time measurements, which replace the report's measurements.
+//! Times measured by the benchmark library criterion, which replace the report's times.
 //!
 //! The bench `speed_error` times the report's points under the same names: groups are `speed_error/TASK`, functions are models, parameters are
-//! settings. Criterion keeps a folder `new` for each bench: `benchmark.json` has the names, `estimates.json` the times in ns.
+//! settings. For each bench, criterion writes a folder `new`, in which `benchmark.json` contains the names and `estimates.json` the times in ns.
 
 use super::{SpeedErrorPoint, Task, TimedBy, mark_fronts};
 use serde::Deserialize;

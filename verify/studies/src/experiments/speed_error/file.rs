@@ -1,4 +1,4 @@
-//! Reader of times and errors of other programs: the output of `bench/peers`, which `report` reads.
+//! Reader of the times and errors of other programs, which `bench/peers` writes and `report` uses.
 
 use crate::experiments::speed_error::peers::{Peer, Peers};
 use crate::experiments::speed_error::{Asked, Task};

@@ -16,8 +16,8 @@ pub fn run(context: &Context) -> Result<Vec<SpeedErrorPoint>, ExperimentError> {
     let &Context { finger, noise_mm, progress, .. } = context;
     let forces = context.checked_forces();
     progress.part("speed and error", 2);
-    // The nodes are the same for every effort, so that points of other programs are always comparable.
-    // Numbers of oscillation periods for one force and for the pair. Two forces on a folding finger take tens of milliseconds per frame.
+    // Numbers of oscillation periods, for one force and for two forces. Two forces on a folding finger take tens of milliseconds per frame.
+    // The effort changes only these numbers and not the nodes, so that points of other programs are always comparable.
     let periods = match context.effort {
         Effort::Quick => [1, 4],
         Effort::Full => [2, 2 * ASKED_NODES],

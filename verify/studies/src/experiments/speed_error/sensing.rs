@@ -17,7 +17,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 /// Number of frames in one oscillation of a force: one second at the paper's 25 Hz.
 pub const FRAMES_A_PERIOD: usize = 25;
 const SEED: u64 = 11;
-/// Number of preparations for each set of contacts, whose median time counts.
+/// Number of preparations for each set of contacts. The median of their times counts.
 const PREPARATIONS: usize = 5;
 
 /// One frame: true forces and measurement.

@@ -7,10 +7,10 @@ use std::sync::OnceLock;
 /// Forces are clearly too large if the estimator's mesh carries less than this fraction of them. Over 432 random pairs of forces on two fingers, the
 /// true finger's mesh has 0.990 to 1.001 times the limit load of the estimator's mesh.
 const CLEARLY_TOO_LARGE: f64 = 0.98;
-/// Known limit loads replace a solve if there is one within this angle, rad, on either side of the ratio of the forces.
+/// Known limit loads replace a solve if both sides of the forces' ratio have a known limit load within this angle, rad.
 const NEIGHBOURS: f64 = 0.1;
-/// Factor for a margin around the largest forces that the two neighbouring ratios carry. Forces count as carried below this factor times the smaller of
-/// the two, and as too large above the larger divided by this factor.
+/// Factor for a margin around the largest forces that the two neighbouring ratios carry. Forces count as carried below this factor times the smaller
+/// limit load, and as too large above the larger limit load divided by this factor.
 const BETWEEN_NEIGHBOURS: f64 = 0.9;
 
 /// Largest angle, rad, between neighbouring ratios of forces whose limit loads are computed once for all blocks of cases.

@@ -109,7 +109,7 @@ fn two_rods_are_two_contacts() {
         "{half:?}"
     );
     assert_eq!(seen[1].half_span, HalfSpan::default());
-    // Without noise, the standard deviation is that of a uniform distribution over the interval.
+    // Without noise, the standard deviation equals the standard deviation of a uniform distribution over the interval.
     let read = read_contact(&finger, &seen[0], 0.0, || 0.0);
     assert!((read.position_sd_mm - 0.1 / 3.0_f64.sqrt()).abs() < 1e-9 && read.direction_sd_rad > 0.4, "{read:?}");
     // The forces are 3 N at 0 degrees and 4 N at 90 degrees, and the contact's direction is at 45 degrees. The expected values are the components of

@@ -29,7 +29,7 @@ fn tips(motor_deg: f64) -> [Vector; 2] {
     placements.map(|placement: Placement| placement.outwards(finger.position(finger.tip())))
 }
 
-/// The rods at the tips of undeformed fingers touch if the opening equals a rod's diameter. The last written step is the step before.
+/// The rods at the tips of undeformed fingers touch if the opening equals a rod's diameter. The last step is the step before this contact.
 #[test]
 fn fingers_that_touch_each_other_end_a_grasp() {
     let (steps, ended) = steps_of(&scene(&[&GRAIN[..], &[("-495.0", "-900.0")]].concat()), 0.0, 1);
@@ -69,8 +69,8 @@ fn a_finger_that_touches_the_table_ends_a_grasp() {
     );
 }
 
-/// Distances between two fingers, and from a finger to a plane, for several placements. The back plate counts for the plane, and crossing fronts have
-/// no positive distance.
+/// Distances between two fingers, and from a finger to a plane, for several placements. The distance to the plane includes the back plate. Crossing
+/// front plates have no positive distance.
 #[test]
 fn distances_are_those_of_the_nearest_parts() {
     let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE).unwrap().finger;

@@ -14,7 +14,7 @@ const STEP_DEG: f64 = 22.5;
 const MOST_STEPS: usize = 40;
 /// Rotation of the motor at which the first node meets its cap, degrees.
 const TOUCH_DEG: f64 = 45.0;
-/// A rod touches its cap up to this gap, mm: rounding of the equilibrium.
+/// A rod counts as touching its cap up to this gap, mm, which allows for rounding of the equilibrium.
 const ON_CAP_MM: f64 = 1e-9;
 /// Largest number of Newton steps to find the touched caps and their forces.
 const MOST_NEWTON_STEPS: usize = 60;
