@@ -11,15 +11,35 @@ pub mod plane_pose;
 pub mod render;
 
 use image::{ImageBuffer, Rgb};
-use std::ops::Deref;
+use std::ops::{Deref, Range};
 
 /// An image whose pixels are borrowed: rows from top to bottom without gaps; red, green and blue of each pixel, 8 bits each.
 pub type RgbView<'a> = ImageBuffer<Rgb<u8>, &'a [u8]>;
 
-/// A view of the pixels of an image.
-fn view_of<C: Deref<Target = [u8]>>(image: &ImageBuffer<Rgb<u8>, C>) -> RgbView<'_> {
-    let pixels = image.as_raw().deref();
-    RgbView::from_raw(image.width(), image.height(), pixels).expect("the pixels of an image fill its size")
+/// An image whose pixels are read in parts of rows: red, green and blue of each pixel, 8 bits each.
+///
+/// A locator that tracks markers reads only the pixels about them. An image in another form, such as a frame of a video, therefore converts only the pixels
+/// that are read.
+pub trait RgbRows {
+    /// Width and height, px.
+    fn size_px(&self) -> [u32; 2];
+
+    /// Pixels of a row in some columns, from left to right. `buffer` provides the memory for pixels that must be converted; its old content is lost.
+    ///
+    /// # Panics
+    /// If row or columns are outside the image.
+    fn row<'p>(&'p self, row: usize, columns: Range<usize>, buffer: &'p mut Vec<u8>) -> &'p [u8];
+}
+
+impl<C: Deref<Target = [u8]>> RgbRows for ImageBuffer<Rgb<u8>, C> {
+    fn size_px(&self) -> [u32; 2] {
+        self.dimensions().into()
+    }
+
+    fn row<'p>(&'p self, row: usize, columns: Range<usize>, _: &'p mut Vec<u8>) -> &'p [u8] {
+        let start = row * self.width() as usize;
+        &self.as_raw()[3 * (start + columns.start)..3 * (start + columns.end)]
+    }
 }
 
 /// Grey level at a position between pixels, by bilinear interpolation; `None` outside the image.

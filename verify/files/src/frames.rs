@@ -4,8 +4,9 @@ mod writer;
 
 pub use writer::FrameWriter;
 
-use image::RgbImage;
-use std::io::{BufRead, Read};
+use finray_imaging::RgbRows;
+use std::io::{BufRead, ErrorKind, Read};
+use std::ops::Range;
 
 /// Longest header of a stream or frame, bytes.
 const LONGEST_HEADER: u64 = 4096;
@@ -115,55 +116,86 @@ impl FrameLayout {
         }
     }
 
-    /// Converts the bytes of a frame to an image of the same size. Chroma samples that several pixels share are repeated for each of these pixels.
+    /// Converts a part of a row of a frame to red, green and blue of each pixel. Chroma samples that several pixels share are repeated for each of these
+    /// pixels.
+    ///
+    /// # Panics
+    /// If row or columns are outside the frame, or `bytes` are not those of a whole frame.
     ///
     /// # Reference
     /// ITU-R BT.601: R = Y + 1.402 Cr, G = Y - 0.344136 Cb - 0.714136 Cr, B = Y + 1.772 Cb.
-    pub fn to_rgb(&self, bytes: &[u8], image: &mut RgbImage) {
+    fn row<'p>(&self, bytes: &'p [u8], row: usize, columns: Range<usize>, buffer: &'p mut Vec<u8>) -> &'p [u8] {
         let [width, height] = self.size_px.map(|px| px as usize);
+        let pixels = row * width + columns.start..row * width + columns.end;
         let Samples::Yuv(chroma) = self.samples else {
-            return image.copy_from_slice(bytes);
+            return &bytes[3 * pixels.start..3 * pixels.end];
         };
-        let (luma, rest) = bytes.split_at(width * height);
         // Gain of luma (in 1/65536), value of luma for black, and gains of chroma (in 1/65536).
         let (gain, black, of_chroma) = if self.is_full_range {
             (65536, 0, [91881, -22554, -46802, 116130])
         } else {
             (76309, 16, [104597, -25675, -53279, 132201])
         };
-        let byte = |value: i32| ((value + 32768) >> 16).clamp(0, 255) as u8;
-        for (row, (line, luma)) in image.chunks_exact_mut(3 * width).zip(luma.chunks_exact(width)).enumerate() {
-            let Some([across, down]) = chroma else {
-                for (pixel, y) in line.chunks_exact_mut(3).zip(luma) {
-                    pixel.fill(byte(gain * (i32::from(*y) - black)));
-                }
-                continue;
-            };
-            let (columns, rows) = (width.div_ceil(across), height.div_ceil(down));
-            let (blue, red) = rest.split_at(columns * rows);
-            let of_row = row / down * columns..(row / down + 1) * columns;
-            let (blue, red) = (&blue[of_row.clone()], &red[of_row]);
-            let set = |pixel: &mut [u8], y: u8, cb: u8, cr: u8| {
-                let y = gain * (i32::from(y) - black);
-                let (cb, cr) = (i32::from(cb) - 128, i32::from(cr) - 128);
-                pixel[0] = byte(y + of_chroma[0] * cr);
-                pixel[1] = byte(y + of_chroma[1] * cb + of_chroma[2] * cr);
-                pixel[2] = byte(y + of_chroma[3] * cb);
-            };
-            match across {
-                1 => line
-                    .chunks_exact_mut(3)
-                    .zip(luma)
-                    .zip(blue)
-                    .zip(red)
-                    .for_each(|(((p, y), cb), cr)| set(p, *y, *cb, *cr)),
-                _ => line
-                    .chunks_exact_mut(3)
-                    .zip(luma)
-                    .enumerate()
-                    .for_each(|(i, (p, y))| set(p, *y, blue[i / across], red[i / across])),
+        let luma = &bytes[pixels];
+        let bright = |y: u8| gain * (i32::from(y) - black);
+        buffer.resize(3 * luma.len(), 0);
+        let converted = buffer.chunks_exact_mut(3).zip(luma);
+        let Some([across, down]) = chroma else {
+            converted.for_each(|(pixel, y)| pixel.fill(byte(bright(*y))));
+            return buffer;
+        };
+        let (chroma_width, chroma_height) = (width.div_ceil(across), height.div_ceil(down));
+        let first = width * height + row / down * chroma_width;
+        let (from, end) = (first + columns.start / across, first + columns.end.div_ceil(across));
+        let blue = &bytes[from..end];
+        let red = &bytes[from + chroma_width * chroma_height..end + chroma_width * chroma_height];
+        let set = |pixel: &mut [u8], y: u8, cb: u8, cr: u8| {
+            let (y, cb, cr) = (bright(y), i32::from(cb) - 128, i32::from(cr) - 128);
+            pixel[0] = byte(y + of_chroma[0] * cr);
+            pixel[1] = byte(y + of_chroma[1] * cb + of_chroma[2] * cr);
+            pixel[2] = byte(y + of_chroma[3] * cb);
+        };
+        match across {
+            1 => converted.zip(blue).zip(red).for_each(|(((pixel, y), cb), cr)| set(pixel, *y, *cb, *cr)),
+            _ => {
+                let before = columns.start % across;
+                converted.enumerate().for_each(|(i, (pixel, y))| {
+                    let of = (before + i) / across;
+                    set(pixel, *y, blue[of], red[of]);
+                });
             }
         }
+        buffer
+    }
+}
+
+/// A byte from a value in 1/65536, limited to 0 to 255.
+fn byte(value: i32) -> u8 {
+    ((value + 32768) >> 16).clamp(0, 255) as u8
+}
+
+/// A frame of a stream, whose pixels are converted where they are read.
+#[derive(Debug, Clone)]
+pub struct VideoFrame {
+    layout: FrameLayout,
+    /// The bytes of the frame, as in the stream.
+    bytes: Vec<u8>,
+}
+
+impl VideoFrame {
+    /// A frame without content, for [`FrameReader::read`].
+    pub fn new(layout: FrameLayout) -> VideoFrame {
+        VideoFrame { layout, bytes: vec![0; layout.byte_count()] }
+    }
+}
+
+impl RgbRows for VideoFrame {
+    fn size_px(&self) -> [u32; 2] {
+        self.layout.size_px
+    }
+
+    fn row<'p>(&'p self, row: usize, columns: Range<usize>, buffer: &'p mut Vec<u8>) -> &'p [u8] {
+        self.layout.row(&self.bytes, row, columns, buffer)
     }
 }
 
@@ -215,33 +247,47 @@ impl<R: BufRead> FrameReader<R> {
         self.layout
     }
 
-    /// Reads the next frame into `bytes`. Returns false at the end of the stream.
+    /// Reads the next frame into the memory of `frame`. Returns false at the end of the stream.
     ///
     /// # Errors
     /// [`FrameError`] if the stream cannot be read, ends within the frame, or continues with something else.
-    pub fn read(&mut self, bytes: &mut Vec<u8>) -> Result<bool, FrameError> {
-        let (frame, expected) = (self.frame, self.layout.byte_count());
+    pub fn read(&mut self, frame: &mut VideoFrame) -> Result<bool, FrameError> {
+        let (number, expected) = (self.frame, self.layout.byte_count());
         if self.has_headers {
             let Some(line) = header(&mut self.source)? else { return Ok(false) };
             match line.split_ascii_whitespace().next() {
                 Some("FRAME") => {}
                 _ if "FRAME".starts_with(&line) && self.source.fill_buf()?.is_empty() => {
-                    return Err(FrameError::CutOff { frame, found: 0, expected });
+                    return Err(FrameError::CutOff { frame: number, found: 0, expected });
                 }
-                _ => return Err(FrameError::NotAFrame { frame, found: line.chars().take(40).collect() }),
+                _ => return Err(FrameError::NotAFrame { frame: number, found: line.chars().take(40).collect() }),
             }
         }
-        bytes.clear();
-        let found = (&mut self.source).take(expected as u64).read_to_end(bytes)?;
-        match found {
+        frame.layout = self.layout;
+        frame.bytes.resize(expected, 0);
+        match filled(&mut self.source, &mut frame.bytes)? {
             0 if !self.has_headers => Ok(false),
-            _ if found < expected => Err(FrameError::CutOff { frame, found, expected }),
+            found if found < expected => Err(FrameError::CutOff { frame: number, found, expected }),
             _ => {
                 self.frame += 1;
                 Ok(true)
             }
         }
     }
+}
+
+/// Reads until `bytes` are full or the source ends. Returns the number of bytes read.
+fn filled(source: &mut impl Read, bytes: &mut [u8]) -> std::io::Result<usize> {
+    let mut found = 0;
+    while found < bytes.len() {
+        match source.read(&mut bytes[found..]) {
+            Ok(0) => break,
+            Ok(count) => found += count,
+            Err(error) if error.kind() == ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(found)
 }
 
 /// A header line without the line end; `None` at the end of the stream.

@@ -213,8 +213,11 @@ fn observed(
     observer: Option<&mut Observer>,
 ) -> Result<Observation, (FrameState, String)> {
     match (content, observer) {
-        (Content::Pixels(image), Some(observer)) => observer.observe_frame(image),
-        (Content::Pixels(_), None) => Err((FrameState::Refused, "expected positions, found an image".to_owned())),
+        (Content::Image(image), Some(observer)) => observer.observe_frame(image),
+        (Content::Video(video), Some(observer)) => observer.observe_frame(video),
+        (Content::Image(_) | Content::Video(_), None) => {
+            Err((FrameState::Refused, "expected positions, found an image".to_owned()))
+        }
         (Content::Markers(fingers), _) => match fingers.iter().find(|of| of.finger == finger) {
             Some(of_this) => Ok(of_this.seen.clone()),
             None if fingers.is_empty() => Ok(Observation::default()),

@@ -3,9 +3,9 @@
 mod fingers;
 mod memory;
 mod page;
+mod video;
 
 use crate::kit::*;
-use finray_files::frames::{FrameLayout, FrameReader, FrameWriter};
 use finray_model::mesh::{FingerShape, Load};
 use finray_model::{Finger, Kinematics, Mesh, NodeId, Vector, statics};
 use finray_tests::{finger_of, random_stream};
@@ -14,6 +14,7 @@ use rand_distr::{Distribution, StandardNormal};
 use serde_json::Value;
 use std::fmt::Write;
 use std::io::{BufRead, BufReader};
+use video::{images, yuv4mpeg2};
 
 /// The paper's finger with coloured markers and a camera.
 const CAMERA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/scenes/camera.toml");
@@ -31,44 +32,6 @@ fn states(lines: &[Value]) -> Vec<&str> {
 
 fn force_n(line: &Value) -> f64 {
     line["contacts"][0]["force_n"].as_f64().unwrap_or_else(|| panic!("{line}"))
-}
-
-/// Images of the finger under forces (N) at 80 mm and -20 degrees.
-fn images(folder: &Folder, forces_n: &[f64]) -> Vec<RgbImage> {
-    let image = |force_n: &f64| {
-        let (path, load) = (folder.path("image.png"), format!("80:{force_n},-20"));
-        finray(&["render", CAMERA, "--load-at", &load, "--grey-noise", "2", "--blur-px", "0.8", "--out", &path]).done();
-        image::open(&path).expect("an image").to_rgb8()
-    };
-    forces_n.iter().map(image).collect()
-}
-
-/// A byte of luma or chroma, from weights of red, green and blue (ITU-R BT.601) and an offset.
-fn weighted(rgb: [u8; 3], [red, green, blue]: [f64; 3], offset: f64) -> u8 {
-    let [r, g, b] = rgb.map(f64::from);
-    (offset + red * r + green * g + blue * b).round().clamp(0.0, 255.0) as u8
-}
-
-/// Frames as YUV4MPEG2, encoded in floating point, independent of the decoder. Chroma has every `across`-th column and `down`-th row.
-fn yuv4mpeg2(images: &[RgbImage], colour_space: &str, [across, down]: [u32; 2], is_full_range: bool) -> Vec<u8> {
-    let (width, height) = images[0].dimensions();
-    let range = if is_full_range { " XCOLORRANGE=FULL" } else { "" };
-    let mut stream = format!("YUV4MPEG2 W{width} H{height} F25:1 Ip A1:1 C{colour_space}{range}\n").into_bytes();
-    let (luma, chroma, black) = if is_full_range { (1.0, 1.0, 0.0) } else { (219.0 / 255.0, 224.0 / 255.0, 16.0) };
-    let blue = [-0.168736, -0.331264, 0.5].map(|weight| weight * chroma);
-    let red = [0.5, -0.418688, -0.081312].map(|weight| weight * chroma);
-    for image in images {
-        stream.extend(b"FRAME\n");
-        let of_luma = [0.299, 0.587, 0.114].map(|weight| weight * luma);
-        stream.extend(image.pixels().map(|pixel| weighted(pixel.0, of_luma, black)));
-        for weights in [blue, red] {
-            let of_plane = (0..height)
-                .step_by(down as usize)
-                .flat_map(|v| (0..width).step_by(across as usize).map(move |u| (u, v)));
-            stream.extend(of_plane.map(|(u, v)| weighted(image.get_pixel(u, v).0, weights, 128.0)));
-        }
-    }
-    stream
 }
 
 /// Shape of the finger under loads.
@@ -103,86 +66,7 @@ fn pushed(s_mm: f64, force_n: f64) -> Load {
     Load::at_position(s_mm, finger().direction(0.0) * force_n)
 }
 
-/// The forces of a video's frames are sensed for every form of chroma, for full and limited range, and for raw frames.
-#[test]
-fn forces_are_found_in_every_form_of_video() {
-    let folder = Folder::new();
-    let images = images(&folder, &[0.0, 2.0, 0.0]);
-    let [width, height] = [images[0].width(), images[0].height()];
-    let raw: Vec<u8> = images.iter().flat_map(|image| image.as_raw().iter().copied()).collect();
-    let size = format!("{width}x{height}");
-    let forms: [(&str, Vec<u8>, Vec<&str>); 5] = [
-        ("444", yuv4mpeg2(&images, "444", [1, 1], false), vec![]),
-        ("444, full", yuv4mpeg2(&images, "444", [1, 1], true), vec![]),
-        ("422", yuv4mpeg2(&images, "422", [2, 1], false), vec![]),
-        ("420", yuv4mpeg2(&images, "420jpeg", [2, 2], true), vec![]),
-        ("raw", raw, vec!["--format", "rgb24", "--size", &size]),
-    ];
-    for (form, stream, more) in forms {
-        let path = folder.put("stream", stream);
-        let live = ["live", CAMERA, "--contact-at", "auto@-20", "--every-frame", "--input", &path];
-        let answer = finray(&[&live[..], &more].concat());
-        let summary = answer.summary.clone();
-        let found = lines(&answer.done());
-        assert_eq!(states(&found), ["none", "contact", "none"], "{form}: {found:?}");
-        assert!((force_n(&found[1]) - 2.0).abs() < 0.01, "{form}: {}", found[1]);
-        assert_eq!(found[1]["markers"], 25, "{form}");
-        let time_s = found[1]["time_s"].as_f64();
-        assert_eq!(time_s, if form == "raw" { None } else { Some(0.04) });
-        assert_eq!(
-            summary.as_deref(),
-            Some("done: 3 frames: 1 in contact, 2 free, 0 refused, 0 without finger; 0 dropped")
-        );
-    }
-}
-
-/// Decoded frames have the colours that were encoded, within rounding.
-#[test]
-fn decoded_colours_are_those_that_were_encoded() {
-    let image =
-        RgbImage::from_fn(7, 5, |u, v| image::Rgb([(37 * u + 11) as u8, (50 * v + 5) as u8, (u * v * 7) as u8]));
-    for is_full_range in [false, true] {
-        let stream = yuv4mpeg2(std::slice::from_ref(&image), "444", [1, 1], is_full_range);
-        let mut reader = FrameReader::yuv4mpeg2(&stream[..]).expect("a stream");
-        let (mut bytes, mut found) = (Vec::new(), RgbImage::new(7, 5));
-        assert!(reader.read(&mut bytes).expect("a frame"));
-        reader.layout().to_rgb(&bytes, &mut found);
-        for (found, expected) in found.iter().zip(image.iter()) {
-            // The tolerance covers rounding of luma and chroma by half a step each, with the largest gain of 1.772 x 255 / 224.
-            assert!(found.abs_diff(*expected) <= 2, "{found} for {expected}");
-        }
-        assert!(!reader.read(&mut bytes).expect("the end"));
-    }
-    assert_eq!(FrameLayout::rgb([7, 5]).byte_count(), 105);
-}
-
-/// Written frames are read with the same colours, in the same order, and with the same rate.
-#[test]
-fn written_frames_are_read_again() {
-    // Each image shows all combinations of 52 values of red and green, from 0 to 255; blue grows from image to image.
-    let image = |blue: u8| RgbImage::from_fn(52, 52, |u, v| image::Rgb([(5 * u) as u8, (5 * v) as u8, blue]));
-    let images: Vec<RgbImage> = (0..=255).step_by(15).map(image).collect();
-    for rate in [None, Some(25.0), Some(29.97), Some(0.5)] {
-        let mut stream = Vec::new();
-        let mut writer = FrameWriter::yuv4mpeg2(&mut stream, [52, 52], rate).expect("a header");
-        images.iter().for_each(|image| writer.write(image).expect("a frame"));
-        assert!(writer.write(&RgbImage::new(52, 50)).is_err(), "a frame of another size");
-        let mut reader = FrameReader::yuv4mpeg2(&stream[..]).expect("a stream");
-        assert_eq!(reader.layout().per_second, rate);
-        let (mut bytes, mut found) = (Vec::new(), RgbImage::new(52, 52));
-        for image in &images {
-            assert!(reader.read(&mut bytes).expect("a frame"));
-            reader.layout().to_rgb(&bytes, &mut found);
-            for (found, expected) in found.iter().zip(image.iter()) {
-                // Luma and chroma are rounded by up to half a step each, so blue errs by up to 0.5 + 1.772 x 0.5 = 1.39 before it is rounded.
-                assert!(found.abs_diff(*expected) <= 1, "{found} for {expected}");
-            }
-        }
-        assert!(!reader.read(&mut bytes).expect("the end"));
-    }
-}
-
-/// Positions as JSON and as a table yield the same force and standard deviation as `sense`.
+/// Positions as JSON and as a table give the same force and standard deviation as `sense`.
 #[test]
 fn positions_give_the_forces_of_sense() {
     let folder = Folder::new();

@@ -1,7 +1,7 @@
 //! Candidates for coloured markers: patches of the markers' colours, found on a coarse grid of pixels and refined in the full image.
 
 use super::colour::Colours;
-use crate::RgbView;
+use crate::RgbRows;
 use finray_model::camera::Pixel;
 use finray_model::finger::Plate;
 use image::{GrayImage, Luma};
@@ -29,7 +29,7 @@ pub(super) struct Blob {
 }
 
 /// Patches of about a marker's size; `radius_px` is the expected radius of a marker, px.
-pub(super) fn blobs(image: &RgbView, colours: &Colours, radius_px: f64) -> Vec<Blob> {
+pub(super) fn blobs(image: &dyn RgbRows, colours: &Colours, radius_px: f64) -> Vec<Blob> {
     let stride = ((radius_px / ACROSS_RADIUS) as u32).max(1);
     let whole = std::f64::consts::PI * (radius_px / f64::from(stride)).powi(2);
     // For small markers, one cell more or less changes the area considerably.
@@ -38,10 +38,11 @@ pub(super) fn blobs(image: &RgbView, colours: &Colours, radius_px: f64) -> Vec<B
         cells + 1.0 >= AREA[0] * whole && cells - 1.0 <= AREA[1] * whole
     };
     let mut blobs: Vec<(u32, Blob)> = Vec::new();
+    let mut buffer = Vec::new();
     for patch in patches(image, colours, stride).iter().filter(|patch| fits(patch)) {
         let rough = patch.sum / f64::from(patch.cells) * f64::from(stride);
         let side = if patch.value == 1 { Plate::Front } else { Plate::Back };
-        if let Some(centre) = middle_of_colour(image, colours, side, &rough, 1.5 * radius_px) {
+        if let Some(centre) = middle_of_colour(image, colours, side, &rough, 1.5 * radius_px, &mut buffer) {
             blobs.push((patch.cells, Blob { side, centre }));
         }
     }
@@ -51,7 +52,7 @@ pub(super) fn blobs(image: &RgbView, colours: &Colours, radius_px: f64) -> Vec<B
 }
 
 /// Most common radius (px) of discs with the areas of the patches; and the number of patches with about this radius. `None` if no patch is large enough.
-pub(super) fn commonest_radius(image: &RgbView, colours: &Colours) -> Option<(f64, usize)> {
+pub(super) fn commonest_radius(image: &dyn RgbRows, colours: &Colours) -> Option<(f64, usize)> {
     const STRIDE: u32 = 2;
     let radius = |patch: &Patch| (f64::from(patch.cells) / std::f64::consts::PI).sqrt() * f64::from(STRIDE);
     let mut radii: Vec<f64> =
@@ -64,15 +65,14 @@ pub(super) fn commonest_radius(image: &RgbView, colours: &Colours) -> Option<(f6
 }
 
 /// Patches of one colour on the grid that consists of every `stride`-th pixel.
-fn patches(image: &RgbView, colours: &Colours, stride: u32) -> Vec<Patch> {
-    let (width, height) = (image.width().div_ceil(stride), image.height().div_ceil(stride));
-    let row_length = 3 * image.width() as usize;
-    let raw = image.as_raw();
+fn patches(image: &dyn RgbRows, colours: &Colours, stride: u32) -> Vec<Patch> {
+    let size_px = image.size_px();
+    let [width, height] = size_px.map(|px| px.div_ceil(stride));
     let mut grid = GrayImage::new(width, height);
+    let mut buffer = Vec::new();
     for (row, cells) in grid.rows_mut().enumerate() {
-        let start = row * stride as usize * row_length;
-        let pixels = raw[start..start + row_length].chunks_exact(3).step_by(stride as usize);
-        for (cell, pixel) in cells.zip(pixels) {
+        let pixels = image.row(row * stride as usize, 0..size_px[0] as usize, &mut buffer);
+        for (cell, pixel) in cells.zip(pixels.chunks_exact(3).step_by(stride as usize)) {
             let side = colours.side_of(&[pixel[0], pixel[1], pixel[2]]);
             *cell = Luma([side.map_or(0, |side| 1 + side as u8)]);
         }
@@ -92,26 +92,26 @@ fn patches(image: &RgbView, colours: &Colours, stride: u32) -> Vec<Patch> {
     patches
 }
 
-/// Centre of the pixels of one colour within `reach` px of the pixel `about`; `None` without such pixels.
+/// Centre of the pixels of one colour within `reach` px of the pixel `about`; `None` without such pixels. `buffer` is used for the pixels of a row.
 pub(super) fn middle_of_colour(
-    image: &RgbView,
+    image: &dyn RgbRows,
     colours: &Colours,
     side: Plate,
     about: &Pixel,
     reach: f64,
+    buffer: &mut Vec<u8>,
 ) -> Option<Pixel> {
     let within = |axis: usize, size: u32| {
         let from = (about[axis] - reach).ceil().max(0.0);
         let to = (about[axis] + reach).floor().min(f64::from(size) - 1.0);
         (from <= to).then_some((from as usize, to as usize))
     };
-    let (columns, rows) = (within(0, image.width())?, within(1, image.height())?);
-    let raw = image.as_raw();
+    let [width, height] = image.size_px();
+    let (columns, rows) = (within(0, width)?, within(1, height)?);
     let (mut count, mut sum) = (0_u64, [0_u64; 2]);
     for v in rows.0..=rows.1 {
-        let start = 3 * (v * image.width() as usize + columns.0);
-        let end = 3 * (v * image.width() as usize + columns.1 + 1);
-        for (u, pixel) in (columns.0..).zip(raw[start..end].chunks_exact(3)) {
+        let pixels = image.row(v, columns.0..columns.1 + 1, buffer);
+        for (u, pixel) in (columns.0..).zip(pixels.chunks_exact(3)) {
             if colours.side_of(&[pixel[0], pixel[1], pixel[2]]) == Some(side) {
                 count += 1;
                 sum[0] += u as u64;

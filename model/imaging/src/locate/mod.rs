@@ -28,7 +28,7 @@ pub use radii::{OtherRadius, SeenRadii};
 pub use rest::{Rest, RestError};
 pub use rim_locator::{RimLocator, SeenBase, SeenFinger};
 
-use crate::{RgbView, view_of};
+use crate::RgbRows;
 use blobs::{Blob, LEAST_RADIUS_PX, blobs, commonest_radius, middle_of_colour};
 use colour::Colours;
 use disc::{Buffers, Disc, View};
@@ -37,10 +37,8 @@ use finray_model::camera::{Camera, Lens, Pixel};
 use finray_model::finger::Plate;
 use finray_model::scene::{MarkerLook, Markers};
 use finray_model::{Finger, NodeId, Vector};
-use image::{ImageBuffer, Rgb};
 use motion::motion_blur_px;
 use naming::{Candidate, Marked, name, name_likely};
-use std::ops::Deref;
 use together::{Common, located, measure_together};
 
 /// Radius of the search for a marker about its last position, in marker radii.
@@ -134,16 +132,12 @@ impl<'f> Locator<'f> {
     ///
     /// # Errors
     /// [`LocateError`] if the image does not show the finger, or the markers cannot be assigned to nodes uniquely.
-    pub fn locate<C: Deref<Target = [u8]>>(
-        &mut self,
-        image: &ImageBuffer<Rgb<u8>, C>,
-    ) -> Result<Vec<Located>, LocateError> {
-        self.locate_about(&view_of(image), true)
+    pub fn locate(&mut self, image: &impl RgbRows) -> Result<Vec<Located>, LocateError> {
+        self.locate_about(image, true)
     }
 
-    /// Same as [`locate`](Locator::locate). If `pose_holds` is true, the finger must be exactly where the camera's pose puts it. Otherwise, the
-    /// finger may also be near that position.
-    fn locate_about(&mut self, image: &RgbView, pose_holds: bool) -> Result<Vec<Located>, LocateError> {
+    /// Same as [`locate`](Locator::locate). If `pose_holds`, the finger must be exactly where the camera's pose puts it, otherwise nearby.
+    fn locate_about(&mut self, image: &dyn RgbRows, pose_holds: bool) -> Result<Vec<Located>, LocateError> {
         require_size(&self.camera.lens, image)?;
         let mut buffers = std::mem::take(&mut self.buffers);
         let view = self.view(image, [1.0; 2], Vector::zeros());
@@ -170,11 +164,7 @@ impl<'f> Locator<'f> {
     ///
     /// # Errors
     /// [`LocateError`] as for [`Locator::locate`].
-    pub fn track<C: Deref<Target = [u8]>>(
-        &mut self,
-        image: &ImageBuffer<Rgb<u8>, C>,
-    ) -> Result<Vec<Located>, LocateError> {
-        let image = &view_of(image);
+    pub fn track(&mut self, image: &impl RgbRows) -> Result<Vec<Located>, LocateError> {
         require_size(&self.camera.lens, image)?;
         let reach = NEAR * self.radius_px;
         let Some(common) = self.common.filter(|_| !self.last.is_empty()) else {
@@ -190,10 +180,10 @@ impl<'f> Locator<'f> {
         let near = |last: &Located| {
             let side = if self.on_front.contains(&last.node) { Plate::Front } else { Plate::Back };
             let side = if self.colours.are_alike() { Plate::Front } else { side };
-            let mut centre = middle_of_colour(image, &self.colours, side, &last.pixel, reach)?;
+            let mut centre = middle_of_colour(image, &self.colours, side, &last.pixel, reach, &mut buffers.row)?;
             // The window may cut off part of the marker, so the search is repeated about the new centre.
             if (centre - last.pixel).norm() > reach - self.radius_px {
-                centre = middle_of_colour(image, &self.colours, side, &centre, reach)?;
+                centre = middle_of_colour(image, &self.colours, side, &centre, reach, &mut buffers.row)?;
             }
             Some((last.node, view.measure_centre(outline, &centre, &mut buffers)?))
         };
@@ -229,7 +219,7 @@ impl<'f> Locator<'f> {
     }
 
     /// The error for patches of the markers' colours whose size does not fit the camera; `None` if their size fits.
-    fn other_size(&self, image: &RgbView) -> Option<LocateError> {
+    fn other_size(&self, image: &dyn RgbRows) -> Option<LocateError> {
         let expected_px = self.radius_px;
         let (found_px, count) = commonest_radius(image, &self.colours)?;
         let is_other = (found_px / expected_px).ln().abs() > OTHER_SIZE.ln();
@@ -259,7 +249,7 @@ impl<'f> Locator<'f> {
         Ok(names?.iter().enumerate().filter_map(named).collect())
     }
 
-    fn view<'a>(&'a self, image: &'a RgbView<'a>, weights: [f64; 2], colour_shift_px: Vector) -> View<'a> {
+    fn view<'a>(&'a self, image: &'a dyn RgbRows, weights: [f64; 2], colour_shift_px: Vector) -> View<'a> {
         let height_mm = self.markers.height_mm;
         View { image, camera: &self.camera, height_mm, grey_inner_mm: None, weights, colour_shift_px }
     }
@@ -288,7 +278,7 @@ fn radius_at(camera: &Camera, pixel: &Pixel, markers: &Markers) -> Result<f64, L
     if radius_px < LEAST_RADIUS_PX { Err(LocateError::TooSmall { radius_px }) } else { Ok(radius_px) }
 }
 
-fn require_size(lens: &Lens, image: &RgbView) -> Result<(), LocateError> {
-    let (expected, found) = (lens.size_px(), [image.width(), image.height()]);
+fn require_size(lens: &Lens, image: &dyn RgbRows) -> Result<(), LocateError> {
+    let (expected, found) = (lens.size_px(), image.size_px());
     if expected == found { Ok(()) } else { Err(LocateError::Size { expected, found }) }
 }

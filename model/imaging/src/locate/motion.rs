@@ -4,7 +4,7 @@
 //! discs have equal sums in all directions. Only gradients of colour are used, because beams and background have no colour.
 
 use super::disc::Disc;
-use crate::RgbView;
+use crate::RgbRows;
 use nalgebra::Matrix2;
 
 /// Ratio of the smaller to the larger sum of squared gradients above which blur counts as isotropic. For discs seen at an angle of 20 degrees, the ratio is
@@ -28,12 +28,13 @@ const MOST: f64 = 1e4;
 /// Standard deviation of the motion blur in addition to an isotropic blur, px; `None` for isotropic blur. `blur_px` is the mean standard deviation of the
 /// blur, px.
 pub(super) fn motion_blur_px<'d>(
-    image: &RgbView,
+    image: &dyn RgbRows,
     discs: impl Iterator<Item = &'d Disc>,
     radius_px: f64,
     blur_px: f64,
 ) -> Option<f64> {
-    let all = discs.map(|disc| gradients(image, disc, ROOM * radius_px)).sum::<Matrix2<f64>>();
+    let mut buffers = (Vec::new(), Vec::new());
+    let all = discs.map(|disc| gradients(image, disc, ROOM * radius_px, &mut buffers)).sum::<Matrix2<f64>>();
     let sums = all.symmetric_eigenvalues();
     let ratio = sums.min() / sums.max();
     if ratio.is_nan() || ratio >= ROUND {
@@ -57,20 +58,37 @@ pub(super) fn motion_blur_px<'d>(
     Some(blur_px * (below / (1.0 + 0.5 * below)).sqrt()).filter(|motion_px| *motion_px > LEAST_PX)
 }
 
-/// Sums of products of the colour gradients about a disc: xx, xy and yy as a matrix.
-fn gradients(image: &RgbView, disc: &Disc, reach: f64) -> Matrix2<f64> {
-    let mut sums = Matrix2::zeros();
+/// Sums of products of the colour gradients about a disc: xx, xy and yy as a matrix. The buffers are for pixels of a row and for the colours about the disc.
+fn gradients(
+    image: &dyn RgbRows,
+    disc: &Disc,
+    reach: f64,
+    (pixels, colours): &mut (Vec<u8>, Vec<[i32; 2]>),
+) -> Matrix2<f64> {
     let within = |axis: usize, size: u32| {
-        let from = (disc.pixel[axis] - reach).ceil().max(1.0) as u32;
-        from..((disc.pixel[axis] + reach).floor().max(0.0) as u32).min(size.saturating_sub(1))
+        let from = (disc.pixel[axis] - reach).ceil().max(1.0) as usize;
+        from..((disc.pixel[axis] + reach).floor().max(0.0) as usize).min(size.saturating_sub(1) as usize)
     };
-    let colour = |u: u32, v: u32| {
-        let [r, g, b] = image.get_pixel(u, v).0.map(i32::from);
-        [r - g, g - b]
-    };
-    for v in within(1, image.height()) {
-        for u in within(0, image.width()) {
-            let (left, right, up, down) = (colour(u - 1, v), colour(u + 1, v), colour(u, v - 1), colour(u, v + 1));
+    let [width, height] = image.size_px();
+    let (columns, rows) = (within(0, width), within(1, height));
+    let mut sums = Matrix2::zeros();
+    if columns.is_empty() || rows.is_empty() {
+        return sums;
+    }
+    // A gradient needs the neighbours of its pixel.
+    let across = columns.len() + 2;
+    colours.clear();
+    for v in rows.start - 1..=rows.end {
+        let row = image.row(v, columns.start - 1..columns.end + 1, pixels);
+        colours.extend(row.chunks_exact(3).map(|pixel| {
+            let [r, g, b] = [pixel[0], pixel[1], pixel[2]].map(i32::from);
+            [r - g, g - b]
+        }));
+    }
+    for v in 1..=rows.len() {
+        for at in v * across + 1..(v + 1) * across - 1 {
+            let (left, right, up, down) =
+                (colours[at - 1], colours[at + 1], colours[at - across], colours[at + across]);
             for k in 0..2 {
                 let [x, y] = [right[k] - left[k], down[k] - up[k]].map(f64::from);
                 sums += Matrix2::new(x * x, x * y, x * y, y * y);

@@ -1,14 +1,14 @@
 //! Conversion of images to observations, by a locator for the scene's markers and data that the images of a scene share.
 
 use super::{LocateError, Located, Locator, LocatorError, Rest, RestError, RimLocator, SeenBase, SeenRadii};
+use crate::RgbRows;
 use finray_model::camera::Camera;
 use finray_model::measurement::BaseUncertainty;
 use finray_model::observation::{Observation, ObservedBase, ObservedMarker};
 use finray_model::scene::{Base, MarkerLook, Markers};
 use finray_model::sensor::FrameState;
 use finray_model::{Finger, Scene};
-use image::{ImageBuffer, Rgb, RgbImage};
-use std::ops::Deref;
+use image::RgbImage;
 
 /// Converts images of a finger to observations of its markers.
 #[derive(Debug, Clone)]
@@ -111,14 +111,12 @@ impl<'f> Observer<'f> {
         matches!(self.locator, AnyLocator::Coloured(_))
     }
 
-    /// Observes the finger in the next image of a stream. The pixels of the image may be owned or borrowed ([`RgbView`](crate::RgbView)).
+    /// Observes the finger in the next image of a stream. The image may be owned, borrowed ([`RgbView`](crate::RgbView)), or
+    /// converted where it is read ([`RgbRows`]).
     ///
     /// # Errors
     /// [`LocateError`] if the image does not show the finger, or the markers cannot be assigned to nodes uniquely.
-    pub fn observe<C: Deref<Target = [u8]>>(
-        &mut self,
-        image: &ImageBuffer<Rgb<u8>, C>,
-    ) -> Result<Observation, LocateError> {
+    pub fn observe(&mut self, image: &impl RgbRows) -> Result<Observation, LocateError> {
         let (located, base, radii) = match &mut self.locator {
             AnyLocator::Coloured(locator) => {
                 let located = locator.track(image)?;
@@ -143,10 +141,7 @@ impl<'f> Observer<'f> {
     ///
     /// # Errors
     /// The state of the finger and the reason, if the image does not show the finger or has another size than the camera's images.
-    pub fn observe_frame<C: Deref<Target = [u8]>>(
-        &mut self,
-        image: &ImageBuffer<Rgb<u8>, C>,
-    ) -> Result<Observation, (FrameState, String)> {
+    pub fn observe_frame(&mut self, image: &impl RgbRows) -> Result<Observation, (FrameState, String)> {
         self.observe(image).map_err(|error| match error {
             LocateError::Size { .. } => (FrameState::Refused, error.to_string()),
             _ => (FrameState::Lost, error.to_string()),

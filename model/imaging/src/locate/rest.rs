@@ -5,8 +5,8 @@ use super::colour::Colours;
 use super::error::require_own_junctions;
 use super::pattern::at_rest;
 use super::{LocateError, Located, Locator, LocatorError, require_size};
+use crate::RgbRows;
 use crate::plane_pose::{PlanePoseError, plane_pose};
-use crate::{RgbView, view_of};
 use finray_model::Finger;
 use finray_model::camera::{Camera, Lens, Pose};
 use finray_model::scene::{MarkerLook, Markers};
@@ -70,7 +70,6 @@ impl Rest {
         image: &RgbImage,
     ) -> Result<Rest, RestError> {
         require_own_junctions(finger)?;
-        let image = &view_of(image);
         require_size(lens, image)?;
         // The pose from the pattern of markers takes precedence, because the stated pose may be inaccurate.
         let pose = pose_of_pattern(finger, lens, markers, image)?.or(pose).ok_or(RestError::NoPattern)?;
@@ -97,7 +96,7 @@ fn pose_of_pattern(
     finger: &Finger,
     lens: &Lens,
     markers: &Markers,
-    image: &RgbView,
+    image: &dyn RgbRows,
 ) -> Result<Option<Pose>, RestError> {
     let MarkerLook::Coloured { front_rgb, back_rgb } = markers.look else {
         return Err(LocatorError::NotColoured.into());

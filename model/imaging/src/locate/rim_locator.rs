@@ -10,13 +10,11 @@ use super::naming::{Candidate, Marked, Names, NamingError, name, name_at_cost};
 use super::rim::{GreyView, Rim, RimShape, rims};
 use super::together::{median, wider};
 use super::{LocateError, Located, LocatorError, SeenRadii, radius_at, radius_px, require_size};
-use crate::view_of;
+use crate::RgbRows;
 use finray_model::camera::Camera;
 use finray_model::scene::{Base, MarkerLook, Markers, Reference};
 use finray_model::{Finger, NodeId, Vector};
-use image::{ImageBuffer, Rgb};
 use nalgebra::{Isometry2, UnitComplex};
-use std::ops::Deref;
 
 /// Tolerance of the distance between two references, mm. It combines with [`REFERENCE_SHARE`] as a root sum of squares.
 const REFERENCE_MM: f64 = 1.5;
@@ -123,8 +121,7 @@ impl<'f> RimLocator<'f> {
     ///
     /// # Errors
     /// [`LocateError`] if the image does not show the finger, or the markers cannot be assigned to nodes uniquely.
-    pub fn locate<C: Deref<Target = [u8]>>(&self, image: &ImageBuffer<Rgb<u8>, C>) -> Result<SeenFinger, LocateError> {
-        let image = &view_of(image);
+    pub fn locate(&self, image: &impl RgbRows) -> Result<SeenFinger, LocateError> {
         require_size(&self.camera.lens, image)?;
         let view = GreyView::new(&self.camera, image);
         let rims = rims(&view, &self.shape, self.radius_px);

@@ -1,7 +1,7 @@
 //! Frames of a stream or of image files.
 
 use crate::commands::prelude::*;
-use finray_files::frames::{FrameError, FrameLayout, FrameReader};
+use finray_files::frames::{FrameError, FrameLayout, FrameReader, VideoFrame};
 use finray_files::live::FrameInfo;
 use finray_files::positions::{FingerObservation, PositionError, PositionFrame, PositionReader};
 use image::RgbImage;
@@ -9,8 +9,8 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::time::Instant;
 
-/// Size of the read buffer of a stream, bytes.
-const AT_ONCE: usize = 1 << 20;
+/// Size of the read buffer of a stream, bytes: that of a pipe. Larger reads, as of a frame's pixels, bypass the buffer.
+const AT_ONCE: usize = 1 << 16;
 
 /// Format of a stream: YUV4MPEG2 (`Y4m`); red, green and blue of each pixel, 8 bits each (`Rgb24`); positions of markers, one row a marker (`Csv`) or one line a
 /// frame (`Jsonl`). The variants have no comments of their own, because the help would list them line by line.
@@ -24,8 +24,10 @@ pub enum Format {
 
 /// Image or marker positions of a frame, or the reason why neither could be read.
 pub enum Content {
-    /// An image.
-    Pixels(RgbImage),
+    /// An image from a file.
+    Image(RgbImage),
+    /// A frame of a video.
+    Video(VideoFrame),
     /// Positions of markers, by finger.
     Markers(Vec<FingerObservation>),
     /// Reason why the frame cannot be read.
@@ -57,8 +59,6 @@ pub struct Source {
     /// Path of the stream; `-` for standard input.
     path: PathBuf,
     frames: Frames,
-    /// Buffer for the bytes of one frame.
-    bytes: Vec<u8>,
 }
 
 impl Source {
@@ -96,13 +96,13 @@ impl Source {
                 Frames::Positions(PositionReader::new(source).map_err(|error| wrong(&error))?)
             }
         };
-        Ok(Source { path: path.to_owned(), frames, bytes: Vec::new() })
+        Ok(Source { path: path.to_owned(), frames })
     }
 
     /// Image files, in this order.
     pub fn of_images(images: &[PathBuf]) -> Source {
         let frames = Frames::Files(images.iter().rev().cloned().collect());
-        Source { path: PathBuf::new(), frames, bytes: Vec::new() }
+        Source { path: PathBuf::new(), frames }
     }
 
     /// Whether the frames are images.
@@ -139,7 +139,11 @@ impl Source {
         Ok(match &mut self.frames {
             Frames::Images(reader) => {
                 let layout = reader.layout();
-                match reader.read(&mut self.bytes) {
+                let mut video = match spare.map(|frame| frame.content) {
+                    Some(Content::Video(video)) => video,
+                    _ => VideoFrame::new(layout),
+                };
+                match reader.read(&mut video) {
                     Ok(true) => {}
                     Ok(false) => return Ok(None),
                     Err(error @ FrameError::CutOff { .. }) => {
@@ -149,14 +153,8 @@ impl Source {
                     Err(FrameError::Unreadable(reason)) => return Err(unreadable(reason)),
                     Err(error) => return Err(wrong(error.to_string())),
                 }
-                let arrived = Instant::now();
-                let [width, height] = layout.size_px;
-                let mut image = match spare.map(|frame| frame.content) {
-                    Some(Content::Pixels(image)) => image,
-                    _ => RgbImage::new(width, height),
-                };
-                layout.to_rgb(&self.bytes, &mut image);
-                frame(layout.per_second.map(|rate| number as f64 / rate), arrived, Content::Pixels(image))
+                let time_s = layout.per_second.map(|rate| number as f64 / rate);
+                frame(time_s, Instant::now(), Content::Video(video))
             }
             Frames::Positions(reader) => match reader.read() {
                 Ok(None) => None,
@@ -168,7 +166,7 @@ impl Source {
             },
             Frames::Files(paths) => paths.pop().and_then(|path| {
                 let content = match load_image(&path) {
-                    Ok((image, _)) => Content::Pixels(image),
+                    Ok((image, _)) => Content::Image(image),
                     Err(error) => Content::Unreadable(error.to_string()),
                 };
                 frame(None, Instant::now(), content)

@@ -15,7 +15,7 @@ mod plane_map;
 mod shades;
 mod sums;
 
-use crate::RgbView;
+use crate::RgbRows;
 use band::{Band, normal_distribution};
 use finray_model::Vector;
 use finray_model::camera::{Camera, Pixel};
@@ -129,9 +129,9 @@ impl Edge {
 }
 
 /// An image with its camera, and settings for the measurement of discs.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub(super) struct View<'a> {
-    pub image: &'a RgbView<'a>,
+    pub image: &'a dyn RgbRows,
     pub camera: &'a Camera,
     /// Height of the discs above the finger's plane, mm.
     pub height_mm: f64,
@@ -152,6 +152,8 @@ pub(super) struct Buffers {
     shades: Shades,
     band: Band,
     sums: Sums,
+    /// Pixels of a row of the image.
+    pub row: Vec<u8>,
 }
 
 impl View<'_> {

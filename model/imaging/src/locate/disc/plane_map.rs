@@ -1,7 +1,7 @@
 //! Map from the pixels about a marker to positions in the finger's plane.
 
 use super::Edge;
-use crate::RgbView;
+use crate::RgbRows;
 use finray_model::Vector;
 use finray_model::camera::{Camera, Pixel};
 use nalgebra::Matrix2;
@@ -27,6 +27,8 @@ pub(super) struct Pixels {
     pub light: [Vec<f32>; 3],
     /// Signed distance of each pixel from the last measured edge, px; positive outside the disc.
     pub outside: Vec<f32>,
+    /// Buffer for the pixels of a row of the image.
+    row: Vec<u8>,
 }
 
 /// Second-order map from the pixels about one pixel to positions in the finger's plane. Its unit, `unit_mm`, is about the size of a pixel.
@@ -78,7 +80,7 @@ impl PlaneMap {
 
     /// Gathers the pixels of the image within `reach` px of the middle. For a disc at the image border, only the visible part of the surroundings is
     /// gathered.
-    pub fn gather(&self, image: &RgbView, reach: f64, pixels: &mut Pixels) {
+    pub fn gather(&self, image: &dyn RgbRows, reach: f64, pixels: &mut Pixels) {
         pixels.at.iter_mut().chain(&mut pixels.light).for_each(Vec::clear);
         let within = |middle: f64, reach: f64, size: u32| {
             let size = f64::from(size);
@@ -87,10 +89,11 @@ impl PlaneMap {
             from as usize..end as usize
         };
         let [uu, uv, vv] = self.curvature;
-        for row in within(self.about.y, reach, image.height()) {
+        let [width, height] = image.size_px();
+        for row in within(self.about.y, reach, height) {
             let v = row as f64 - self.about.y;
             let half = (reach * reach - v * v).max(0.0).sqrt();
-            let columns = within(self.about.x, half, image.width());
+            let columns = within(self.about.x, half, width);
             // Coefficients of a polynomial in u: constant, slope, half the curvature.
             let rest = self.slope.column(1) * v + vv * (0.5 * v * v);
             let by_u = self.slope.column(0) + uv * v;
@@ -102,8 +105,7 @@ impl PlaneMap {
                     terms[0] + u * (terms[1] + u * terms[2])
                 }));
             }
-            let start = 3 * (row * image.width() as usize + columns.start);
-            for pixel in image.as_raw()[start..start + 3 * columns.len()].chunks_exact(3) {
+            for pixel in image.row(row, columns, &mut pixels.row).chunks_exact(3) {
                 for (list, light) in pixels.light.iter_mut().zip(light_of(pixel)) {
                     list.push(light);
                 }
@@ -200,7 +202,7 @@ mod tests {
         for (u, v) in [(31.0, 23.0), (-1.0, -2.0), (65.85, 28.8), (65.85, 49.5), (70.0, 20.0), (-9.0, 47.0)] {
             let map = PlaneMap::new(&camera, 0.0, &Pixel::new(u, v), 1.0).expect("a plane");
             for reach in [3.0, 18.25, 100.0] {
-                map.gather(&crate::view_of(&image), reach, &mut pixels);
+                map.gather(&image, reach, &mut pixels);
                 let within = |row: u32, column: u32| (f64::from(column) - u).hypot(f64::from(row) - v) <= reach;
                 let expected = (0..height).flat_map(|row| (0..width).map(move |column| (row, column)));
                 let expected = expected.filter(|(row, column)| within(*row, *column)).count();

@@ -10,11 +10,11 @@
 mod votes;
 
 use super::disc::{Buffers, Disc, View};
-use crate::RgbView;
+use crate::RgbRows;
 use finray_model::Vector;
 use finray_model::camera::{Camera, Pixel};
 use finray_model::scene::Shade;
-use image::GrayImage;
+use image::{GrayImage, Pixel as _, Rgb};
 use nalgebra::{Complex, Matrix2, Matrix3, Vector3};
 use votes::Slopes;
 
@@ -91,16 +91,28 @@ pub(super) struct RimShape {
 /// A grey image with its camera and the slopes of its light.
 pub(super) struct GreyView<'a> {
     camera: &'a Camera,
-    image: &'a RgbView<'a>,
+    image: &'a dyn RgbRows,
     grey: GrayImage,
     slopes: Slopes,
 }
 
 impl<'a> GreyView<'a> {
-    pub fn new(camera: &'a Camera, image: &'a RgbView<'a>) -> GreyView<'a> {
-        let grey = image::imageops::grayscale(image);
+    pub fn new(camera: &'a Camera, image: &'a dyn RgbRows) -> GreyView<'a> {
+        let grey = grey_of(image);
         GreyView { camera, image, slopes: Slopes::of(&grey), grey }
     }
+}
+
+/// Brightness of the pixels of an image.
+fn grey_of(image: &dyn RgbRows) -> GrayImage {
+    let [width, height] = image.size_px();
+    let mut grey = GrayImage::new(width, height);
+    let mut buffer = Vec::new();
+    for (row, lights) in grey.rows_mut().enumerate() {
+        let pixels = image.row(row, 0..width as usize, &mut buffer).chunks_exact(3);
+        lights.zip(pixels).for_each(|(light, pixel)| *light = Rgb([pixel[0], pixel[1], pixel[2]]).to_luma());
+    }
+    grey
 }
 
 /// Rims of a given shape that do not overlap; those with the most votes come first. `radius_px` is their approximate radius in the image, px.

@@ -1,0 +1,191 @@
+//! Frames of a video: their forms, their colours, and the forces that they show.
+
+use super::{CAMERA, force_n, lines, states};
+use crate::kit::*;
+use finray_files::frames::{FrameLayout, FrameReader, FrameWriter, VideoFrame};
+use finray_imaging::RgbRows;
+use finray_imaging::locate::Observer;
+use finray_model::Scene;
+use image::RgbImage;
+
+/// Colour spaces, each with the numbers of columns and rows that share a chroma sample.
+const CHROMA: [(&str, [u32; 2]); 3] = [("444", [1, 1]), ("422", [2, 1]), ("420jpeg", [2, 2])];
+
+/// Images of the finger under forces (N) at 80 mm and -20 degrees.
+pub(super) fn images(folder: &Folder, forces_n: &[f64]) -> Vec<RgbImage> {
+    let image = |force_n: &f64| {
+        let (path, load) = (folder.path("image.png"), format!("80:{force_n},-20"));
+        finray(&["render", CAMERA, "--load-at", &load, "--grey-noise", "2", "--blur-px", "0.8", "--out", &path]).done();
+        image::open(&path).expect("an image").to_rgb8()
+    };
+    forces_n.iter().map(image).collect()
+}
+
+/// A byte of luma or chroma, from weights of red, green and blue (ITU-R BT.601) and an offset.
+fn weighted(rgb: [u8; 3], [red, green, blue]: [f64; 3], offset: f64) -> u8 {
+    let [r, g, b] = rgb.map(f64::from);
+    (offset + red * r + green * g + blue * b).round().clamp(0.0, 255.0) as u8
+}
+
+/// Frames as YUV4MPEG2, encoded in floating point, independent of the decoder. Chroma has every `across`-th column and `down`-th row.
+pub(super) fn yuv4mpeg2(
+    images: &[RgbImage],
+    colour_space: &str,
+    [across, down]: [u32; 2],
+    is_full_range: bool,
+) -> Vec<u8> {
+    let (width, height) = images[0].dimensions();
+    let range = if is_full_range { " XCOLORRANGE=FULL" } else { "" };
+    let mut stream = format!("YUV4MPEG2 W{width} H{height} F25:1 Ip A1:1 C{colour_space}{range}\n").into_bytes();
+    let (luma, chroma, black) = if is_full_range { (1.0, 1.0, 0.0) } else { (219.0 / 255.0, 224.0 / 255.0, 16.0) };
+    let blue = [-0.168736, -0.331264, 0.5].map(|weight| weight * chroma);
+    let red = [0.5, -0.418688, -0.081312].map(|weight| weight * chroma);
+    for image in images {
+        stream.extend(b"FRAME\n");
+        let of_luma = [0.299, 0.587, 0.114].map(|weight| weight * luma);
+        stream.extend(image.pixels().map(|pixel| weighted(pixel.0, of_luma, black)));
+        for weights in [blue, red] {
+            let of_plane = (0..height)
+                .step_by(down as usize)
+                .flat_map(|v| (0..width).step_by(across as usize).map(move |u| (u, v)));
+            stream.extend(of_plane.map(|(u, v)| weighted(image.get_pixel(u, v).0, weights, 128.0)));
+        }
+    }
+    stream
+}
+
+/// All pixels of a frame.
+fn whole(frame: &VideoFrame) -> RgbImage {
+    let [width, height] = frame.size_px();
+    let mut buffer = Vec::new();
+    let rows = (0..height as usize).flat_map(|row| frame.row(row, 0..width as usize, &mut buffer).to_vec());
+    RgbImage::from_raw(width, height, rows.collect()).expect("three bytes a pixel")
+}
+
+/// A reader of a stream after its first frame, and this frame.
+fn first_frame(stream: &[u8]) -> (FrameReader<&[u8]>, VideoFrame) {
+    let mut reader = FrameReader::yuv4mpeg2(stream).expect("a stream");
+    let mut frame = VideoFrame::new(reader.layout());
+    assert!(reader.read(&mut frame).expect("a frame"));
+    (reader, frame)
+}
+
+/// The forces of a video's frames are sensed for every form of chroma, for both ranges, and for raw frames.
+#[test]
+fn forces_are_found_in_every_form_of_video() {
+    let folder = Folder::new();
+    let images = images(&folder, &[0.0, 2.0, 0.0]);
+    let [width, height] = [images[0].width(), images[0].height()];
+    let raw: Vec<u8> = images.iter().flat_map(|image| image.as_raw().iter().copied()).collect();
+    let size = format!("{width}x{height}");
+    let forms: [(&str, Vec<u8>, Vec<&str>); 5] = [
+        ("444", yuv4mpeg2(&images, "444", [1, 1], false), vec![]),
+        ("444, full", yuv4mpeg2(&images, "444", [1, 1], true), vec![]),
+        ("422", yuv4mpeg2(&images, "422", [2, 1], false), vec![]),
+        ("420", yuv4mpeg2(&images, "420jpeg", [2, 2], true), vec![]),
+        ("raw", raw, vec!["--format", "rgb24", "--size", &size]),
+    ];
+    for (form, stream, more) in forms {
+        let path = folder.put("stream", stream);
+        let live = ["live", CAMERA, "--contact-at", "auto@-20", "--every-frame", "--input", &path];
+        let answer = finray(&[&live[..], &more].concat());
+        let summary = answer.summary.clone();
+        let found = lines(&answer.done());
+        assert_eq!(states(&found), ["none", "contact", "none"], "{form}: {found:?}");
+        assert!((force_n(&found[1]) - 2.0).abs() < 0.01, "{form}: {}", found[1]);
+        assert_eq!(found[1]["markers"], 25, "{form}");
+        let time_s = found[1]["time_s"].as_f64();
+        assert_eq!(time_s, if form == "raw" { None } else { Some(0.04) });
+        assert_eq!(
+            summary.as_deref(),
+            Some("done: 3 frames: 1 in contact, 2 free, 0 refused, 0 without finger; 0 dropped")
+        );
+    }
+}
+
+/// Decoded frames have the colours that were encoded, within rounding. Pixels that share chroma have the same colour.
+#[test]
+fn decoded_colours_are_those_that_were_encoded() {
+    for (colour_space, [across, down]) in CHROMA {
+        let image = RgbImage::from_fn(7, 5, |u, v| {
+            let (u, v) = (u / across, v / down);
+            image::Rgb([(37 * u + 11) as u8, (50 * v + 5) as u8, (u * v * 7) as u8])
+        });
+        for is_full_range in [false, true] {
+            let stream = yuv4mpeg2(std::slice::from_ref(&image), colour_space, [across, down], is_full_range);
+            let (mut reader, mut frame) = first_frame(&stream);
+            for (found, expected) in whole(&frame).iter().zip(image.iter()) {
+                // The tolerance covers rounding of luma and chroma by half a step each, with the largest gain of 1.772 x 255 / 224.
+                assert!(found.abs_diff(*expected) <= 2, "{colour_space}: {found} for {expected}");
+            }
+            assert!(!reader.read(&mut frame).expect("the end"));
+        }
+    }
+    assert_eq!(FrameLayout::rgb([7, 5]).byte_count(), 105);
+}
+
+/// A part of a row has the pixels of the whole row, also from a column within a chroma sample.
+#[test]
+fn parts_of_rows_are_converted_as_whole_rows() {
+    let image = RgbImage::from_fn(7, 5, |u, v| image::Rgb([(37 * u) as u8, (50 * v) as u8, (29 * (u + v)) as u8]));
+    for (colour_space, chroma) in CHROMA {
+        let (_, frame) = first_frame(&yuv4mpeg2(std::slice::from_ref(&image), colour_space, chroma, false));
+        let all = whole(&frame);
+        let mut buffer = vec![1; 100];
+        for (row, from) in (0..5).flat_map(|row| (0..=7).map(move |from| (row, from))) {
+            for end in from..=7 {
+                let expected = all.row(row, from..end, &mut Vec::new()).to_vec();
+                assert_eq!(
+                    frame.row(row, from..end, &mut buffer),
+                    expected,
+                    "{colour_space}: row {row}, {from}..{end}"
+                );
+            }
+        }
+    }
+}
+
+/// A frame whose pixels are converted where they are read gives the same observations as the image of all its pixels, to the last bit. The first image
+/// is searched completely; the finger moves by up to 1 mm from image to image.
+#[test]
+fn frames_give_the_positions_of_their_images() {
+    let folder = Folder::new();
+    let images = images(&folder, &[1.0, 1.1, 1.2]);
+    let scene = Scene::from_toml(finray_fixtures::CAMERA_SCENE).expect("the fixture");
+    for (colour_space, chroma) in CHROMA {
+        let stream = yuv4mpeg2(&images, colour_space, chroma, false);
+        let mut reader = FrameReader::yuv4mpeg2(&stream[..]).expect("a stream");
+        let mut frame = VideoFrame::new(reader.layout());
+        let [mut of_frames, mut of_images] = [(); 2].map(|()| Observer::new(&scene, None).expect("an observer"));
+        while reader.read(&mut frame).expect("frames") {
+            let found = of_frames.observe(&frame).expect("a finger");
+            assert_eq!(found.markers.len(), 25);
+            assert_eq!(found, of_images.observe(&whole(&frame)).expect("a finger"), "{colour_space}");
+        }
+    }
+}
+
+/// Written frames are read with the same colours, in the same order, and with the same rate.
+#[test]
+fn written_frames_are_read_again() {
+    // Each image shows all combinations of 52 values of red and green, from 0 to 255; blue grows from image to image.
+    let image = |blue: u8| RgbImage::from_fn(52, 52, |u, v| image::Rgb([(5 * u) as u8, (5 * v) as u8, blue]));
+    let images: Vec<RgbImage> = (0..=255).step_by(15).map(image).collect();
+    for rate in [None, Some(25.0), Some(29.97), Some(0.5)] {
+        let mut stream = Vec::new();
+        let mut writer = FrameWriter::yuv4mpeg2(&mut stream, [52, 52], rate).expect("a header");
+        images.iter().for_each(|image| writer.write(image).expect("a frame"));
+        assert!(writer.write(&RgbImage::new(52, 50)).is_err(), "a frame of another size");
+        let mut reader = FrameReader::yuv4mpeg2(&stream[..]).expect("a stream");
+        assert_eq!(reader.layout().per_second, rate);
+        let mut frame = VideoFrame::new(reader.layout());
+        for image in &images {
+            assert!(reader.read(&mut frame).expect("a frame"));
+            for (found, expected) in whole(&frame).iter().zip(image.iter()) {
+                // Luma and chroma are rounded by up to half a step each, so blue errs by up to 0.5 + 1.772 x 0.5 = 1.39 before it is rounded.
+                assert!(found.abs_diff(*expected) <= 1, "{found} for {expected}");
+            }
+        }
+        assert!(!reader.read(&mut frame).expect("the end"));
+    }
+}
