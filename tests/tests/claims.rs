@@ -107,7 +107,7 @@ fn the_first_screen_says_where_finger_and_model_end() {
     let carried = cells - lost;
     for said in [
         format!("in {trusted} of the {carried} positions and directions in which the finger carries these forces ("),
-        format!("; in {lost} others the finger has no equilibrium under at least one of these forces;"),
+        format!("; in {lost} other cells, the finger has no equilibrium under at least one of these forces;"),
     ] {
         assert!(answers[0].contains(&said), "{said}: {}", answers[0]);
     }

@@ -60,7 +60,7 @@ enum Command {
     },
     /// Print a man page in roff, for instance: finray man sense > ~/.local/share/man/man1/finray-sense.1
     Man {
-        /// Command of the page [default: the whole program]
+        /// Command that the page describes [default: the whole program]
         command: Option<String>,
     },
 }

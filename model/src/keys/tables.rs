@@ -108,7 +108,8 @@ tables! {
     poissons_ratio: Number(Quantity("ratio", ""), Above(-1.0, 0.5)), Or(0.0),
         "Poisson's ratio nu. The effective modulus is E / (1 - nu^2), which holds for plates and ribs of a depth much larger than their thickness.";
     shear_correction: Number(Quantity("factor", ""), Within(0.0, 1.0)), Or(0.0),
-        "Shear correction factor kappa: plates and ribs have the shear rigidity kappa A E / (2 (1 + nu)). 5/6 for rectangles; 0 for no shear deformation.";
+        "Shear correction factor kappa: plates and ribs have the shear rigidity kappa A E / (2 (1 + nu)). Use 5/6 for rectangular sections; 0 \
+         means no shear deformation.";
     model_error: Number(Quantity("share", ""), Within(0.0, 1.0)), Or(0.0),
         "Relative standard deviation of a sensed force due to the errors of beam theory. sigma_n of `finray sense` and `finray live` includes this \
          deviation; maps do not. `finray guide accuracy` states values.";
@@ -119,7 +120,7 @@ tables! {
     thickness_mm: Number(LENGTH, POSITIVE), Required, "Thickness of the plate; for a tapered plate, its thickness at the base.";
     tip_thickness_mm: Number(LENGTH, POSITIVE), Optional,
         "Thickness at the tip of a linearly tapered plate. Objects can touch only front plates of constant thickness.";
-    youngs_modulus_mpa: Number(MODULUS, POSITIVE), Required, "Young's modulus E.";
+    youngs_modulus_mpa: Number(MODULUS, POSITIVE), Required, "Young's modulus E of the plate.";
     largest_strain: Number(STRAIN, Above(0.0, 1.0)), Optional,
         "Largest fibre strain at which the material is linear; a larger strain causes a warning. Default: 0.05.";
     rigid_base_mm: Number(LENGTH, NOT_NEGATIVE), Or(0.0), "Length of the rigid section at the base.";
@@ -135,8 +136,8 @@ tables! {
     joints: Word<2>(["rigid", "hinged"]), RequiredIf("if the finger has ribs"),
         "Joints between ribs and plates: clamped (`rigid`) or pinned (`hinged`).";
     rigid: Word<2>(TRUE_FALSE), Or(1), "Whether the ribs are undeformable.";
-    thickness_mm: RibNumbers(Number(LENGTH, POSITIVE)), RequiredIf("unless ribs are rigid"), "Thickness.";
-    youngs_modulus_mpa: Number(MODULUS, POSITIVE), RequiredIf("unless ribs are rigid"), "Young's modulus E.";
+    thickness_mm: RibNumbers(Number(LENGTH, POSITIVE)), RequiredIf("unless ribs are rigid"), "Thickness of the ribs.";
+    youngs_modulus_mpa: Number(MODULUS, POSITIVE), RequiredIf("unless ribs are rigid"), "Young's modulus E of the ribs.";
     largest_strain: Number(STRAIN, Above(0.0, 1.0)), Optional,
         "Largest fibre strain at which the material of the ribs is linear. Default and warning are the same as for plates.";
     bracket_mm: RibLengths(), Or(BracketLengths::NONE),
@@ -149,7 +150,8 @@ tables! {
     ZONE = "finger.zone": ZoneKeys, Many,
         "A softer or stiffer section of the finger. Factors of overlapping zones are multiplied. The compliance of an element is multiplied by the \
          mean of 1 / factor over the length of the element.";
-    plate: Word<3>(["front", "back", "ribs"]), Required, "Part of the finger. For ribs, the zone covers the ribs whose front end lies in the zone.";
+    plate: Word<3>(["front", "back", "ribs"]), Required,
+        "Part of the finger that contains the zone. A zone of ribs covers the ribs whose front end lies between from_mm and to_mm.";
     from_mm: Number(POSITION, ByOthers("on the plate")), Required,
         "Start of the zone, measured from the base along the plate; for ribs, along the front plate.";
     to_mm: Number(POSITION, ByOthers("after from_mm")), Required, "End of the zone, measured like from_mm.";
@@ -171,19 +173,19 @@ tables! {
     height_sigma_mm: Number(Quantity(SIGMA, "mm"), NOT_NEGATIVE), Or(0.0),
         "Standard deviation of the markers' height; a height error scales the finger and its markers in the image.";
     errors: Rows("of one error each"), Optional,
-        "Independent errors that remain after a calibration. Each row has the numbers of one error with the size of one standard deviation. First \
-         come four numbers for each rib (mm): offset of the front joint along its plate and into the finger, then the same offsets of the back \
+        "Independent errors that remain after a calibration. Each row describes one error with the size of one standard deviation. A row begins \
+         with four numbers for each rib (mm): offset of the front joint along its plate and into the finger, then the same offsets of the back \
          joint. Seven numbers follow, for the errors of front and back clips (mm), preload (N mm), height of the markers (mm), x and y of the base \
          (mm), and rotation of the base (degrees). `finray calibrate` writes this key unless a modulus is estimated.";
 }
 
 tables! {
-    CAMERA = "camera": CameraKeys, Optional, "The camera: its noise, lens and pose. Without images, the noise is enough.";
+    CAMERA = "camera": CameraKeys, Optional, "The camera: its noise, lens and pose. Without images, noise_mm is enough.";
     noise_mm: Number(LENGTH, NOT_NEGATIVE), RequiredIf("unless keys of the lens are given"),
         "Standard deviation of the noise in each coordinate of a displacement. `finray press` and `finray grasp` add the same noise to each \
          coordinate of an outline point.";
     size_px: Numbers<2>(Quantity("width and height", "px"), Whole(1.0, 65_535.0)), RequiredIf("for images"),
-        "Size of the images. The centre of pixel (0, 0) has the coordinates (0, 0); u points to the right, v down.";
+        "Size of the images. The centre of pixel (0, 0) has the coordinates (0, 0); u points right, and v points down.";
     focal_px: Numbers<2>(Quantity("focal lengths along u and v", "px"), Within(1e-3, LONGEST_FOCUS_PX)),
         RequiredIf("for images"), "Focal lengths of the lens.";
     principal_point_px: Numbers<2>(Quantity("u and v", "px"), AtMost(LONGEST_FOCUS_PX)), RequiredIf("for images"),
@@ -201,7 +203,7 @@ tables! {
         "Markers on the key nodes, including the clamped nodes. Markers are discs of two colours, or discs or rings that are brighter or darker \
          than their surroundings.";
     on: Word<2>(["junctions", "hinges"]), Or(0),
-        "Centres of the markers: `junctions` for the nodes on the plates, `hinges` for only the joints between brackets and ribs.";
+        "Positions of the markers' centres: the nodes on the plates (`junctions`), or only the joints between brackets and ribs (`hinges`).";
     radius_mm: Number(LENGTH, Positive(LARGEST_MARKER_MM)), RequiredIf("for images"), "Radius of the disc, or outer radius of the ring.";
     height_mm: Number(LENGTH, AtMost(LARGEST_MARKER_MM)), RequiredIf("for images"),
         "Height of the markers above the xy plane of the finger frame, along z = x cross y.";
@@ -254,8 +256,8 @@ tables! {
     friction_range: Numbers<2>(Quantity("the least and the largest coefficient of friction", ""), Within(-LARGEST_FRICTION, LARGEST_FRICTION)),
         Optional, "Replaces friction: limits of the coefficient of friction. All coefficients between the limits are equally likely.";
     friction_build_up_n: Number(FORCE, NOT_NEGATIVE), Or(0.0),
-        "Force scale over which the angle from the normal grows: a force F has the share 1 - exp(-F / friction_build_up_n) of the full angle. With \
-         0, every force has the full angle.";
+        "Force scale over which the angle from the normal grows: a force F reaches the share 1 - exp(-F / friction_build_up_n) of the full angle. \
+         With 0, every force has the full angle.";
     normal: Word<2>(["deformed", "undeformed"]), Or(0),
         "Normal from which the angle due to friction is measured: the normal of the deformed or of the undeformed plate.";
     normal_over_mm: Number(LENGTH, NOT_NEGATIVE), Or(0.0),
@@ -310,12 +312,12 @@ tables! {
     force_n: Number(FORCE, Positive(LARGEST)), Optional,
         "Replaces travel_mm: the press ends when the force along the line of motion reaches this value. A guide keeps the object on this line.";
     path_mm: Pairs("[x, y], points of the finger frame in mm", Some(("two or more different points [x, y]", LARGEST))), Optional,
-        "Replaces at_mm: points on the path of the object's centre; for a polygon, points on the path of its origin.";
+        "Replaces at_mm: points on the path of the object's centre; for a polygon, points on the path of the polygon's origin.";
     steps: Count("", 1, MOST_STEPS), Or(20), "Number of equal steps of a press.";
     mass_g: Number(Quantity("mass", "g"), Positive(LARGEST)), RequiredIf("for `finray grasp`"),
         "Mass of the object. The centre of mass is the centroid of the object's area.";
     centre_mm: Numbers<2>(Quantity("x and y", "mm"), AtMost(LARGEST)), RequiredIf("for `finray grasp`"),
-        "Initial position of the object's centre in the frame of [grasp]; for a polygon, initial position of its origin.";
+        "Initial position of the object's centre in the frame of [grasp]; for a polygon, initial position of the polygon's origin.";
 }
 
 tables! {
@@ -337,11 +339,11 @@ tables! {
          of the fixed joints. The x axis points to the right finger; the y axis points along the screw to the fingertips.";
     // Steps and speed of the motor: Xu et al. 2021, secs V-C and V-D.
     motor_deg: Numbers<2>(Quantity("motor angles", "degrees"), Finite), Required,
-        "Motor angle at the start, and motor angle at which closing stops at the latest. Both angles must be within reach of the linkage.";
+        "Motor angle at the start, and limit of the motor angle for closing. Both angles must be within reach of the linkage.";
     step_deg: Number(Quantity("motor angle", "degrees"), Positive(LARGEST)), Or(22.5),
         "Motor angle between two settled steps; not allowed with frames_per_s.";
     until_force_n: Number(FORCE, Positive(LARGEST)), Optional,
-        "Closing stops at this sensed force: the mean over both fingers of the total force on a finger.";
+        "Closing stops at this sensed force: the mean over both fingers of the total force on each finger.";
     hold: Word<2>(TRUE_FALSE), Or(1), "Whether the motor keeps the sensed force at until_force_n along the path; requires until_force_n.";
     path_mm: Pairs("[x, y], points in mm relative to the start of the gripper", Some(("points", LARGEST))), Optional,
         "Corners of the path that the gripper follows from its start.";
@@ -358,5 +360,6 @@ tables! {
         "Replaces step_deg: frame rate of the camera. Each frame is one settled step.";
     delay_frames: Count("", 0, MOST_STEPS), Or(0), "Delay between an image and the force sensed from it, in frames; requires frames_per_s.";
     camera_on_gripper: Word<2>(TRUE_FALSE), Or(1),
-        "For --images: true if the pose of [camera] refers to the gripper's frame (eq. 10), false if the pose refers to each finger's frame.";
+        "For --images: true if the pose of [camera] refers to the gripper's frame (Xu et al. 2021, eq. 10), false if the pose refers to each \
+         finger's frame.";
 }

@@ -7,17 +7,18 @@ use finray_studies::experiments::continuum::{Constants, ContinuumStudy, LARGEST_
 
 const CSV: &str = "checks.csv";
 const COMPARISONS_CSV: &str = "comparisons.csv";
-const ABOUT: &str = "External: results of another program: OpenSees and MuJoCo with separate models, and our spring lattice settled by rapier2d, which is \
-                     counted separately. Analytical: closed forms, theoretical orders of convergence, and solutions from the literature. Internal: our \
-                     second formulation, a balance or a bound. All use the EA and EI of the beams, so they verify solvers and kinematics. \
-                     Material and joints of a real finger are not verified here.";
+const ABOUT: &str = "External checks compare with other programs: OpenSees and MuJoCo, with separate models. Checks against our spring lattice, \
+                     which rapier2d brings to equilibrium, are counted separately. Analytical checks use closed forms, theoretical orders of \
+                     convergence, and solutions from the literature. Internal checks use our second formulation, a balance or a bound. All checks \
+                     use the EA and EI of the beams, so they verify solvers and kinematics. Material and joints of a real finger are not verified \
+                     here.";
 /// Text for a finger that no program solved as a continuum.
 const NO_CONTINUUM: &str = "Nor is beam theory: this finger was not solved as a continuum.";
 /// The same on the first page, with the guide that contains the figures of other fingers.
 const NO_CONTINUUM_IN_SHORT: &str = "This finger was not solved as a continuum. The guide \"your-finger\" states the error of beam theory on other fingers.";
 /// Text on the checks that exist only for the paper's scene.
-const OF_ANOTHER_FINGER: &str = "Reference values of other programs (OpenSees) and the paper's Table I exist for the paper's finger alone, and so do the \
-                                 spring lattice and the hard cases; they are left out for this scene.";
+const OF_ANOTHER_FINGER: &str = "Reference values of other programs (OpenSees), the paper's Table I, the spring lattice and the hard cases exist \
+                                 only for the paper's finger. They are left out for this scene.";
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
     vec![Dataset::records(CSV, study.all_checks()), Dataset::records(COMPARISONS_CSV, &study.comparisons)]
@@ -42,9 +43,9 @@ fn beam_theory(continuum: &ContinuumStudy) -> String {
         return NO_CONTINUUM.to_owned();
     };
     format!(
-        "A plane continuum of CalculiX shows what beam theory neglects (no check; {COMPARISONS_CSV}): over {} forces up to {LARGEST_FORCE_N} N, not on the tip, beams \
-         with Young's modulus alone move {:.2} times as far in the median. With Poisson's ratio, rigid arms at the rods and shear they differ by {} of the \
-         largest displacement in the median, and by {} at most: at node {}, with the force on node {}.",
+        "A plane continuum of CalculiX shows what beam theory neglects (no check; {COMPARISONS_CSV}): over {} forces up to {LARGEST_FORCE_N} N, not \
+         on the tip, beams with Young's modulus alone move {:.2} times as far in the median. With Poisson's ratio, rigid arms at the rods and shear, \
+         the beams differ by {} of the largest displacement in the median, and by {} at most: at node {}, with the force on node {}.",
         arms.cases,
         modulus.scale,
         percent(arms.median),
@@ -61,8 +62,8 @@ pub(super) fn beam_theory_in_short(study: &Study) -> String {
         return NO_CONTINUUM_IN_SHORT.to_owned();
     };
     format!(
-        "Beams with Young's modulus alone move {:.1} times as far as a continuum. With Poisson's ratio, rod arms and shear they differ by {} of the \
-         largest displacement (median; at most {}, under a force {} mm from the base of the {} mm plate).",
+        "Beams with Young's modulus alone move {:.1} times as far as a continuum. With Poisson's ratio, rod arms and shear, the beams differ by {} \
+         of the largest displacement (median; at most {}, under a force {} mm from the base of the {} mm plate).",
         modulus.scale,
         percent(best.median),
         percent(best.worst),
@@ -77,7 +78,7 @@ fn files() -> Table {
     Columns::<[&str; 2]>::new()
         .cells("file", Format::Words, |[file, _]| Cell::file(*file))
         .page("holds", Format::Words, |[_, holds]| *holds)
-        .table("One by one", CSV, [checks, [COMPARISONS_CSV, "where a difference is expected"]])
+        .table("One by one", CSV, [checks, [COMPARISONS_CSV, "comparisons in which a difference is expected"]])
 }
 
 /// Sentence with the numbers of passed checks by kind of reference, first those against other programs.
@@ -86,7 +87,7 @@ fn in_words(study: &Study) -> String {
         Against::OtherPrograms => "external checks (OpenSees, MuJoCo)",
         Against::SettledLattice => "external checks of our lattice settled by rapier2d",
         Against::Literature => "analytical ones (closed forms, literature)",
-        Against::Ourselves => "internal ones (own other formulation, balance or bound)",
+        Against::Ourselves => "internal ones (our second formulation, a balance or a bound)",
     };
     let counted = counted(study);
     let parts = counted.iter().map(|Tally { against, passed, all }| format!("{passed} of {all} {}", about(*against)));
@@ -136,8 +137,9 @@ fn disagreements(study: &Study) -> Result<Option<Figure>, FigureError> {
     let frame = Frame::full("Disagreement with each independent reference", alt);
     let height = 30.0 * sources.len() as f64;
     let svg = Chart::new(frame.with_plot_height(height), axes, series.collect()).svg()?;
-    let caption = "One symbol per check. Where the reference is 0, the difference is over the largest displacement or in radians; error terms are \
-                   orders of convergence; at the left edge: equal to the last bit. The softer ends were fitted to Table I: their residuals check nothing.";
+    let caption = "One symbol per check. If the reference is 0, the difference is relative to the largest displacement or in radians. Error terms \
+                   are orders of convergence. A symbol at the left edge means equality to the last bit. The softer ends were fitted to Table I: \
+                   their residuals check nothing.";
     Ok(Some(Figure::wide(svg, caption, CSV)))
 }
 

@@ -109,7 +109,7 @@ fn figures(finger: &Finger, scene: &SceneStudy) -> Result<Vec<Figure>, FigureErr
     let caption = format!("Scene \"{name}\" at its end: true forces.");
     figures.push(Figure::narrow(drawing(&press)?, caption, CSV));
     if let Some(svg) = force_over_travel(&press)? {
-        let caption = "Along each normal; the total along the object's motion; 95 % intervals.";
+        let caption = "Each contact force is along its normal, and the total is along the object's motion. The intervals are 95 % intervals.";
         figures.push(Figure::narrow(svg, caption, CSV));
     }
     Ok(figures)

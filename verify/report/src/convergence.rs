@@ -21,7 +21,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let mut blocks = vec![text(ABOUT)];
     let series = error_by_nodes(convergence);
     if !series.is_empty() {
-        let caption = "Worst error by nodes of the mesh, for each force.";
+        let caption = "Worst error by number of mesh nodes, for each force.";
         blocks.push(Block::Figure(Figure::wide(drawing(series)?, caption, CSV)));
     }
     blocks.push(details("By mesh and force", vec![Block::Table(table(convergence))]));

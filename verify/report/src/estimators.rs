@@ -70,8 +70,8 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let [least_n, .., most_n] = study.forces.of_maps_n();
     let caption = format!(
-        "Uniform finger, contact known, worst force of {least_n} to {most_n} N; networks: only forces along the normal at contact nodes, node 13 by the \
-         network for any contact"
+        "Uniform finger, contact known, worst force of {least_n} to {most_n} N. Networks sense only forces along the normal at contact nodes; node \
+         13 is sensed by the network for any contact"
     );
     let mut blocks = vec![Block::Table(columns().table(caption, ESTIMATORS_CSV, rows(study)))];
     if !study.coverage.is_empty() {
@@ -111,6 +111,7 @@ fn intervals(study: &Study) -> Vec<Block> {
         .page("covered", Format::Percent, |row| row.covered_with_warning)
         .page("refused", Format::Percent, |row| of_samples(row, row.refused))
         .page("samples", Format::Plain, |row| row.samples);
-    let caption = "Shares of noise samples answered without and with a warning; covered: share of these answers within 1.96 sigma of the true force";
+    let caption = "Shares of noise samples answered without and with a warning. Covered: share of these answers that are within 1.96 sigma of the \
+                   true force";
     vec![Block::Table(columns.table(caption, CSV, &study.coverage)), text(INTERVALS)]
 }

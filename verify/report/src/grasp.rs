@@ -71,7 +71,8 @@ fn scenes<'c>() -> Columns<'c, &'c GraspStudy> {
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let Some(first) = study.grasps.first() else { return Ok(None) };
     let figures = std::iter::once(moving(first)?).chain(courses(first)?.into_iter().take(1)).collect();
-    let caption = "Total force of a finger across the gripper, sensed with noise; 95 % intervals; errors are relative to the true force";
+    let caption = "Total force that a finger exerts in the direction across the gripper, sensed with noise. Intervals are 95 % intervals; errors are \
+                   relative to the true force";
     let table = scenes().table(caption, SCENES_CSV, &study.grasps);
     let blocks = vec![Block::Figures(figures), Block::Table(table)];
     Ok(Some(Section::new("grasp", "Grasping an object", blocks).saying(says(first))))

@@ -40,7 +40,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 fn about() -> String {
     format!(
         "Variants of the finger at the limits of what can be computed. Each variant is compared with a scaling law, another method, a known limit or \
-         the true force, and must finish within {TIME_LIMIT_S} s. checks.csv has every number."
+         the true force, and must finish within {TIME_LIMIT_S} s. checks.csv contains every number."
     )
 }
 

@@ -79,7 +79,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     blocks.push(Block::Figures(vec![map_figure(study, lattice)?, sensing_figure(lattice)?]));
     let mut folded = vec![text(words::SPRINGS), Block::Table(axial(lattice))];
     if !lattice.settling.is_empty() {
-        let caption = "The settled lattice against its equilibrium; single: rounded positions and rotations (the \
+        let caption = "Difference of the settled lattice from its equilibrium. In single precision, positions and rotations are rounded (the \
                        engine's single-precision build was not run)";
         folded.push(Block::Table(settled().table(caption, SETTLING_CSV, &lattice.settling)));
     }
@@ -127,7 +127,8 @@ pub fn sensing_figure(lattice: &LatticeStudy) -> Result<Figure, ReportError> {
     let axes = [Axis::linear(drawings::ALONG_THE_PLATE), Axis::log("error |sensed / true - 1|, %")];
     let series = series.filter(|series| !series.points.is_empty()).collect();
     let (svg, nonlinear) = (Chart::new(Frame::half(title, alt), axes, series).svg()?, &lattice.sensing.nonlinear);
-    let caption = format!("At the worst direction; nonlinear: {}.", nonlinear.summary(Some(force_n)).counts());
+    let caption =
+        format!("Errors at the worst direction. Nonlinear estimator: {}.", nonlinear.summary(Some(force_n)).counts());
     Ok(Figure::narrow(svg, caption, map_csv_name(nonlinear)))
 }
 

@@ -52,7 +52,8 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         let figures = measured.pictures.iter().map(figure).collect();
         blocks.push(Block::Figures(figures));
     }
-    let caption = "Error of the force relative to the measured force, by known quantities: all that the scene states, then all but one";
+    let caption = "Error of the force relative to the measured force, by known quantities: all quantities that the scene states, then all of these \
+                   but one";
     let of_all = coverages(measured).into_iter().filter(|coverage| coverage.object.is_none());
     blocks.push(Block::Table(coverage_columns().table(caption, COVERAGE_CSV, of_all)));
     let by_object: Vec<Coverage> =
@@ -63,7 +64,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     }
     let of_scene = measured.by_knowledge().take(OF_SCENE).flat_map(|(_, forces)| forces);
     let table =
-        image_columns().table("Each image, by what is known; z is the error in standard deviations", CSV, of_scene);
+        image_columns().table("Each image, by known quantities; z is the error in standard deviations", CSV, of_scene);
     blocks.push(details("By image", vec![Block::Table(table)]));
     Ok(Some(Section::new("measured", "Measured images", blocks).saying(outcome(measured).map(says))))
 }

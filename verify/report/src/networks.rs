@@ -55,8 +55,8 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 fn about(noise_mm: f64) -> String {
     let forces_n = list(FORCES_N, " to ");
     format!(
-        "Networks for eleven single nodes and four pairs of the paper's finger. They sense {forces_n} N along the normal with {noise_mm} mm noise. They were \
-         trained on the uniform finger, which they also sense here."
+        "The networks are for eleven single nodes and four pairs of nodes of the paper's finger. They sense {forces_n} N along the normal with \
+         {noise_mm} mm noise. They were trained on the uniform finger, which they also sense here."
     )
 }
 

@@ -45,7 +45,8 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let each = |row: &ScatterRow| row.mean_error().map(|error| 100.0 * error);
     let sum = |row: &ScatterRow| row.sum.map(|sum| 100.0 * sum.mean_error);
     let figures = [(EACH, matrix(noise, EACH, each)?), (SUM, matrix(noise, SUM, sum)?)];
-    let caption = "by the two contact nodes: nonlinear above, least squares below the diagonal.";
+    let caption =
+        "by the two contact nodes. Above the diagonal: nonlinear estimator; below the diagonal: least squares.";
     let figures = figures.map(|(what, svg)| Figure::narrow(svg, format!("{what}, {caption}"), CSV));
     blocks.push(Block::Figures(figures.into()));
     Ok(Some(Section::new("pairs", "Two contacts at once", blocks)))
@@ -60,7 +61,7 @@ fn about(NoiseStudy { pairs, noise_mm, .. }: &NoiseStudy, forces_n: [f64; 2]) ->
     };
     let forces_n = list(forces_n, " to ");
     format!(
-        "Forces of {forces_n} N along the normal at both of two contact nodes, {cases} cases per pair, uniform finger, {noise_mm} mm noise."
+        "Forces of {forces_n} N act along the normal at two contact nodes of the uniform finger, in {cases} cases per pair, with {noise_mm} mm noise."
     )
 }
 

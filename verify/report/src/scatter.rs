@@ -44,7 +44,11 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         ("at the bound", |row| Some(100.0 * row.forces.first()?.bound?.mean_error_bound)),
     ];
     if let Some(svg) = by_contact(Frame::full(title, alt), "mean error, %", &rows, &lines)? {
-        blocks.push(Block::Figure(Figure::wide(svg, "One force. Pairs of forces are on the page of the maps.", CSV)));
+        blocks.push(Block::Figure(Figure::wide(
+            svg,
+            "These errors are for one force. The page Maps shows pairs of forces.",
+            CSV,
+        )));
     }
     Ok(Some(Section::new("noise", "Force error from camera noise", blocks).saying(says(noise))))
 }

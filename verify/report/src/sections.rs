@@ -124,7 +124,7 @@ pub(super) fn pages(results: Results) -> Result<Vec<(&'static str, Page)>, Repor
             sections,
             pages,
             footer: format!(
-                "Made by finray {}. Every figure names its data file. These files and summary.json lie beside this page.",
+                "Made by finray {}. Every figure names its data file. These files and summary.json are in the folder of this page.",
                 super::VERSION
             ),
         };

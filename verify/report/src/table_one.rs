@@ -73,8 +73,8 @@ fn on_continuum(tables: &[TableOne]) -> String {
     let explained = large.iter().filter(|rows| rows.iter().any(gives_most)).count();
     let [least, most] = Span::of(tables.iter().map(|table| table.modulus_factor)).map_or([f64::NAN; 2], Span::ends);
     format!(
-        "The same on a plane continuum with rods, under {} N at {} deg: the modulus is {least:.2} to {most:.2} times the true one, and forces err by {}. That is more \
-         than half of the paper's error at {explained} of the {} nodes where it is large.",
+        "The same protocol on a plane continuum with rods, under {} N at {} deg, yields a modulus of {least:.2} to {most:.2} times the true one; \
+         forces err by {}. These errors exceed half of the paper's error at {explained} of the {} nodes with a large error in the paper.",
         list(FORCES_N, ", "),
         list(tables.iter().map(|table| table.angle_deg), ", "),
         list(by_node.iter().map(at), ", "),

@@ -23,7 +23,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let Some(two) = &study.table_two else { return Ok(None) };
     let records = &study.records.recipes;
     let mut blocks = vec![text(words::about(two.cases))];
-    let caption = format!("Measured in the paper, and in simulation with {} mm noise.", study.noise_mm);
+    let caption = format!("Errors measured in the paper, and errors in simulation with {} mm noise.", study.noise_mm);
     blocks.push(Block::Figure(Figure::wide(drawing(two, records, study.noise_mm)?, caption, CSV)));
     blocks.extend(words::linearisation(two, study.noise_mm).map(text));
     blocks.push(details("By estimator", vec![Block::Table(table(two, records, study.noise_mm))]));

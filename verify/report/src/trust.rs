@@ -145,7 +145,7 @@ pub(super) fn caption(study: &Study) -> String {
     format!(
         "Colour: the worst of the mean errors under {forces_n} N, with the nonlinear estimator. Front plate: forces along its normal. Fans: all \
          directions, drawn on the side from which the force comes. Green is trusted; refused cells (position and direction) are not trusted. Shares \
-         are of the cells with an equilibrium."
+         refer to the cells with an equilibrium."
     )
 }
 

@@ -91,14 +91,14 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         .page("misfit", Format::Fixed(2), |fit| fit.misfit);
     let first = factors(twin).filter(|(repetition, ..)| *repetition == 1);
     let mut folded = vec![Block::Table(sets.table(
-        "Sets of zones fitted to Table I; a set with a misfit below 1 fits",
+        "Sets of zones fitted to Table I; a set fits the table if its misfit is below 1",
         SETS_CSV,
         &twin.fits,
     ))];
     folded.extend(words::calibration(twin).map(text));
     folded.push(Block::Table(calibrated().table("One of the calibrations", CALIBRATION_CSV, first)));
     let caption = format!(
-        "First three lines: Table I without noise. Last two: random forces with {} mm noise, and the zones in the model.",
+        "The first three lines show Table I without noise. The last two show random forces with {} mm noise, sensed with the zones in the model.",
         twin.noise_mm
     );
     let mut blocks = vec![text(words::ABOUT)];
@@ -113,8 +113,7 @@ fn drawing(study: &TwinStudy) -> Result<Option<String>, FigureError> {
         at_nodes(study).map(|row| (row.sensing.node.to_string(), row)).collect();
     rows.reverse();
     let title = "Table I, the finger with softer ends";
-    let alt =
-        "Mean error by node: the paper's, the uniform finger, the finger with softer ends, and with its zones known.";
+    let alt = "Mean error by node: in the paper, on the uniform finger, on the finger with softer ends, and on the same finger with known zones.";
     let lines: [Line<NodeComparison>; 5] = [
         ("paper", |row| Some(100.0 * row.after?.paper_mean_error)),
         ("uniform finger", |row| Some(100.0 * row.before?.mean_error)),

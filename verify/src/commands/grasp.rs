@@ -30,7 +30,7 @@ Guide: finray guide press-and-grasp";
 pub struct Arguments {
     /// Scene file (TOML) with a gripper, a free object and a grasp; - for standard input
     scene: PathBuf,
-    /// Standard deviation of the noise in one coordinate of a node or outline point, mm [default: the scene's, or 0]
+    /// Standard deviation of the noise in one coordinate of a node or outline point, mm [default: the scene's value, or 0]
     #[arg(long, help_heading = "Sensing", value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
     /// Sense from rendered images of each finger; --noise-mm then applies to outlines only
@@ -42,7 +42,7 @@ pub struct Arguments {
     /// Standard deviation of the Gaussian image blur, px
     #[arg(long, help_heading = "Sensing", value_name = "S", default_value_t = 0.8, value_parser = not_negative, requires = "images")]
     blur_px: f64,
-    /// Write the images of a finger (left or right) as YUV4MPEG2, a frame per step, for `finray live`; - for standard output
+    /// Write the images of a finger (left or right) as YUV4MPEG2, one frame per step, for `finray live`; - for standard output
     #[arg(long, help_heading = "Sensing", value_name = "FINGER=FILE", value_parser = stream_of_finger, requires = "images")]
     stream: Vec<(usize, PathBuf)>,
     /// Estimator, as in `finray sense`; it assumes exact contacts without friction

@@ -18,13 +18,13 @@ use std::io::{Read, Write};
 pub struct GridArguments {
     /// Scene file (TOML); - for standard input [default: the paper's finger]
     scene: Option<PathBuf>,
-    /// Network file of `finray train` [default: the shipped networks]
+    /// Network file from `finray train` [default: the shipped networks]
     #[arg(long, value_name = "FILE")]
     network: Option<PathBuf>,
-    /// Magnitudes of the force, N, for instance 1,2,3
+    /// Force magnitudes, N, for instance 1,2,3
     #[arg(long, help_heading = "Cells", value_name = "F", value_delimiter = ',', default_values_t = [3.0], value_parser = positive)]
     force_n: Vec<f64>,
-    /// Noise samples per cell (position and direction)
+    /// Noise samples per cell; a cell is one position and one direction
     #[arg(long, help_heading = "Cells", value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     seeds: u32,
     /// Seed of the noise
@@ -33,7 +33,7 @@ pub struct GridArguments {
     /// Approximate number of contact positions along the front plate
     #[arg(long, help_heading = "Cells", value_name = "N", default_value_t = 48, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     places: u32,
-    /// Angle between directions, degrees; directions range from -80 to 80. 90: only the normal
+    /// Step between force directions from -80 to 80 degrees; 90: only the normal
     #[arg(long, help_heading = "Cells", value_name = "D", default_value_t = 5.0, value_parser = degrees_between)]
     step_deg: f64,
     /// Compute only shard I of N; `finray merge` joins the shards

@@ -26,10 +26,10 @@ pub struct Arguments {
     /// Motor angle, or range FROM:TO:STEP, degrees [default: the whole range of the linkage in steps of 22.5]
     #[arg(long, value_name = "FROM:TO:STEP", allow_hyphen_values = true, value_parser = motor_angles, conflicts_with = "opening_mm")]
     motor_deg: Option<MotorAngles>,
-    /// Distance between the tips, mm, instead of a motor angle; if several motor angles fit, the one nearest to 0 is used
+    /// Distance between the tips, mm, instead of a motor angle; if several motor angles fit, the angle nearest to 0 is used
     #[arg(long, value_name = "MM", allow_hyphen_values = true)]
     opening_mm: Option<f64>,
-    /// Standard deviation of the motor angle, backlash of the screw, standard deviation of each link length
+    /// Standard deviation of the motor angle, backlash of the screw, and standard deviation of each length of the linkage
     #[arg(long, value_name = "DEG,MM,MM", value_parser = linkage_errors)]
     errors: Option<LinkageErrors>,
     /// Result file; - for standard output

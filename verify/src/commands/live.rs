@@ -35,7 +35,7 @@ pub struct Arguments {
     /// Scene file (TOML)
     #[arg(required_unless_present = "finger")]
     scene: Option<PathBuf>,
-    /// Name and scene of each of several fingers in the same frames
+    /// Name and scene of each finger, if frames show several fingers
     #[arg(long, help_heading = "Input", value_name = "NAME=SCENE", value_parser = named_scene, num_args = 1.., conflicts_with = "scene")]
     finger: Vec<(String, PathBuf)>,
     /// Video (YUV4MPEG2, raw) or marker positions (JSON lines, CSV); - for standard input
@@ -56,7 +56,7 @@ pub struct Arguments {
     /// Take the first N frames (unloaded finger) as reference
     #[arg(long, help_heading = "Input", value_name = "N", default_value_t = 0)]
     rest_frames: usize,
-    /// Standard deviation of the noise in one coordinate, mm [default: the scene's, else stated per marker]
+    /// Standard deviation of the noise in one coordinate, mm [default: the scene's value; without one, the value stated for each marker]
     #[arg(long, help_heading = "Input", value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
     #[command(flatten, next_help_heading = "Question")]
@@ -67,10 +67,10 @@ pub struct Arguments {
     /// Result file; - for standard output
     #[arg(long, help_heading = "Output", value_name = "FILE", default_value = "-")]
     out: PathBuf,
-    /// Recording for ROS 2 (MCAP): lines, and forces as WrenchStamped
+    /// Recording for ROS 2 (MCAP): JSON lines and WrenchStamped forces
     #[arg(long, help_heading = "Output", value_name = "FILE")]
     record: Option<PathBuf>,
-    /// Page that shows finger and forces; port 0: a free port
+    /// Address of a page that shows finger and forces; port 0: any free port
     #[arg(long, help_heading = "Output", value_name = "ADDR:PORT", value_parser = address)]
     serve: Option<SocketAddr>,
 }

@@ -19,10 +19,10 @@ pub struct Loads {
     /// Force (N) and optional moment (N mm) on a key node, in the finger frame
     #[arg(long, value_name = "NODE:FX,FY[,M]", value_parser = node_load, num_args = 1.., allow_hyphen_values = false)]
     load: Vec<Load>,
-    /// Force (N) on the front plate, at S_MM from its base and ANGLE_DEG from the inward normal
+    /// Force (N) on the front plate, at S_MM from its base and at ANGLE_DEG from the inward normal
     #[arg(long, value_name = "S_MM:FORCE,ANGLE_DEG", value_parser = position_load, num_args = 1..)]
     load_at: Vec<PositionLoad>,
-    /// Number of mesh nodes [default: the number of key nodes; `render` refines the mesh]
+    /// Number of mesh nodes [default: the key nodes for `solve`, a refined mesh for `render`]
     #[arg(long, value_name = "N")]
     mesh_nodes: Option<usize>,
 }

@@ -32,7 +32,7 @@ pub struct Arguments {
     /// Images of the finger (PNG, JPEG), in the order in which they were taken; - for standard input
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     image: Vec<PathBuf>,
-    /// Image of the unloaded finger; pose and displacements are then measured from this image
+    /// Image of the unloaded finger: determines the pose, and is the reference for displacements
     #[arg(long, value_name = "FILE")]
     rest: Option<PathBuf>,
     /// Result file; - for standard output

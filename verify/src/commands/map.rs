@@ -25,7 +25,7 @@ pub struct Arguments {
     /// Estimator of the forces
     #[arg(long, value_parser = listed(EstimatorId::ALL, EstimatorId::name), default_value_t = EstimatorId::Nonlinear)]
     estimator: EstimatorId,
-    /// Standard deviation of the noise in one coordinate, mm [default: the scene's, or 0]
+    /// Standard deviation of the noise in one coordinate, mm [default: the scene's value, or 0]
     #[arg(long, value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
 }

@@ -19,7 +19,7 @@ Guide: finray guide clusters";
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
-    /// Files written with --shard, in any order
+    /// Files that `map` or `sweep` wrote with --shard, in any order
     #[arg(value_name = "SHARD", required = true)]
     shards: Vec<PathBuf>,
     /// Result file; a map also writes its figure with suffix .svg; - for standard output

@@ -23,7 +23,7 @@ Guide: finray guide press-and-grasp";
 pub struct Arguments {
     /// Scene file (TOML) with an object; - for standard input
     scene: PathBuf,
-    /// Standard deviation of the noise in one coordinate of a node or outline point, mm [default: the scene's, or 0]
+    /// Standard deviation of the noise in one coordinate of a node or outline point, mm [default: the scene's value, or 0]
     #[arg(long, value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
     /// Seed of the noise

@@ -30,7 +30,7 @@ pub struct Arguments {
     scene: PathBuf,
     #[command(flatten)]
     loads: Loads,
-    /// Displacements instead of loads (CSV of `solve` or `press`); - for standard input
+    /// Displacements instead of loads (CSV from `solve` or `press`); - for standard input
     #[arg(long, value_name = "FILE", conflicts_with_all = ["load", "load_at", "mesh_nodes"])]
     shape: Option<PathBuf>,
     /// Pose of a movable base, in the same frame as the camera's pose
@@ -45,10 +45,10 @@ pub struct Arguments {
     /// Share of light missing in the image corners, 0 to 1
     #[arg(long, help_heading = "Camera", value_name = "SHARE", value_parser = share, default_value_t = 0.0)]
     light_falloff: f64,
-    /// Number of added discs and boxes; half of them have the markers' colours
+    /// Number of added discs and boxes; half of the shapes have the markers' colours
     #[arg(long, help_heading = "Camera", value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1000))]
     clutter: u16,
-    /// Nodes whose markers are left out
+    /// Nodes without markers in the image
     #[arg(long, help_heading = "Camera", value_name = "NODE", num_args = 1..)]
     hide: Vec<usize>,
     /// Seed of noise and clutter

@@ -31,7 +31,7 @@ pub struct Arguments {
     /// Folder for the report; created if missing
     #[arg(long, value_name = "DIR", default_value = "finray-report")]
     out: PathBuf,
-    /// Largest force F of the report, N; the maps are for F/6, F/3, 2F/3 and F
+    /// Largest force F, N; the report has maps for the forces F/6, F/3, 2F/3 and F
     #[arg(long, value_name = "F", value_parser = positive, default_value_t = ReportForces::PAPER.drawn_n())]
     force_n: f64,
     /// Compute coarser maps and fewer cases, in a fraction of the time
@@ -43,13 +43,13 @@ pub struct Arguments {
     /// Run times and errors of other programs (CSV, written by bench/peers)
     #[arg(long, help_heading = "Times of other runs", value_name = "FILE")]
     peers: Option<PathBuf>,
-    /// Markers located in your images (file of `finray locate`)
+    /// Markers located in your images (file from `finray locate`)
     #[arg(long, help_heading = "Your photographs", value_name = "FILE", requires = "scene", requires = "forces")]
     measurements: Option<PathBuf>,
     /// Measured forces in the frame of the camera's pose (CSV: image,fx_n,fy_n)
     #[arg(long, help_heading = "Your photographs", value_name = "FILE", requires = "measurements")]
     forces: Option<PathBuf>,
-    /// Images (PNG, JPEG) that --measurements names; the page draws marker residuals over these images
+    /// Images (PNG, JPEG) named in the file of --measurements; the page draws marker residuals over these images
     #[arg(long, help_heading = "Your photographs", value_name = "FILE", num_args = 1.., requires = "measurements")]
     image: Vec<PathBuf>,
     /// Open the first page in the browser when done

@@ -24,7 +24,7 @@ Guide: finray guide sense";
 pub struct Arguments {
     /// Scene file (TOML); - for standard input
     scene: PathBuf,
-    /// Displacements (CSV: node,ux_mm,uy_mm, or a file of `finray locate`); - for standard input
+    /// Displacements (CSV: node,ux_mm,uy_mm, or output of `finray locate`); - for standard input
     #[arg(long, help_heading = "Input", value_name = "FILE")]
     displacements: PathBuf,
     #[command(flatten, next_help_heading = "Question")]
@@ -32,25 +32,25 @@ pub struct Arguments {
     /// Estimator of the forces
     #[arg(long, help_heading = "Estimator", value_parser = listed(EstimatorId::ALL, EstimatorId::name), default_value_t = EstimatorId::Nonlinear)]
     estimator: EstimatorId,
-    /// Network file of `finray train` [default: the shipped network]
+    /// Network file from `finray train` [default: the shipped network]
     #[arg(long, help_heading = "Estimator", value_name = "FILE")]
     network: Option<PathBuf>,
-    /// Standard deviation of the noise in one coordinate, mm [default: the scene's, else the file's, else estimated from the residual]
+    /// Standard deviation of the noise in one coordinate, mm [default: value in the scene, else in the file, else estimated from the residual]
     #[arg(long, help_heading = "Input", value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
     /// Friction coefficient; limits the directions that are given with +-SD
     #[arg(long, help_heading = "Question", value_name = "MU", value_parser = not_negative, default_value_t = 0.0)]
     friction: f64,
-    /// Image to evaluate, if the file has several
+    /// Name of the image to evaluate, if the file has several images
     #[arg(long, help_heading = "Input", value_name = "NAME")]
     image_name: Option<String>,
-    /// Evaluate every image of the file, one row per image and contact
+    /// Evaluate every image; write one row per image and contact
     #[arg(long, help_heading = "Input", conflicts_with = "image_name")]
     all_images: bool,
-    /// Measured forces, for the direction `measured` (CSV: image,fx_n,fy_n, in the frame of the camera's pose)
+    /// Measured forces in the frame of the camera's pose, for the direction `measured` (CSV: image,fx_n,fy_n)
     #[arg(long, help_heading = "Question", value_name = "FILE")]
     forces: Option<PathBuf>,
-    /// Mesh nodes (nonlinear only) [default: refined until converged]
+    /// Mesh nodes, only for `nonlinear` [default: refined until converged]
     #[arg(long, help_heading = "Estimator", value_name = "N")]
     mesh_nodes: Option<usize>,
     /// Result file; - for standard output

@@ -13,7 +13,7 @@ Examples:
 
 Guide: finray guide maps-and-sweeps";
 
-/// Compute maps of several true fingers, estimators, forces and noise levels in one table.
+/// Compute one table of maps for several true fingers, estimators, forces and noise levels.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
@@ -25,7 +25,7 @@ pub struct Arguments {
     /// Estimators, comma-separated
     #[arg(long, value_parser = listed(EstimatorId::ALL, EstimatorId::name), value_delimiter = ',', default_values_t = [EstimatorId::Nonlinear])]
     estimator: Vec<EstimatorId>,
-    /// Standard deviations of the noise in one coordinate, mm, for instance 0,0.067 [default: the scene's, or 0]
+    /// Standard deviations of the noise in one coordinate, mm, for instance 0,0.067 [default: the scene's value, or 0]
     #[arg(long, value_name = "S", value_delimiter = ',', value_parser = not_negative)]
     noise_mm: Vec<f64>,
 }

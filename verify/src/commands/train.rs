@@ -34,7 +34,7 @@ pub struct Arguments {
     /// Number of training cases [default: 20000; 100000 with --any-of]
     #[arg(long, help_heading = "Cases", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     samples: Option<u32>,
-    /// Standard deviation of the noise in one coordinate, mm [default: the scene's, or 0.067]
+    /// Standard deviation of the noise in one coordinate, mm [default: the scene's value, or 0.067]
     #[arg(long, help_heading = "Cases", value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
     /// Largest force per contact, N

@@ -40,7 +40,7 @@ fn trusted(study: &Study, situations: &[Situation]) -> Option<String> {
         0 => ("", String::new()),
         cells => (
             " in which the finger carries these forces",
-            format!("; in {cells} others the finger has no equilibrium under at least one of these forces"),
+            format!("; in {cells} other cells, the finger has no equilibrium under at least one of these forces"),
         ),
     };
     let weakest = match &weak_regions(study, known)[..] {
@@ -65,9 +65,9 @@ type Region = (&'static str, fn(f64, f64) -> bool);
 fn weak_regions(study: &Study, situation: &Situation) -> Vec<String> {
     const REGIONS: [Region; 5] = [
         ("the tenth of the plate next to the base", |s, _| s < 0.1),
-        ("the tenth next to the tip", |s, _| s > 0.9),
-        ("forces turned more than 45 deg to the base", |_, angle| angle < -45.0),
-        ("forces turned more than 45 deg to the tip", |_, angle| angle > 45.0),
+        ("the tenth of the plate next to the tip", |s, _| s > 0.9),
+        ("forces turned more than 45 deg towards the base", |_, angle| angle < -45.0),
+        ("forces turned more than 45 deg towards the tip", |_, angle| angle > 45.0),
         ("the rest", |s, angle| (0.1..=0.9).contains(&s) && angle.abs() <= 45.0),
     ];
     let share = |(name, holds): &Region| Some((situation.counts(&study.finger, holds).share()?, *name));
@@ -97,7 +97,8 @@ fn failing_if_known(known: &Situation) -> String {
         false => ("the model's error outweighs camera noise", by_model),
     };
     format!(
-        "All known: {cause} in {most} of the {failed} sensed forces that fail ({small} of the {failed} at {least_n} N)."
+        "With contact and finger known, {cause} in {most} of the {failed} sensed forces that fail; {small} of these {failed} are \
+         forces of {least_n} N."
     )
 }
 
@@ -148,7 +149,7 @@ fn use_what(study: &Study) -> Option<String> {
         format!(" Least squares: mean error within {trusted} in {linear} of the cells with an equilibrium.")
     });
     Some(format!(
-        "The {estimator} estimator with its model on {mesh}: mean error {error} along the normal. The median time per image is \
+        "The {estimator} estimator with its model on {mesh} has a mean error of {error} for forces along the normal. The median time per image is \
          {seconds}{warm}{within}. Images at 25 Hz are {:.0} ms apart, {fast}.{linear}",
         1e3 * CAMERA_FRAME_S
     ))
@@ -177,7 +178,7 @@ fn how_sure_if_softer(softer: &CoverageRow) -> Option<String> {
     let warned = percent(softer.warned as f64 / samples.max(1) as f64);
     let with = softer.covered_with_warning;
     let with = with.map_or_else(String::new, |with| {
-        format!(", and those of answers with a warning ({warned} of the samples) in {}", percent(with))
+        format!(", and the intervals of answers with a warning ({warned} of the samples) in {}", percent(with))
     });
     Some(format!(
         " If the ends are softer than modelled, the intervals of answers without a warning ({share} of {samples} samples) contain the force in {covered} \

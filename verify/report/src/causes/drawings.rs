@@ -51,7 +51,7 @@ pub(super) fn map_figure(map: &CauseMap, force_n: f64) -> Result<Figure, ReportE
     let missing_label = "no equilibrium or no answer".to_owned();
     let drawn = Map::new(frame, [Axis::linear(ALONG_THE_PLATE), y], classes, vec![Some(cells)]);
     let svg = Map { missing_label, ..drawn }.svg()?;
-    Ok(Figure::narrow(svg, "The cause without which the error is smallest.", CSV))
+    Ok(Figure::narrow(svg, "Colour: the cause whose removal leaves the smallest error.", CSV))
 }
 
 /// Small maps of the error as remedies (removals of a cause) are added one after the other, one row per true finger; `None` without such results.
@@ -69,8 +69,8 @@ pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
     let columns = std::iter::once("no remedy".to_owned()).chain(added).collect();
     let map = small_maps(&study.finger, Frame::full(title, alt), columns, rows);
     let caption = format!(
-        "Root mean square error of {force_n} N, from left to right: least squares with an assumed contact; then modulus and zones (softer base and \
-         tip) known; then the contact also known; then the nonlinear estimator."
+        "Root mean square error of a force of {force_n} N. First map: least squares with an assumed contact. Then, one after the other: modulus and \
+         zones (softer base and tip) are known; the contact is known; the nonlinear estimator is used."
     );
     Ok(Some(Figure::wide(map.svg()?, caption, CSV)))
 }

@@ -15,7 +15,10 @@ const LONGEST_ARROW: f64 = 0.2;
 pub(super) fn courses(name: &str, steps: &[GraspStep]) -> Result<Vec<(String, &'static str)>, FigureError> {
     let over_steps = over(steps, |step| step.step as f64);
     let svg = forces(format!("{name}: true (lines), sensed (symbols)"), "step", over_steps)?;
-    let mut drawings = vec![(svg, "Forces across the gripper, equal for both fingers; 95 % intervals.")];
+    let mut drawings = vec![(
+        svg,
+        "Forces in the direction across the gripper, which are equal for both fingers, with 95 % intervals.",
+    )];
     let in_phases = |phases: &[Phase]| -> Vec<GraspStep> {
         steps.iter().filter(|step| phases.contains(&step.phase)).cloned().collect()
     };
@@ -27,7 +30,7 @@ pub(super) fn courses(name: &str, steps: &[GraspStep]) -> Result<Vec<(String, &'
         if !opening.is_empty() {
             let points = opening.iter().map(|step| [step.motor_deg, step.fingers[0].total_n]).collect();
             series.push(Series::guide("left, opening again", points));
-            caption = "While the gripper closes; dotted: while the gripper opens. Friction causes the difference.";
+            caption = "Forces while the gripper closes; dotted lines: forces while the gripper opens. Friction causes the difference.";
         }
         let svg = forces(format!("{name}: over the motor's angle"), "motor angle, deg", series)?;
         drawings.push((svg, caption));

@@ -40,10 +40,10 @@ pub(crate) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 pub(crate) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let Some(closed_loop) = &study.closed_loop else { return Ok(None) };
     let caption = "Overshoot of the true force (mean of both fingers): mean, least and largest value over the noise realisations. The overshoot also \
-                   depends on the times of the frames, up to the dotted lines.";
+                   depends on the times of the frames and can reach the dotted lines.";
     let figure = Figure::wide(chart(closed_loop)?, caption, CSV);
     let table = columns().table("Every loop", CSV, closed_loop.runs.clone());
-    let folded = details("Overshoot, error once held and rise of every loop", vec![Block::Table(table)]);
+    let folded = details("Overshoot, error during the hold and rise time of every loop", vec![Block::Table(table)]);
     let blocks = about(closed_loop).map(text).into_iter().chain([Block::Figure(figure), folded]).collect();
     Ok(Some(Section::new("closed-loop", "Holding a force", blocks)))
 }

@@ -9,13 +9,14 @@ use finray_studies::lattice::accuracy::FinenessRow;
 const COARSENESS_ORDER: f64 = 2.0;
 
 /// How the lattice is built, and what it verifies.
-pub(super) const ABOUT: &str = "The finger as rigid bodies connected by springs of EA / l, 12 EI / l^3 and EI / l. It shares no element or solver with the \
-                                beams, and no parameter is fitted. This verifies solver and kinematics, not beam theory. rapier2d lets the bodies come to \
-                                rest; Newton's method minimises the energy and separates the lattice's errors from the errors of settling.";
+pub(super) const ABOUT: &str = "The lattice models the finger as rigid bodies connected by springs of EA / l, 12 EI / l^3 and EI / l. It shares no \
+                                element or solver with the beams, and no parameter is fitted. The comparison verifies solver and kinematics, not \
+                                beam theory. rapier2d lets the bodies come to rest; Newton's method minimises the energy and separates the lattice's \
+                                errors from the errors of settling.";
 /// Reason for the choice of the axial springs.
-pub(super) const SPRINGS: &str = "The ends of a segment come closer when it bends. Points at a sixth of its length from the ends keep their distance, so the \
-                                  axial springs join these points; axial springs between the ends would also resist bending. Members must be extensible, \
-                                  because a V carries a force like a truss, by axial forces.";
+pub(super) const SPRINGS: &str = "The ends of a segment come closer when it bends. Points at a sixth of its length from the ends keep their \
+                                  distance, so the axial springs join these points; axial springs between the ends would also resist bending. \
+                                  Members must be extensible, because a V-shaped finger carries a force like a truss, by axial forces.";
 
 /// Sentence on the lattice's difference from beams, and on sensing on the lattice compared with the uniform finger.
 pub fn verdict(lattice: &LatticeStudy) -> Option<String> {

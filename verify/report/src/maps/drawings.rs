@@ -67,14 +67,14 @@ fn kinds() -> [Kind; 4] {
             value_label: "least standard deviation / force, %",
             of: |cell| cell.bound.map(|share| 100.0 * share),
             missing_label: "no equilibrium",
-            caption: "Cramer-Rao bound of the force, position and direction known, with NOISE.",
+            caption: "Cramer-Rao bound of a force with known position and direction, with NOISE.",
         },
         Kind {
-            title: "bound, direction sought too",
+            title: "bound, direction unknown",
             value_label: "least standard deviation / force, %",
             of: |cell| cell.bound_unknown_direction.map(|share| 100.0 * share),
             missing_label: "no equilibrium, or not identifiable",
-            caption: "The same bound if both components of the force are unknown, to first order, with NOISE.",
+            caption: "Cramer-Rao bound of a force with two unknown components, to first order, with NOISE.",
         },
         Kind {
             title: "wrong direction",

@@ -61,7 +61,7 @@ pub(super) fn figures(study: &Study) -> Table {
         [one] => format!("{one} N"),
         _ => "mean over all".to_owned(),
     };
-    let caption = "Mean and largest error over the answered cells; shares of all cells with an equilibrium (refused cells count as above both limits)";
+    let caption = "Errors are over the answered cells, shares are of all cells with an equilibrium. A refused cell counts as above both limits";
     let table = Columns::<Entry>::new()
         .page("truth", Format::Words, |map| map.figures.truth.label())
         .page("sensed by", Format::Words, |map| map.figures.estimator.label())

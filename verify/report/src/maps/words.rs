@@ -25,13 +25,13 @@ pub(super) fn overview(study: &Study) -> String {
     let of_paper = match exported {
         None => "Softer ends, lattice, MuJoCo and networks exist only for the paper's finger.".to_owned(),
         Some(map) => format!(
-            "Networks are evaluated for forces along the normal at contact nodes, MuJoCo's shapes for forces of {} N at the nodes.",
+            "Networks are evaluated for forces along the normal at contact nodes; MuJoCo's shapes are evaluated for forces of {} N at the nodes.",
             list(&map.request.forces_n, " and ")
         ),
     };
     format!(
-        "Largest of the mean errors under {forces_n} N, {noise}, contact known. Rows: the true finger; columns: the estimator, which knows only the uniform \
-         finger. Shares are of the cells (position and direction) with an equilibrium. {of_paper}"
+        "Largest of the mean errors under {forces_n} N, {noise}, contact known. Rows: the true finger; columns: the estimator, which knows only the \
+         uniform finger. Shares refer to the cells (position and direction) with an equilibrium. {of_paper}"
     )
 }
 

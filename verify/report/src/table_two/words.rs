@@ -18,9 +18,9 @@ pub(super) fn about(cases: usize) -> String {
     let (groups, fits) = (list(CONTACT_GROUPS.map(of_group), ", "), cases.min(MOST_FITS));
     let forces_n = list(FORCES_N, " to ");
     format!(
-        "The paper's network senses its gripper; here a simulated finger is sensed at the same nodes, {groups}. Each has {cases} cases ({fits} for the \
-         nonlinear estimator) of {forces_n} N along the normal, nodes and directions known. \"Network of the paper\" is trained as in sec. IV-A on \
-         noise-free cases of the linear finger, with two scalings of displacements, because the paper publishes none."
+        "The paper's network senses its gripper; here a simulated finger is sensed at the same nodes, {groups}. Each group has {cases} cases ({fits} \
+         for the nonlinear estimator) of {forces_n} N along the normal; nodes and directions are known. \"Network of the paper\" is trained as in \
+         sec. IV-A on noise-free cases of the linear finger, with two scalings of displacements, because the paper publishes none."
     )
 }
 
@@ -47,9 +47,9 @@ pub(super) fn linearisation(two: &TableTwo, noise_mm: f64) -> Option<String> {
         (two.condition_range(neighbours)?, two.condition_range(apart)?);
     (alone < MINOR * near).then(|| {
         format!(
-            "Noise is the smaller part: on the linear finger the forces at neighbours err by {}. The rest is the error of linearisation, amplified by \
-             up to the condition number of the contacts ({near_least:.1} to {near_most:.1}; nodes apart: {far_least:.1} to {far_most:.1}), because \
-             forces at neighbours bend the finger almost equally.",
+            "Noise causes the smaller part of the errors: on the linear finger the forces at neighbours err by {}. The rest is the error of \
+             linearisation, amplified by up to the condition number of the contacts ({near_least:.1} to {near_most:.1}; nodes apart: {far_least:.1} \
+             to {far_most:.1}), because forces at neighbours bend the finger almost equally.",
             percent(alone)
         )
     })

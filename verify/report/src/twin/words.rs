@@ -12,9 +12,9 @@ const FITS: f64 = 1.0;
 
 /// Text on the paper's conjecture that motivates the fit, and on the limits of the fit.
 pub(super) const ABOUT: &str = "The paper infers from its errors that the modulus \"at the tip and base should be lower\". Here zones of both plates \
-                                are softened by assumption, so soft ends as cause are no finding. The table does not show which plate or ribs are \
-                                soft, and no other cause was fitted. The errors at nodes 18 to 22 have no published signs, so zero is fitted. Weights \
-                                are assumed along the normal.";
+                                are softened by assumption, so it is no finding that soft ends are the cause. The table does not show which plate or \
+                                ribs are soft, and no other cause was fitted. The errors at nodes 18 to 22 have no published signs, so zero is \
+                                fitted. Weights are assumed along the normal.";
 
 /// Sentence on the errors of the fitted finger, its number of parameters, and its moduli compared with the material's; `None` without a fit.
 pub(super) fn verdict(study: &TwinStudy) -> Option<String> {
@@ -63,7 +63,7 @@ pub fn moduli_in_words(moduli: &[f64]) -> String {
 pub(super) fn calibration(study: &TwinStudy) -> Option<String> {
     let entangled = match study.calibrations.first()?.entangled().len() {
         0 => "no correlation reaches 0.95".to_owned(),
-        pairs => format!("{pairs} pairs are correlated by 0.95 or more"),
+        pairs => format!("{pairs} pairs of factors have a correlation of 0.95 or more"),
     };
     let (noise_mm, loaded, repetitions) = (study.noise_mm, LOADED.len(), study.calibrations.len());
     Some(format!(

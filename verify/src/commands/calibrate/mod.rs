@@ -37,7 +37,7 @@ pub struct Arguments {
     /// Displacements under known loads: case,load_node,fx_n,fy_n,node,ux_mm,uy_mm
     #[arg(long, help_heading = "From weights", value_name = "FILE", conflicts_with_all = ["fit", "forces", "calibrated", "images"])]
     measurements: Option<PathBuf>,
-    /// Markers in images of the pressed finger (file of `finray locate`)
+    /// Markers in images of the pressed finger (file from `finray locate`)
     #[arg(long, help_heading = "From images", value_name = "FILE", conflicts_with = "measurements", requires = "fit")]
     located: Option<PathBuf>,
     /// Parameters to estimate, see NAMES below; for instance modulus,ribs=0.2
@@ -58,7 +58,7 @@ pub struct Arguments {
     /// Kinematics of the finger
     #[arg(long, help_heading = "From weights", value_parser = kinematics(["linear", "corotational"]), requires = "measurements", default_value = "corotational")]
     kinematics: Kinematics,
-    /// Standard deviation of the noise in one coordinate, mm [default: the scene's, else estimated from the residual]
+    /// Standard deviation of the noise in one coordinate, mm [default: the scene's value, else estimated from the residual]
     #[arg(long, help_heading = "From weights", value_name = "S", requires = "measurements", value_parser = not_negative)]
     noise_mm: Option<f64>,
     /// Write the correlations of the results (CSV) to FILE

@@ -47,7 +47,7 @@ fn checks_are_counted_by_whose_figures_they_are_against() {
                 "against closed forms and literature",
                 "analytical ones (closed forms, literature)",
             ),
-            (of_kind("internal", false), "of our own", "internal ones (own other formulation, balance or bound)"),
+            (of_kind("internal", false), "of our own", "internal ones (our second formulation, a balance or a bound)"),
         ];
         assert_eq!(groups.iter().map(|(count, ..)| count).sum::<usize>(), checks.len(), "one source has two kinds");
         let head = report.read("index.html");

@@ -242,7 +242,7 @@ fn cells_without_an_equilibrium_are_said() {
         let first = array(&summary, "verdict")[0].as_str().expect("words");
         let said = format!("in {trusted} of the {} positions and directions", cells - without);
         assert!(first.contains(&said), "{said}: {first}");
-        let others = format!("in {without} others the finger has no equilibrium");
+        let others = format!("in {without} other cells, the finger has no equilibrium");
         assert_eq!(first.contains(&others), without > 0, "{others}: {first}");
         assert_eq!(first.contains("in which the finger carries these forces"), without > 0, "{first}");
     }
@@ -291,7 +291,7 @@ fn the_other_answers_are_found_in_files() {
     assert!(2 * by_noise > failed.len());
     assert_says(
         answer("Why not elsewhere?"),
-        &[&format!("in {by_noise} of the {0} sensed forces that fail ({small} of the {0} at 0.5 N)", failed.len())],
+        &[&format!("in {by_noise} of the {0} sensed forces that fail; {small} of these {0} are forces of 0.5 N", failed.len())],
     );
 
     let estimators = Csv::of(&PAPERS.read("estimators.csv"));
