@@ -81,7 +81,13 @@ impl<R: Number, const N: usize> Ldl<R, N> {
     /// Same as [`forward`](Ldl::forward), for the `COUNT` columns from `first`.
     #[inline(always)]
     fn forward_from<const M: usize, const COUNT: usize>(&self, columns: &mut [[R; M]; N], first: usize) {
-        let mut x: [[R; COUNT]; N] = std::array::from_fn(|i| std::array::from_fn(|k| columns[i][first + k]));
+        // Loops, because the compiler does not use the wide instructions for closures.
+        let mut x = [[columns[0][first].zero(); COUNT]; N];
+        for i in 0..N {
+            for k in 0..COUNT {
+                x[i][k] = columns[i][first + k];
+            }
+        }
         for j in 0..N {
             let known = x[j];
             for i in 0..N {

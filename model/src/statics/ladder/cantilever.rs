@@ -143,9 +143,10 @@ impl<R: Number> Cantilever<R> {
     pub(super) fn add_load(&mut self, potential: &Response<R>) {
         let tangent = &potential.tangent;
         let arm = quarter_turn(self.lever);
-        let by_turn: Ends<R> = std::array::from_fn(|i| {
-            tangent[(i, 2)] + tangent[(i, 3)] * arm.x + tangent[(i, 4)] * arm.y + tangent[(i, 5)]
-        });
+        let mut by_turn = [arm.x; 6];
+        for i in 0..6 {
+            by_turn[i] = tangent[(i, 2)] + tangent[(i, 3)] * arm.x + tangent[(i, 4)] * arm.y + tangent[(i, 5)];
+        }
         for i in 0..3 {
             for j in i..3 {
                 self.stiffness[i][j] += tangent[(3 + i, 3 + j)];

@@ -51,7 +51,12 @@ impl<R: Number> RigidRib<R> {
     /// Generalised stiffness T^T K T plus the geometric stiffness of the rotating levers.
     #[inline(always)]
     fn generalised_stiffness(&self, stiffness: &EndsMatrix<R>) -> EndsMatrix<R> {
-        let full: EndsMatrix<R> = std::array::from_fn(|i| std::array::from_fn(|j| stiffness[i.min(j)][i.max(j)]));
+        let mut full = *stiffness;
+        for i in 0..6 {
+            for j in 0..i {
+                full[i][j] = stiffness[j][i];
+            }
+        }
         // K is symmetric. T^T K T therefore follows by applying T^T to each row, transposing, and applying T^T to each row again.
         let half = transposed(&full.map(|row| self.generalised(&row)));
         let mut whole = half.map(|row| self.generalised(&row));
@@ -68,7 +73,13 @@ impl<R: Number> RigidRib<R> {
 
 #[inline(always)]
 fn transposed<R: Number>(matrix: &EndsMatrix<R>) -> EndsMatrix<R> {
-    std::array::from_fn(|i| std::array::from_fn(|j| matrix[j][i]))
+    let mut transposed = *matrix;
+    for i in 0..6 {
+        for j in 0..6 {
+            transposed[i][j] = matrix[j][i];
+        }
+    }
+    transposed
 }
 
 /// A node of a rung that coincides with a node of the rung below, because the ribs of both rungs share a junction.
