@@ -21,8 +21,8 @@ use crate::mesh::Mesh;
 use crate::observation::{Observation, ObservationError, ObservedMeasurement};
 use crate::scene::Scene;
 use crate::sensing::{
-    Contact, ContactKnowledge, ContactQuestion, MeasuredContact, MeasuredContactForces, NearForces, SensingError,
-    Warning, sense_measured_contacts,
+    Contact, ContactKnowledge, ContactQuestion, MeasuredContact, MeasuredContactForces, NearForces, Refinement,
+    SensingError, Warning, sense_measured_contacts,
 };
 use crate::statics::StaticsError;
 use crate::validity::{Doubt, Validity};
@@ -255,6 +255,25 @@ impl<'s> Sensor<'s> {
     /// # Errors
     /// [`Refusal`] as for `sense`.
     pub fn sense_near(&self, seen: &Observation, near: Option<&SensedForces>) -> Result<SensedForces, Refusal> {
+        self.sense_keeping(seen, near, None)
+    }
+
+    /// What the estimator keeps from one observation of a stream to the next. `None` for estimators that keep nothing.
+    fn refinement(&self) -> Option<Refinement<'s>> {
+        let SensorContacts::Asked(questions) = &self.contacts else { return None };
+        let keeps = self.options.estimator == EstimatorId::Nonlinear
+            && self.options.mesh_nodes.is_none()
+            && self.scene.assembly.is_none();
+        keeps.then(|| Refinement::new(&self.scene.finger, questions, self.scene.contact.pad))
+    }
+
+    /// Estimates the forces like [`sense_near`](Sensor::sense_near). `kept` is this sensor's [`refinement`](Sensor::refinement).
+    fn sense_keeping(
+        &self,
+        seen: &Observation,
+        near: Option<&SensedForces>,
+        kept: Option<&mut Refinement>,
+    ) -> Result<SensedForces, Refusal> {
         let (scene, SensorOptions { estimator, noise_mm, .. }) = (self.scene, self.options);
         let noise_mm = noise_mm.or(scene.noise_mm);
         let found = seen.for_sensing(scene, estimator.searches(), noise_mm)?;
@@ -284,7 +303,7 @@ impl<'s> Sensor<'s> {
                     unloaded: unloaded.as_ref(),
                     near: near.map(|near| NearForces { contacts: &near.contacts, forces_n: &near.forces_n }),
                 };
-                self.answered(&question)?
+                self.answered(&question, kept)?
             }
             SensorContacts::Measured { contacts, friction } => {
                 self.of_measured(contacts, *friction, &measurement, noise_mm)?
@@ -310,10 +329,19 @@ impl<'s> Sensor<'s> {
         (weighted, Some(both_mm))
     }
 
-    fn answered(&self, question: &Question) -> Result<SensedForces, Refusal> {
+    fn answered(&self, question: &Question, kept: Option<&mut Refinement>) -> Result<SensedForces, Refusal> {
         let estimator = self.options.estimator;
-        let at_once = question.unloaded.and_then(|unloaded| self.all_at_once(question, unloaded));
-        let (contacts, mut estimate) = at_once.unwrap_or_else(|| estimator.answer(&self.scene.finger, question))?;
+        let (contacts, mut estimate) = match kept {
+            Some(kept) => {
+                let &Question { object, measurement, noise_mm, near, .. } = question;
+                let found = kept.sense(object, measurement, noise_mm, near)?;
+                (found.contacts, found.forces)
+            }
+            None => {
+                let at_once = question.unloaded.and_then(|unloaded| self.all_at_once(question, unloaded));
+                at_once.unwrap_or_else(|| estimator.answer(&self.scene.finger, question))?
+            }
+        };
         // The residual of a linear model also contains the known error of linearisation, which the standard deviations already include.
         if estimator.searches() {
             estimate.widen_for_misfit();

@@ -25,7 +25,7 @@ pub use linear::{LinearEstimator, Prior};
 pub use linearisation::Linearisation;
 pub use measured_contacts::{ContactKnowledge, MeasuredContact, MeasuredContactForces, sense_measured_contacts};
 pub(crate) use nonlinear::{COUNTS, LARGEST_DEPARTURE, LARGEST_POSITION_SIGMA, REACH, WELL_KNOWN};
-pub use nonlinear::{Discretisation, NearForces, NonlinearEstimate, NonlinearEstimator, sense_refining};
+pub use nonlinear::{Discretisation, NearForces, NonlinearEstimate, NonlinearEstimator, Refinement, sense_refining};
 pub use object::{NotConvex, ObjectShape, TouchedObject};
 pub use pad::Pad;
 pub(crate) use residual_test::noise_of;

@@ -4,7 +4,7 @@ use super::{Refusal, SensedForces, Sensor, SensorContacts, SensorOptions, Sensor
 use crate::estimators::EstimatorError;
 use crate::observation::{Observation, ObservedMarker};
 use crate::scene::Scene;
-use crate::sensing::{ContactQuestion, ResidualTest, SensingError, Warning};
+use crate::sensing::{ContactQuestion, Refinement, ResidualTest, SensingError, Warning};
 use crate::{NodeId, Vector};
 use nalgebra::{Matrix3, Vector3};
 
@@ -20,8 +20,9 @@ const FALSE_ALARM: f64 = 1e-4;
 pub struct StreamSensor<'s> {
     scene: &'s Scene,
     options: SensorOptions<'s>,
-    /// A sensor for the requested contacts and, if a second contact may be added, a sensor for two contacts.
-    sensors: Vec<Sensor<'s>>,
+    /// A sensor for the requested contacts and, if a second contact may be added, a sensor for two contacts. Each has the meshes and shapes that its
+    /// estimator keeps from one observation to the next.
+    sensors: Vec<(Sensor<'s>, Option<Refinement<'s>>)>,
 }
 
 impl<'s> StreamSensor<'s> {
@@ -43,26 +44,35 @@ impl<'s> StreamSensor<'s> {
             },
             SensorContacts::Measured { .. } => None,
         };
-        let sensors = [Sensor::new(scene, contacts, options)?].into_iter().chain(one_more).collect();
-        Ok(StreamSensor { scene, options, sensors })
+        let sensors = [Sensor::new(scene, contacts, options)?].into_iter().chain(one_more);
+        let sensors = sensors.map(|sensor| {
+            let refinement = sensor.refinement();
+            (sensor, refinement)
+        });
+        Ok(StreamSensor { scene, options, sensors: sensors.collect() })
     }
 
     /// The forces that an observation shows. Their number is the smallest that explains the markers. `None` if the markers show no force: noise alone
     /// explains their displacements, or the interval of a single force contains zero. The search starts from `before`, the forces of the previous
-    /// observation, if that observation showed any.
+    /// observation, if that observation showed any. If this sensor sensed `before`, it starts from the shapes of that estimate.
     ///
     /// # Errors
     /// [`Refusal`] as for [`Sensor::sense`], or if the markers contradict the contacts.
-    pub fn sense(&self, seen: &Observation, before: Option<&SensedForces>) -> Result<Option<SensedForces>, Refusal> {
+    pub fn sense(
+        &mut self,
+        seen: &Observation,
+        before: Option<&SensedForces>,
+    ) -> Result<Option<SensedForces>, Refusal> {
         if self.is_noise(seen)? {
             return Ok(None);
         }
         let mut refusal = None;
-        for sensor in &self.sensors {
-            let sensed = sensor.sense_near(seen, before).and_then(|sensed| match contradiction(&sensed) {
-                Some(warning) => Err(Refusal::Contradicted { contacts: sensed.contacts.len(), warning }),
-                None => Ok(sensed),
-            });
+        for (sensor, kept) in &mut self.sensors {
+            let sensed =
+                sensor.sense_keeping(seen, before, kept.as_mut()).and_then(|sensed| match contradiction(&sensed) {
+                    Some(warning) => Err(Refusal::Contradicted { contacts: sensed.contacts.len(), warning }),
+                    None => Ok(sensed),
+                });
             match sensed {
                 Ok(sensed) if sensed.warnings.contains(&SensorWarning::NoResidual) => {
                     return Err(SensingError::NoiseNotStated.into());

@@ -25,7 +25,7 @@ pub use discretisation::Discretisation;
 pub(crate) use judgement::LARGEST_POSITION_SIGMA;
 pub(crate) use leaning::{COUNTS, REACH};
 pub(crate) use linear_range::{LARGEST_DEPARTURE, WELL_KNOWN};
-pub use refine::sense_refining;
+pub use refine::{Refinement, sense_refining};
 
 use super::{
     Contact, ContactPosition, ContactQuestion, Direction, Estimate, ModelError, Pad, SensingError, UNEXPLAINED_SHARE,
@@ -256,15 +256,37 @@ impl<'m> NonlinearEstimator<'m> {
         measurement: &Measurement,
         noise_mm: Option<f64>,
     ) -> Result<NonlinearEstimate, SensingError> {
+        self.estimate_from(None, near, is_chosen, measurement, noise_mm)
+    }
+
+    /// Estimates the forces like [`estimate_near`](NonlinearEstimator::estimate_near). The search starts from the state `kept`, an earlier estimate on this
+    /// mesh with the same contacts, if a minimum is near this state; otherwise from the equilibrium under the forces of `near`.
+    fn estimate_from(
+        &mut self,
+        kept: Option<State>,
+        near: NearForces,
+        is_chosen: bool,
+        measurement: &Measurement,
+        noise_mm: Option<f64>,
+    ) -> Result<NonlinearEstimate, SensingError> {
         self.expect(measurement, noise_mm)?;
         self.forget();
         let many = MANY_COORDINATES[usize::from(self.questions.len() > 1)];
         let is_unique = is_chosen || measurement.coordinate_count() >= many;
         if is_unique && self.object.is_none() && near.contacts.len() == self.questions.len() {
-            self.last = self.state_under(near.contacts, near.forces_n, None);
+            let at_minimum = kept.and_then(|state| self.at_minimum(state, measurement, noise_mm));
+            self.last = at_minimum.or_else(|| self.state_under(near.contacts, near.forces_n, None));
         }
         self.is_chosen = is_chosen && self.last.is_some();
         self.estimate(measurement, noise_mm)
+    }
+
+    /// The minimum near a state of an earlier estimate. `None` if there is none, or if the state has other unknowns.
+    fn at_minimum(&mut self, mut state: State, measurement: &Measurement, noise_mm: Option<f64>) -> Option<State> {
+        (state.linearised.scales.len() == self.unknowns.len()).then_some(())?;
+        state.linearised.priors.clone_from(&self.priors);
+        self.correct(&mut state, measurement, noise_mm)?;
+        Some(state)
     }
 
     /// State under known forces, N, followed from the state `from`, or from rest if `from` is `None`. `None` without equilibrium, with unknown
