@@ -64,7 +64,10 @@ impl Balance<'_> {
         room.ys.resize(joints, [like; 3]);
         let mut loads: Vec<(usize, Response<L>)> = Vec::new();
         if indices.iter().any(|&line| self.applied.on_any_member(&lines[line].members)) {
-            loads.extend((0..=joints).map(|i| (i, self.loads_abreast(indices, i, like))));
+            let is_loaded = |element: &usize| {
+                indices.iter().any(|&line| self.applied.on_member(lines[line].members.start + element).is_some())
+            };
+            loads.extend((0..=joints).filter(is_loaded).map(|i| (i, self.loads_abreast(indices, i, like))));
         }
         let brackets: Vec<_> =
             indices.iter().filter_map(|&line| Brackets::of(frame, &lines[line], motion, linear)).collect();
