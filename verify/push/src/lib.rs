@@ -54,7 +54,7 @@ pub struct Push {
     pub estimator: String,
     /// Standard deviation of the noise in one coordinate of a marker, mm.
     pub noise_mm: f64,
-    /// Number of the image: the seed of its noise. Images with the same number have the same noise, whatever the force is.
+    /// Number of the image, which is also the seed of the image's noise. Images with the same number have the same noise, whatever the force is.
     pub image: u64,
 }
 

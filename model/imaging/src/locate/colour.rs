@@ -8,7 +8,8 @@ use finray_model::scene::Rgb;
 const LEAST_SATURATION_DEG: f64 = 8.0;
 /// Two colours count as equal if the angle between them in RGB space is below this, degrees.
 const ALIKE_DEG: f64 = 6.0;
-/// Half angle of a colour's cone, as a share of a reference angle: the smaller of the angles to grey and to the other marker's colour.
+/// Half angle of a colour's cone, as a share of a reference angle. The reference is the angle to grey or to the other marker's colour, whichever is
+/// smaller.
 const SHARE: f64 = 0.5;
 /// Range of a marker's brightness relative to the colour that the scene states.
 const LIGHT: [f64; 2] = [0.2, 1.5];

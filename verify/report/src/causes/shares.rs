@@ -21,7 +21,7 @@ pub(crate) enum Region {
 }
 
 impl Region {
-    /// The regions that have only cells along the normal.
+    /// The regions whose cells all have a force along the normal.
     pub(super) const ENDS_AND_MIDDLE: [Region; 3] = [Region::Base, Region::Middle, Region::Tip];
     pub(super) const ALL: [Region; 4] = [Region::Base, Region::Middle, Region::Tip, Region::All];
 

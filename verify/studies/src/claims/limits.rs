@@ -120,7 +120,7 @@ fn zero_force(finger: &Finger, words: &Words) -> Result<Claim, ClaimError> {
     words.claim("zero-force", ClaimVerdict::NotTested, numbers)
 }
 
-/// Claim on the computation time of the shipped network, measured by this report or by the benchmark library criterion.
+/// Claim on the computation time of the shipped network, measured by this report or with the benchmark library `criterion`.
 fn network_time(study: &Study, words: &Words) -> Result<Option<Claim>, ClaimError> {
     let here = |timed_by: &TimedBy| !matches!(timed_by, TimedBy::OtherProgram { .. });
     let point = study.speed_error.iter().find(|point| {

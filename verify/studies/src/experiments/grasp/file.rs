@@ -22,7 +22,7 @@ pub struct ForceRow {
     pub angle_deg: Option<f64>,
     /// True force along the normal, N; for the total, across the gripper.
     pub force_n: f64,
-    /// True force across the normal, positive towards the tip, N; for the total, along the gripper.
+    /// True force across the normal, N, positive towards the tip. For the total, the force along the gripper.
     pub friction_n: f64,
     /// Sensed force, N; `None` if the force is not identifiable.
     pub sensed_n: Option<f64>,
