@@ -11,8 +11,7 @@ fn what_exists_for_the_papers_finger_alone_is_left_out_for_others() {
     assert_eq!(summary["scene"], "spring-steel");
     verdicts_pass(&summary);
     assert!(!sources(&summary).contains(&"OpenSees"));
-    let said =
-        "Reference values of other programs (OpenSees), the paper's Table I, the spring lattice and the hard cases exist only for the paper's finger";
+    let said = "Reference values of other programs (OpenSees), the paper's Table I, the spring lattice and the hard cases exist only for the paper's finger";
     let page = SPRING_STEELS.pages();
     assert!(page.replace("&#x27;", "'").contains(said) && !page.contains("id=\"table-one\""));
     assert!(!SPRING_STEELS.names().contains(&"table_one.csv".to_owned()));

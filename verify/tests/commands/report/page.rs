@@ -291,7 +291,10 @@ fn the_other_answers_are_found_in_files() {
     assert!(2 * by_noise > failed.len());
     assert_says(
         answer("Why not elsewhere?"),
-        &[&format!("in {by_noise} of the {0} sensed forces that fail; {small} of these {0} are forces of 0.5 N", failed.len())],
+        &[&format!(
+            "in {by_noise} of the {0} sensed forces that fail; {small} of these {0} are forces of 0.5 N",
+            failed.len()
+        )],
     );
 
     let estimators = Csv::of(&PAPERS.read("estimators.csv"));
