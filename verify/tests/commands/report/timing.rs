@@ -37,7 +37,7 @@ fn times_of_sensing_are_of_a_moving_force_cold_and_warm() {
         .find(|said| said.starts_with("What should sense it?"));
     let cost = cost.expect("a sentence on cost");
     let mesh = |point: &Value| point["setting"].as_str().expect("words").replace(" nodes, warm start", " mesh nodes");
-    let named = warm.iter().find(|point| cost.contains(&format!("on {}: ", mesh(point))));
+    let named = warm.iter().find(|point| cost.contains(&format!("on {} has ", mesh(point))));
     assert!(named.is_some_and(|point| number(point, "bias_sigmas") <= 0.4), "{cost}");
     let rate = array(&summary, "claims")
         .iter()
