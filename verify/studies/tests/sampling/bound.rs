@@ -76,6 +76,8 @@ fn every_node_and_pair_reaches_the_bound() {
 }
 
 /// Number of cases of each set of contacts on the fine finger. With control variates for the noise, a root mean square is then known to 2 % for
+/// Number of studies with different seeds. It determines a ratio of variances to about 15 %.
+const STUDIES: u64 = 100;
 /// neighbours, and more accurately for all other sets.
 const FINE_CASES: usize = 200;
 /// Number of cases for the few sets that are too close to the tolerance to decide.
@@ -149,6 +151,40 @@ fn a_fifth_above_the_bound_is_found_out() {
     let found = rows.expect("a contact node")[0].forces[0].bound.and_then(|bound| bound.controlled).expect("a figure");
     assert!((found.over_bound_controlled - 1.2).abs() <= 4.0 * found.standard_error, "{found:?}");
     assert!(found.over_bound_controlled - 1.0 > TOLERANCE, "{found:?}");
+}
+
+/// The control variate leaves the mean error of a pair as it is, and lowers its standard error at least as much as twice the cases would: over studies
+/// with different seeds, means with control vary less than sqrt(1 / 2) times as much as means without.
+#[test]
+fn a_controlled_mean_error_varies_as_little_as_one_of_twice_the_cases() {
+    let mesh = Mesh::key_nodes(&paper());
+    let nonlinear = BeamEstimator::nonlinear(&mesh);
+    let pair = [vec![NodeId(16), NodeId(19)]];
+    let means = |is_controlled: bool, seed: u64| {
+        let request = ScatterRequest {
+            truth: &mesh,
+            kinematics: Kinematics::Corotational,
+            model: &mesh,
+            noise_levels_mm: &[CAMERA_NOISE_MM],
+            cases: 100,
+            seed,
+        };
+        let of = if is_controlled { scatter_controlled } else { scatter };
+        of(&request, &[&nonlinear], &pair, TWO_FORCES_N, &|| {}).expect("a pair")[0].forces[0].mean_error
+    };
+    let [plain, controlled] = [false, true].map(|is_controlled| {
+        let means: Vec<f64> = (1..=STUDIES).map(|seed| means(is_controlled, seed)).collect();
+        let mean = means.iter().sum::<f64>() / STUDIES as f64;
+        let variance = means.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (STUDIES - 1) as f64;
+        println!(
+            "control {is_controlled}: mean error {mean:.5}, standard error of one study {:.1} %",
+            100.0 * variance.sqrt() / mean
+        );
+        (mean, variance)
+    });
+    assert!(controlled.1 < 0.5 * plain.1, "{controlled:?} and {plain:?}");
+    let standard_error = ((plain.1 + controlled.1) / STUDIES as f64).sqrt();
+    assert!((plain.0 - controlled.0).abs() < STANDARD_ERRORS * standard_error, "{controlled:?} and {plain:?}");
 }
 
 /// Checks the required mean relative errors.
