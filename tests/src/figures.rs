@@ -109,7 +109,7 @@ fn sources(folder: &Path, files: &mut Vec<PathBuf>) {
 ///
 /// # Reference
 /// Howard Hinnant, chrono-Compatible Low-Level Date Algorithms: `civil_from_days`.
-fn today() -> String {
+pub fn today() -> String {
     let seconds = SystemTime::now().duration_since(UNIX_EPOCH).expect("a time after 1970").as_secs();
     let days = seconds / 86_400 + 719_468;
     let (era, day_of_era) = (days / 146_097, days % 146_097);

@@ -17,9 +17,9 @@ pub use chance::{
     share_error,
 };
 pub use comparison::{KINEMATICS, largest, motions_apart, shapes_apart};
-pub use figures::{Figure, record_figures, recorded_figures, state_of_code};
+pub use figures::{Figure, record_figures, recorded_figures, state_of_code, today};
 pub use fingers::{ELEMENTS, finger_of, paper, paper_scene_with};
 pub use loads::{at_node, at_nodes, at_position, contact_node, force_for_deflection, under_pad};
 pub use measurements::{noisy, seen};
 pub use strategies::{built_finger, built_finger_with_zones, finger, finger_with_zones};
-pub use study::assert_standardised;
+pub use study::{assert_standardised, record_row};

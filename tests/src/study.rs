@@ -7,6 +7,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
+const TABLE: &str = "studies.csv";
 const HEADER: &str = "study,mean_square_of_first,cases,share_within_95,mean_square";
 /// Number of first errors that are compared with the record; a run with few cases has the same first errors as the full study. The record is stale if
 /// their mean square differs from the recorded mean square by more than the share `FRESH`.
@@ -35,9 +36,9 @@ pub fn assert_standardised(study: &str, errors: &[f64]) {
     assert!((square - 1.0).abs() <= chance, "{study}: mean square {square} of {count}");
     let Some(first) = errors.get(..FIRST).map(mean_square) else { return };
     if is_full_study() {
-        return record(study, format!("{first:.4},{count},{share:.4},{square:.4}"));
+        return record_row(TABLE, HEADER, study, &format!("{first:.4},{count},{share:.4},{square:.4}"));
     }
-    let recorded = records().get(study).and_then(|row| row.split(',').next()?.parse::<f64>().ok());
+    let recorded = rows(TABLE).get(study).and_then(|row| row.split(',').next()?.parse::<f64>().ok());
     assert!(
         recorded.is_some_and(|recorded| (first / recorded - 1.0).abs() <= FRESH),
         "{study}: the first {FIRST} errors have a mean square of {first:.4}, in fixtures/results/studies.csv {recorded:?}: \
@@ -45,24 +46,28 @@ pub fn assert_standardised(study: &str, errors: &[f64]) {
     );
 }
 
-fn file() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../fixtures/results/studies.csv")
+/// Rows of a table in `fixtures/results`, by the first column. A table that does not exist has no rows.
+fn rows(table: &str) -> BTreeMap<String, String> {
+    let text = fs::read_to_string(file(table)).unwrap_or_default();
+    let rows = text.lines().skip(1).filter_map(|line| line.split_once(','));
+    rows.map(|(name, figures)| (name.to_owned(), figures.to_owned())).collect()
 }
 
-/// Recorded figures of the full studies, by the name of the study.
-fn records() -> BTreeMap<String, String> {
-    let text = fs::read_to_string(file()).unwrap_or_default();
-    let rows = text.lines().skip(1).filter_map(|line| line.split_once(','));
-    rows.map(|(study, figures)| (study.to_owned(), figures.to_owned())).collect()
+fn file(table: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../fixtures/results").join(table)
 }
 
 /// Makes tests that run at the same time write one after the other.
 static WRITING: Mutex<()> = Mutex::new(());
 
-fn record(study: &str, figures: String) {
+/// Writes the row `name` of a table in `fixtures/results`, or replaces this row.
+///
+/// # Panics
+/// If the table cannot be written.
+pub fn record_row(table: &str, header: &str, name: &str, figures: &str) {
     let _one = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
-    let mut records = records();
-    records.insert(study.to_owned(), figures);
-    let rows: String = records.iter().map(|(study, figures)| format!("{study},{figures}\n")).collect();
-    fs::write(file(), format!("{HEADER}\n{rows}")).expect("the folder of results");
+    let mut rows = rows(table);
+    rows.insert(name.to_owned(), figures.to_owned());
+    let rows: String = rows.iter().map(|(name, figures)| format!("{name},{figures}\n")).collect();
+    fs::write(file(table), format!("{header}\n{rows}")).expect("the folder of results");
 }

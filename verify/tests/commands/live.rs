@@ -1,6 +1,7 @@
 //! Forces in a stream: video frames, positions, images; contacts that come and go; streams that end or break.
 
 mod fingers;
+mod latency;
 mod memory;
 mod page;
 mod video;

@@ -10,6 +10,10 @@ const WARM: usize = 1000;
 /// Tolerance of the growth of the resident memory after these frames.
 const GROWTH: f64 = 0.02;
 
+/// Columns of the recorded resources: after [`WARM`] frames, and after the last frame.
+const HEADER: &str =
+    "stream,frames,frames_in_contact,resident_kb,descriptors,resident_at_end_kb,descriptors_at_end,date";
+
 /// Resources of a running process.
 #[derive(Debug, Clone, Copy)]
 struct Resources {
@@ -26,7 +30,8 @@ fn resources(process: u32) -> Resources {
 }
 
 /// Sends `count` frames to `live`, the given frames in turn, and compares its resources after [`WARM`] frames with those after the last frame.
-fn check_flat(scene: &str, header: &[u8], frames: &[Vec<u8>], count: usize) {
+/// A full study records the resources as the row `name` of `fixtures/results/memory.csv`.
+fn check_flat(name: &str, scene: &str, header: &[u8], frames: &[Vec<u8>], count: usize) {
     let mut command = command(&["live", scene, "--contact-at", "auto@0", "--every-frame", "--quiet"]);
     let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().expect("finray starts");
     let mut input = child.stdin.take().expect("an input");
@@ -54,6 +59,12 @@ fn check_flat(scene: &str, header: &[u8], frames: &[Vec<u8>], count: usize) {
                     assert!(in_contact > count / 3, "{in_contact} of {count} frames in contact");
                     assert!(end.resident_kb <= (1.0 + GROWTH) * warm.resident_kb, "{warm:?}, at the end {end:?}");
                     assert_eq!(end.descriptors, warm.descriptors);
+                    if finray_tests::is_full_study() {
+                        let [from, to] =
+                            [warm, end].map(|used| format!("{:.0},{}", used.resident_kb, used.descriptors));
+                        let figures = format!("{count},{in_contact},{from},{to},{}", finray_tests::today());
+                        finray_tests::record_row("memory.csv", HEADER, name, &figures);
+                    }
                     measured.send(()).expect("the sender waits");
                 }
                 _ => {}
@@ -74,7 +85,7 @@ fn a_long_stream_of_positions_needs_no_more_memory() {
             positions(shape, 0.0, case)[0].clone().into_bytes()
         })
         .collect();
-    check_flat(CAMERA, b"", &frames, finray_tests::case_count(3 * WARM, 1_000_000));
+    check_flat("positions", CAMERA, b"", &frames, finray_tests::case_count(3 * WARM, 1_000_000));
 }
 
 /// The same in a stream of images, a quarter as wide and high as the camera's.
@@ -102,5 +113,5 @@ fn a_long_stream_of_images_needs_no_more_memory() {
         })
         .collect();
     let header = b"YUV4MPEG2 W400 H350 F25:1 Ip A1:1 C444\n";
-    check_flat(&scene, header, &frames, finray_tests::case_count(WARM + WARM / 2, 100_000));
+    check_flat("images of 400 x 350 px", &scene, header, &frames, finray_tests::case_count(WARM + WARM / 2, 100_000));
 }
