@@ -1,8 +1,8 @@
-//! Times to compute shapes from forces, on the paper's two meshes and finer ones. Compares the ladder solver with the sparse solver, and the solution
-//! of many loads one by one with their solution in a batch.
+//! Times to compute shapes from forces, on the paper's two meshes and finer ones. Compares the ladder solver with the sparse solver, and compares
+//! solving many loads one by one with solving them in a batch.
 //!
-//! The linear stiffness is constant, so its factors are stored after the first solution. `linear` and `mesh_size` include the factorisation, because each
-//! iteration starts from a new mesh or solver. `linear_kept` and `as_called` reuse the factors.
+//! The linear stiffness is constant, so its factors are stored after the first solution. The benchmarks `linear` and `mesh_size` include the
+//! factorisation, because each iteration starts from a new mesh or solver. `linear_kept` and `as_called` reuse the factors.
 
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use finray_bench::{paper, push};
@@ -47,7 +47,7 @@ fn solve(criterion: &mut Criterion) {
     }
 }
 
-/// The function `statics::solve`, which creates its solver on each call.
+/// Times the function `statics::solve`, which creates its solver on each call.
 fn as_called(criterion: &mut Criterion) {
     let finger = paper();
     let mut group = criterion.benchmark_group("as_called");
@@ -63,7 +63,7 @@ fn as_called(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Many loads of 3 N at nodes 18 to 20 in many directions, one by one and in a batch, on one thread.
+/// Times many loads of 3 N at nodes 18 to 20 in many directions, solved one by one and in a batch, on one thread.
 fn many_at_once(criterion: &mut Criterion) {
     let finger = paper();
     let thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");

@@ -1,5 +1,5 @@
-//! Times on one core of the parts of `finray live`: conversion of a video frame, locating the markers in a tracked frame, and sensing a frame of a stream
-//! from the frame before.
+//! Times of the parts of `finray live` on one core: converting a video frame, locating the markers in a tracked frame, and sensing the force in a
+//! frame from the result of the frame before.
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use finray_files::frames::{FrameReader, FrameWriter, VideoFrame};
@@ -19,7 +19,7 @@ use std::hint::black_box;
 const CONTACT_MM: f64 = 80.0;
 const FORCES_N: [f64; 4] = [2.0, 2.05, 2.1, 2.05];
 
-/// Images of the finger under the forces.
+/// Images of the finger under each of the forces `FORCES_N`.
 fn images(scene: &Scene) -> Vec<RgbImage> {
     let described = scene.camera.expect("a camera");
     let camera = Camera { lens: described.lens, pose: described.pose.expect("a pose") };

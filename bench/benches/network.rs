@@ -1,5 +1,5 @@
-//! Time in which a network computes forces from the displacements of one frame, on one core. Compared with forward passes of the same network in burn
-//! and in plain nalgebra. The forward passes start from scaled inputs; finray's time includes the scaling, in f64.
+//! Time in which a network computes forces from the displacements of one frame, on one core. The time is compared with forward passes of the same
+//! network in the library burn and in plain nalgebra. The forward passes start from scaled inputs; finray's time includes the scaling, in f64.
 
 use burn_tensor::{Device, Tensor, TensorData, activation};
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -83,7 +83,8 @@ fn ours(criterion: &mut Criterion, network: &Network, name: &str) {
         criterion.bench_function(&format!("network/{name}/one_frame/{kind}"), |bencher| {
             bencher.iter(|| estimator.forces(black_box(&frame), black_box(&mut forces_n)));
         });
-        // `estimate` includes standard deviations and the check for refusal. The frame is the mean of the training displacements, hence within range.
+        // The time of `estimate` includes standard deviations and the check whether the frame must be refused. The frame is the mean of the training
+        // displacements, hence within the range of the training cases.
         let mean = network.inputs.mean.chunks(2).map(|mean| Vector::new(mean[0], mean[1]));
         let mean = network.card.markers.iter().zip(mean);
         let markers = mean.map(|(&node, displacement)| Marker { node, displacement, weight: 1.0 });
@@ -103,7 +104,7 @@ fn burn(criterion: &mut Criterion, network: &Network, name: &str) {
         .iter()
         .map(|layer| {
             let weights = DMatrix::from_column_slice(layer.inputs, layer.outputs, &layer.weights).transpose();
-            // burn's linear layers expect weights with one row per input.
+            // Linear layers of the library burn expect weights with one row per input.
             [matrix(weights.as_slice(), [layer.inputs, layer.outputs]), matrix(&layer.bias, [1, layer.outputs])]
         })
         .collect();

@@ -1,5 +1,5 @@
-//! Times to estimate forces from shapes. Least squares is prepared for each estimate or only once. Gauss-Newton on the co-rotational finger has a
-//! cold or a warm start. Batches have thousands of samples.
+//! Times to estimate forces from shapes. Least squares is timed with preparation for each estimate, and with preparation only once. Gauss-Newton on
+//! the co-rotational finger has a cold or a warm start. Batches have thousands of samples.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use finray_bench::{paper, push};
@@ -40,8 +40,8 @@ fn sensing(criterion: &mut Criterion) {
     }
 }
 
-/// A varying force at one contact, with noise: cold start, warm start, and new preparation. The true finger's mesh has 684 nodes. The estimator's mesh
-/// has one or four elements per member.
+/// Senses a varying force at one contact with noise; times the preparation, estimates with a cold start, and estimates with a warm start. The true
+/// finger's mesh has 684 nodes. The estimator's mesh has one or four elements per member.
 fn nonlinear(criterion: &mut Criterion) {
     let finger = paper();
     let truth = fine_mesh(&finger).expect("a mesh of many nodes");
@@ -67,8 +67,9 @@ fn nonlinear(criterion: &mut Criterion) {
     }
 }
 
-/// Many co-rotational samples, as for training or a map. Shapes are computed under random normal forces at all contact nodes, and pairs of forces are
-/// sensed from random shapes. Forces are 0 to 5 N per node and 0 to 10 N in total (Xu et al. 2021, sec. IV-A). Runs on two threads.
+/// Times many samples on the co-rotational finger, as needed for training or a map. Shapes are computed under random normal forces at all contact
+/// nodes, and pairs of forces are sensed from random shapes. Forces are 0 to 5 N per node and 0 to 10 N in total (Xu et al. 2021, sec. IV-A). Runs on
+/// two threads.
 fn samples(criterion: &mut Criterion) {
     const COUNT: usize = 2_000;
     let finger = paper();

@@ -1,7 +1,7 @@
 //! Times for the report's chart of time against error. `finray report` uses these times instead of its own measurements.
 //!
-//! An iteration computes one answer, for each load or frame in turn. Frames of one contact are consecutive, because a warm start requires this order.
-//! Settling a lattice takes seconds, so only the report times it.
+//! One iteration computes one answer; successive iterations take the loads or frames in turn. Frames of one contact are consecutive, because a warm
+//! start requires this order. Settling a lattice takes seconds, so only the report times it.
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use finray_bench::paper;
@@ -18,7 +18,7 @@ use std::hint::black_box;
 
 /// Number of frames, the same as in the full report.
 const FRAMES: usize = 2 * FRAMES_A_PERIOD;
-/// Number of Criterion's samples for lattices: the smallest that Criterion allows, because a lattice takes milliseconds.
+/// Number of samples that Criterion takes for a lattice: the smallest allowed number, because one shape of a lattice takes milliseconds to compute.
 const SAMPLES: usize = 10;
 
 fn shapes(criterion: &mut Criterion) {

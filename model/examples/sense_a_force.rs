@@ -10,7 +10,7 @@ use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // The problem: a force on node 19, along the normal, and a camera with 0.067 mm noise a coordinate.
+    // The problem: a force on node 19 along the normal, and a camera with noise of 0.067 mm in each coordinate.
     let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE)?.finger;
     let contact = Contact::at_node(NodeId(19));
     let (force_n, noise_mm) = (2.0, 0.067);
@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     seen.add_noise(noise_mm, || StandardNormal.sample(&mut rng));
 
-    // Back from the displacements to the force, on a coarser mesh.
+    // The estimate: the force follows from the displacements, on a coarser mesh.
     let mesh = Mesh::with_elements_per_member(&finger, 4);
     let sensed = NonlinearEstimator::new(&mesh, &[contact.into()])?.estimate(&seen, Some(noise_mm))?.forces;
 

@@ -67,7 +67,7 @@ pub enum CalibrationError {
     },
     /// The measurements do not determine some parameters.
     #[error(
-        "not identifiable: the measurements do not determine {parameters}; leave it out of the fit, or add measurements that depend on it"
+        "not identifiable: the measurements do not determine {parameters}; leave these parameters out of the fit, or add measurements that depend on them"
     )]
     NotIdentifiable {
         /// Names of the parameters, separated by commas.
@@ -83,8 +83,9 @@ pub enum CalibrationError {
     },
     /// The measured forces imply a friction angle of at least 90 degrees, or a build-up force of friction above the largest measured force.
     #[error(
-        "friction is not identifiable: it would build up over {build_up_n:.3} N (expected at most the largest measured force, {largest_n:.3} N) to an \
-         angle of {angle_deg:.1} degrees from the normal (expected less than 90 degrees); check signs, measure larger forces, or use --fit friction"
+        "friction is not identifiable: its build-up force would be {build_up_n:.3} N (expected at most the largest \
+            measured force, {largest_n:.3} N) and its angle from the normal {angle_deg:.1} degrees (expected less than \
+            90 degrees); check signs, measure larger forces, or use --fit friction"
     )]
     FrictionLimit {
         /// Angle between a sliding force and the normal (lean), degrees.
@@ -97,7 +98,7 @@ pub enum CalibrationError {
     /// The search finds no minimum.
     #[error("the fit does not converge: check that loads, units and node numbers match the finger of the scene")]
     NoMinimum,
-    /// A view cannot be used, or contradicts the others.
+    /// A view cannot be used, or contradicts the other views.
     #[error("{name}: {error}")]
     View {
         /// Name of the view.
@@ -107,8 +108,9 @@ pub enum CalibrationError {
     },
     /// All measured forces differ by one large factor from the forces that would bend the scene's finger as in the images.
     #[error(
-        "measured forces are {times:.3} times (median) the forces that bend the scene's finger as the images show, expected about 1: a negative \
-         ratio means a wrong sign or frame, any other ratio a wrong unit (N) or wrong moduli in the scene"
+        "the median ratio of measured forces to the forces that the markers show is {times:.3}, expected about 1. \
+            A negative ratio means a wrong sign or frame; any other ratio means a wrong unit (N) or wrong moduli in \
+            the scene"
     )]
     ForceScale {
         /// Median ratio of measured forces to forces estimated from markers, dimensionless.
@@ -116,8 +118,9 @@ pub enum CalibrationError {
     },
     /// Measured forces and forces estimated from the views point to opposite sides of the normal.
     #[error(
-        "measured forces scatter by {:.1} % about the forces that the images show, but only by {:.1} % with the opposite angle from the plate's \
-         normal: check the sign of fx_n and fy_n, and that they refer to the frame of the camera's pose",
+        "measured forces scatter by {:.1} % about the forces that the images show, but only by {:.1} % if the \
+            measured forces are mirrored about the plate's normal: check the sign of fx_n and fy_n, and that fx_n and \
+            fy_n refer to the frame of the camera's pose",
         100.0 * scatter,
         100.0 * mirrored
     )]
@@ -139,16 +142,18 @@ fn median(numbers: impl Iterator<Item = f64>) -> Option<f64> {
     Some(0.5 * (sorted[last / 2] + sorted[last.div_ceil(2)]))
 }
 
-/// Number of bisections of the bracket. They suffice for double precision, even if the bracket is as wide as the largest number.
+/// Number of bisections of the bracket. This number suffices for double precision, even if the bracket is as wide as the largest floating-point
+/// number.
 const BISECTIONS: usize = 1200;
 
 /// Young's modulus of the linear finger by eq. (11) of Xu et al. (2021). Finds the factor on all moduli that minimises the weighted sum, over all nodes and
 /// cases, of the distance between measured and computed position.
 ///
 /// The computed displacements are c v, with c = 1 / factor and the displacements v for a factor of 1. The weighted sum of |m - c v| over measured
-/// displacements m is convex in c. Bisection finds the zero of its derivative. A sum of distances (not of squares) is robust to single bad markers.
-/// The standard deviation of c is the sandwich estimate of an M-estimator (Huber 1967): sqrt(n / (n - 1) sum g^2) / sum h for n nodes. Here g and h
-/// are the first and second derivatives of each node's weighted distance.
+/// displacements m is convex in c. Bisection finds the value of c at which the derivative of the weighted sum is zero. A sum of distances (not of
+/// squares) is robust to single bad markers. The standard deviation of c is the sandwich estimate of an M-estimator (Huber 1967): sqrt(n / (n - 1)
+/// sum g^2) / sum h for n nodes. In the formula for the standard deviation, g and h are the first and second derivatives of each node's weighted
+/// distance with respect to c.
 ///
 /// # Errors
 /// [`CalibrationError`] if the statics fail, no load moves a measured node, or the nodes move against the loads.
@@ -162,7 +167,8 @@ pub fn youngs_modulus(finger: &Finger, cases: &[CalibrationCase]) -> Result<Modu
             nodes.push((marker.displacement, computed, marker.weight));
         }
     }
-    // For each node alone, one value of c fits best. The minimum of the sum lies between the smallest and the largest of these values.
+    // For each node alone, one value of c fits best. The minimum of the sum lies between the smallest and the largest value of c that fits a single
+    // node best.
     let alone = nodes.iter().filter(|(_, v, _)| v.norm_squared() > 0.0).map(|(m, v, _)| m.dot(v) / v.norm_squared());
     let (mut low, mut high) = alone.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), c| (l.min(c), h.max(c)));
     if !(low.is_finite() && high.is_finite()) {

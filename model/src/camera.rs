@@ -1,8 +1,9 @@
-//! The camera: from points of the finger frame to pixels and back.
+//! The camera converts points of the finger frame to pixels, and pixels to points.
 //!
 //! A point X (mm, finger frame, z = x cross y) has the camera coordinates X_camera = R X + t ([`Pose`]). The lens ([`Lens`]) projects the point to x
 //! = X/Z, y = Y/Z, applies its distortion, and scales the result to pixels. Pixel coordinates are u to the right and v down; the centre of the first
-//! pixel is (0, 0). One image does not determine the distance of a point. However, a pixel determines one point on a known plane z = height.
+//! pixel is (0, 0). One image does not determine the distance of a point. However, a pixel determines one point on a plane z = height if the height
+//! is known.
 
 mod lens;
 mod pose;

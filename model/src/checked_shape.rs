@@ -7,10 +7,10 @@ use crate::statics::{self, Statics, StaticsError};
 use crate::validity::{Doubt, Validity};
 use std::fmt;
 
-/// Elements per member of the mesh against which the mesh of the key nodes is checked.
+/// The mesh of the key nodes is checked against a mesh with this number of elements per member.
 const CHECKED_ELEMENTS: usize = 8;
-/// [`MeshDoubt::Coarse`] is reported if the error of a key node on the mesh of the key nodes exceeds this share of the largest displacement. The
-/// paper uses this mesh for its finger; the error is below this share while strains are small.
+/// [`MeshDoubt::Coarse`] is reported if the mesh of the key nodes displaces a key node with an error above this share of the largest displacement. Xu
+/// et al. (2021) use the mesh of the key nodes for their finger; its error is below this share while strains are small.
 const COARSE: f64 = 0.1;
 
 /// Displacements of a finger under loads, with the reasons why they may be inaccurate.
@@ -18,7 +18,7 @@ const COARSE: f64 = 0.1;
 pub struct CheckedShape {
     /// Displacements of the key nodes.
     pub shape: FingerShape,
-    /// Reason why the mesh of the key nodes may be too coarse. `None` for a mesh with a given number of nodes.
+    /// Reason why the mesh of the key nodes may be too coarse. `None` if the finer mesh agrees, or if the caller gave the number of mesh nodes.
     pub mesh_doubt: Option<MeshDoubt>,
     /// Violated assumptions of the beam model.
     pub doubts: Vec<Doubt>,
@@ -113,8 +113,9 @@ impl fmt::Display for MeshDoubt {
             ),
             MeshDoubt::Coarse { nodes, largest_mm, error_mm } => write!(
                 f,
-                "the mesh of the key nodes is too coarse: on {nodes} mesh nodes (--mesh-nodes {nodes}) the largest displacement is {largest_mm:.3} mm, \
-                 and a key node lies {error_mm:.3} mm elsewhere"
+                "the mesh of the key nodes is too coarse: on {nodes} mesh nodes (--mesh-nodes {nodes}) the largest \
+                    displacement is {largest_mm:.3} mm, and the displacement of a key node differs by {error_mm:.3} \
+                    mm"
             ),
         }
     }

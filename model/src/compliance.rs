@@ -1,8 +1,8 @@
 //! Displacements of the markers under unit forces: the columns of the compliance matrix that sensing needs.
 //!
 //! With one element per member, the solution of the linear finger is exact at the key nodes, so the coarsest mesh suffices. Only two kinds of members
-//! are approximated: members of tapered plates, and members within which a zone starts or ends. The solution for these members uses their mean
-//! compliances.
+//! are approximated: members of tapered plates, and members within which a zone starts or ends. For a member of a tapered plate, or a member within
+//! which a zone starts or ends, the solution uses the mean compliances of the member.
 
 use crate::element::quarter_turn;
 use crate::finger::{Finger, NodeId};
@@ -13,7 +13,8 @@ use crate::{Kinematics, Vector};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::OnceLock;
 
-/// Displacement of each key node's marker under each of several loads, mm. For a load of 1 N or 1 N mm, this is the compliance in mm/N or 1/N.
+/// Displacement of each key node's marker under each of several loads, mm. For a load of 1 N or 1 N mm, the displacement is the compliance in mm/N or
+/// 1/N.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compliance {
     /// Displacements, indexed by load and then by key node from 0.
@@ -45,10 +46,11 @@ impl Compliance {
     }
 }
 
-/// Compliance of the linear finger for forces and moments on its key nodes. Its solutions are reused for many loads.
+/// Compliance of the linear finger for forces and moments on its key nodes. The solutions for unit loads on the key nodes are reused for many loads.
 ///
-/// A load between two key nodes is replaced by its consistent nodal loads on these two nodes. For the cubic beam, the displacements of all key nodes
-/// stay exactly the same. One solution per key node therefore suffices. Each solution is computed when a load first needs it.
+/// A load between two key nodes is replaced by its consistent nodal loads on these two nodes. For the cubic beam, this replacement of the load leaves
+/// the displacements of all key nodes exactly unchanged. One solution per key node therefore suffices for loads at any point. Each solution is
+/// computed when a load first needs it.
 #[derive(Debug, Clone)]
 pub struct NodalCompliance {
     mesh: Mesh,
@@ -57,8 +59,8 @@ pub struct NodalCompliance {
     nodes: Vec<OnceLock<Result<Blocks, StaticsError>>>,
 }
 
-/// A 3 x 3 matrix per key node. Its rows are displacement x, y (mm) and rotation (rad); its columns are 1 N along x, 1 N along y and 1 N mm on the loaded
-/// node.
+/// A 3 x 3 matrix per key node. The rows of a matrix are displacement x, y (mm) and rotation (rad); its columns are the loads 1 N along x, 1 N along
+/// y and 1 N mm on the loaded node.
 type Blocks = Vec<Matrix3<f64>>;
 
 /// Index of a key node, counted from 0, and the load on this node: force x, y (N) and moment (N mm).
@@ -91,7 +93,7 @@ impl NodalCompliance {
         Ok(sums)
     }
 
-    /// The compliance for several loads. Equals the result of [`Compliance::new`] within rounding.
+    /// The compliance for several loads. The result equals the result of [`Compliance::new`] up to rounding.
     ///
     /// # Errors
     /// [`StaticsError`] as for [`Compliance::new`].

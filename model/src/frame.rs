@@ -2,9 +2,9 @@
 //!
 //! The solvers in [`crate::statics`] work on a frame. [`crate::mesh`] builds the frame of a finger; reference problems build their own frames.
 //!
-//! Translations belong to nodes. Rotations are numbered separately: each rotation has a *rotation slot*. The beams clamped at a node share the node's
-//! slot. A pin gives a beam end a separate slot; a rigid link without hinges lets two nodes share a slot. Hinges and undeformable members are
-//! therefore exact, without penalty stiffness.
+//! Translations belong to nodes. Rotations are numbered separately from the nodes: each rotation has a *rotation slot*. The beams clamped at a node
+//! share the node's slot. A pin gives a beam end a separate slot; a rigid link without hinges lets two nodes share a slot. Rotation slots and rigid
+//! links represent hinges and undeformable members exactly, without penalty stiffness.
 
 mod equations;
 mod links;

@@ -13,7 +13,8 @@ use crate::{Finger, Vector};
 use nalgebra::Rotation2;
 use std::f64::consts::PI;
 
-/// A pose counts as singular if the sine of the angle between rocker and link is below this limit. Singular poses are the ends of the nut's reach.
+/// A pose counts as singular if the sine of the angle between rocker and link is below this limit. In a singular pose, the nut is at an end of its
+/// reach.
 const SINGULAR_SINE: f64 = 1e-6;
 
 /// Dimensions of the linkage.
@@ -30,25 +31,26 @@ pub struct GripperDescription {
     pub link_mm: [f64; 2],
     /// Distance of the fixed joint from the screw's axis, mm; l4 of eq. (7).
     pub fixed_joint_mm: f64,
-    /// Assembly mode: which of the two possible closures the linkage has.
+    /// Assembly mode: which of the two possible positions the joint between rocker and link has.
     pub assembly: Assembly,
 }
 
-/// Assembly mode: which of its two possible closures the linkage has at motor angle 0. The linkage keeps this closure at all other angles.
+/// Assembly mode: which of its two possible positions the joint between rocker and link has at motor angle 0. At all other angles, the joint between
+/// rocker and link stays on the same side of the line from fixed joint to nut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Assembly {
-    /// The joint between rocker and link is at the possible position farther from the screw's axis.
+    /// Of its two possible positions, the joint between rocker and link has the position farther from the screw's axis.
     #[default]
     Outer,
-    /// The joint between rocker and link is at the possible position nearer to the screw's axis.
+    /// Of its two possible positions, the joint between rocker and link has the position nearer to the screw's axis.
     Inner,
 }
 
 /// Error for a linkage that cannot close at motor angle 0.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error(
-    "expected rocker and link that reach from nut to fixed joint, {apart_mm:.2} mm at motor angle 0, found a reach of \
-     {shortest_mm:.2} to {longest_mm:.2} mm"
+    "expected rocker and link that span the distance from nut to fixed joint ({apart_mm:.2} mm at motor angle 0), \
+        found a reach of {shortest_mm:.2} to {longest_mm:.2} mm"
 )]
 pub struct ImpossibleLinkage {
     /// Smallest distance that rocker and link can bridge, mm.
@@ -84,8 +86,8 @@ pub struct LinkagePose {
 }
 
 impl LinkagePose {
-    /// Whether rocker and link are collinear. A collinear pose is an end of the nut's reach, at which the derivative of the opening by the motor's
-    /// angle is infinite.
+    /// Whether rocker and link are collinear. In a collinear pose, the nut is at an end of its reach, and the derivative of the opening with respect
+    /// to the motor's angle is infinite.
     pub fn is_singular(&self) -> bool {
         (self.phi1_rad + self.phi2_rad).sin().abs() < SINGULAR_SINE
     }

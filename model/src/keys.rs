@@ -1,7 +1,7 @@
 //! The keys of scene files, one entry per key. The entry determines the key's reader, error messages, text in the reference, and range checks in [`Finger`].
 //!
-//! Each table of a scene is a static ([`FINGER`], [`CAMERA`], ...) whose fields are the keys. A new key needs an entry in `tables` and a line of code that
-//! reads it.
+//! Each table of a scene is a static variable ([`FINGER`], [`CAMERA`], ...) whose fields are the table's keys. A new key needs an entry in `tables`
+//! and a line of code that reads the key.
 //!
 //! [`Finger`]: crate::Finger
 
@@ -108,7 +108,7 @@ pub enum Occurs {
     Many,
 }
 
-/// A table of the scene. Its keys are the fields of the type that implements this trait.
+/// A table of the scene. The keys of the table are the fields of the type that implements this trait.
 pub trait SceneTable: Sync {
     /// Path of the table, for instance `finger.ribs`; empty for the top-level keys, which belong to no table.
     fn path(&self) -> &'static str;

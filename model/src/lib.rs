@@ -20,7 +20,8 @@
 //! The crate is pure: it reads no files, prints nothing, uses no clock, and draws no random numbers. Functions that need random numbers accept a
 //! generator.
 //!
-//! nalgebra provides vectors, small fixed-size matrices and small dense systems. sprs assembles the sparse stiffness of a mesh, and faer factors it.
+//! The crate `nalgebra` provides vectors, small fixed-size matrices and small dense systems. The crate `sprs` assembles the sparse stiffness of a
+//! mesh, and the crate `faer` factors this stiffness.
 //!
 //! ```
 //! use finray_model::{Kinematics, Load, Mesh, NodeId, Scene, statics};

@@ -19,14 +19,15 @@ pub struct Marker {
     pub weight: f64,
 }
 
-/// Uncertainty of the base to which displacements refer: the error of the base's pose, which all markers share, and the base's rotation under force.
+/// Uncertainty of the base to which displacements refer. This uncertainty consists of the error of the base's pose, which all markers share, and the
+/// base's rotation under force.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BaseUncertainty {
     /// Standard deviation of each coordinate of the base's origin, mm.
     pub sd_mm: f64,
     /// Standard deviation of the rotation of the base about its origin, rad.
     pub sd_rad: f64,
-    /// Expected rotation, positive from x to y, rad per newton of the sum of all forces. Zero if the base is measured under load.
+    /// Expected rotation of the base, positive from x to y, in rad per newton of the sum of all forces. Zero if the base is measured under load.
     pub turn_rad_per_n: f64,
     /// Standard deviation of `turn_rad_per_n`, rad per newton.
     pub turn_sd_rad_per_n: f64,
@@ -56,7 +57,7 @@ pub struct Measurement {
 /// An error that all markers share: displacement of each key node's marker, mm, for one standard deviation of the error.
 pub type SharedError = Vec<Vector>;
 
-/// Reason for which a measurement does not fit the finger.
+/// Reason why a measurement does not fit the finger.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum MeasurementError {
     /// The finger has no such node.
@@ -106,7 +107,7 @@ pub struct MarkerErrors {
 }
 
 impl Default for MarkerErrors {
-    /// Errors as stated: a factor of 1 and no error of the model.
+    /// Errors as stated: a noise factor of 1 and a model error of 0.
     fn default() -> MarkerErrors {
         MarkerErrors { noise_factor: 1.0, model_mm: 0.0 }
     }
@@ -123,8 +124,8 @@ impl Measurement {
     /// Checks markers against a finger. Omits clamped nodes with zero displacement.
     ///
     /// # Errors
-    /// [`MeasurementError`] for the first marker with an unknown or repeated node, values that are not finite, or a weight of zero or less. A clamped
-    /// marker that moves, and different displacements at one point, are errors as well.
+    /// [`MeasurementError`] for the first marker with an unknown or repeated node, with values that are not finite, or with a weight of zero or less.
+    /// Two other errors are a displaced marker on a clamped node, and different displacements at one point.
     pub fn new(finger: &Finger, markers: impl IntoIterator<Item = Marker>) -> Result<Measurement, MeasurementError> {
         let mut measurement = Measurement::empty();
         for marker in markers {
@@ -184,8 +185,8 @@ impl Measurement {
         Measurement { markers: finger.marked_nodes().map(marker).collect(), ..Measurement::empty() }
     }
 
-    /// This measurement with another uncertainty of the base. `base` is `None` if the base is known exactly. The nonlinear estimator estimates the
-    /// error of the base with the forces; other estimators ignore this error.
+    /// Returns this measurement with the uncertainty of its base replaced by `base`. `base` is `None` if the base is known exactly. The nonlinear
+    /// estimator estimates the error of the base with the forces; other estimators ignore this error.
     pub fn with_base(mut self, base: impl Into<Option<BaseUncertainty>>) -> Measurement {
         self.base = base.into();
         self
@@ -196,8 +197,8 @@ impl Measurement {
         self.base
     }
 
-    /// This measurement with further independent errors, each shared by all markers. The nonlinear estimator estimates these errors with the forces;
-    /// other estimators ignore the errors.
+    /// Returns this measurement with its list of shared errors replaced: independent errors, each shared by all markers. The nonlinear estimator
+    /// estimates these errors with the forces; other estimators ignore the errors.
     pub fn with_shared_errors(mut self, errors: Vec<SharedError>) -> Measurement {
         self.shared_errors = errors;
         self
@@ -208,7 +209,7 @@ impl Measurement {
         &self.shared_errors
     }
 
-    /// This measurement with each marker changed by `change`.
+    /// Returns this measurement after calling `change` on each marker.
     pub(crate) fn with_markers(mut self, change: impl FnMut(&mut Marker)) -> Measurement {
         self.markers.iter_mut().for_each(change);
         self
@@ -232,7 +233,7 @@ impl Measurement {
         &self.markers
     }
 
-    /// Root mean square of a displacement coordinate, mm.
+    /// Root mean square of the displacement coordinates of all markers, mm.
     pub fn displacement_rms_mm(&self) -> f64 {
         let squares: f64 = self.markers.iter().map(|marker| marker.displacement.norm_squared()).sum();
         (squares / self.coordinate_count() as f64).sqrt()

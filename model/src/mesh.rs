@@ -1,8 +1,8 @@
 //! A finger divided into beam elements.
 //!
-//! Members are the segments of the plates between key nodes, and the ribs. The length of each member between its rigid arms is divided into equal
-//! elements. Key node `n` of the finger is node `n - 1` of the frame. The next frame nodes are the joints between ribs and brackets, and the last are
-//! the nodes inside members.
+//! Members are the ribs, and the segments of the plates between key nodes. The length of each member between its rigid arms is divided into equal
+//! elements. Key node `n` of the finger is node `n - 1` of the frame. The frame numbers the key nodes first, then the joints between ribs and
+//! brackets, then the nodes inside members.
 
 mod apportion;
 mod build;
@@ -80,8 +80,9 @@ impl Mesh {
         Mesh::build(finger, &vec![1; line_lengths(finger).len()])
     }
 
-    /// A mesh of `nodes` nodes. Members and base line share `nodes - key nodes + lines` elements in proportion to their lengths (largest remainder).
-    /// Each line has at least one element. The base line lies between two clamps, so its elements are counted but not built.
+    /// A mesh of `nodes` nodes. `nodes - key nodes + lines` elements are distributed over members and base line in proportion to length, by the
+    /// largest-remainder method. Each line has at least one element. The base line lies between two clamps, so its elements are counted but not
+    /// built.
     ///
     /// # Errors
     /// [`MeshSizeError`] for fewer nodes than the finger has key nodes, or for more than 200 000.
@@ -167,9 +168,9 @@ impl Mesh {
         undeformed + motion.displacements[self.marker_node(node)] - motion.displacements[self.frame_node(node)]
     }
 
-    /// Rotation of the front plate's normal at a load, rad: the mean over points of a plate segment of length `over_mm` (mm) with the load at its
-    /// middle. Points beyond an end of the plate are moved to that end. If the length is zero or the load is on the back plate, returns the rotation
-    /// at the load alone.
+    /// Rotation of the front plate's normal at a load, rad. The result is the mean over points of a plate segment of length `over_mm` with the load
+    /// at its middle. Points beyond an end of the plate are moved to that end. If the length is zero or the load is on the back plate, returns the
+    /// rotation at the load alone.
     ///
     /// # Errors
     /// [`LoadError`] as for [`frame_load`](Mesh::frame_load).

@@ -81,7 +81,7 @@ pub enum ObservationError {
     Base,
     /// Neither the markers nor the scene state a standard deviation.
     #[error(
-        "the noise is unknown: expected a standard deviation for each marker, or noise_mm in the table camera of the scene"
+        "the noise is unknown: expected a standard deviation for each marker, or noise_mm in [camera] of the scene"
     )]
     NoNoise,
 }

@@ -153,23 +153,25 @@ impl std::fmt::Display for SensorWarning {
             SensorWarning::Model { warning, is_linear } => (warning, is_linear),
             SensorWarning::NoResidual => {
                 return f.write_str(
-                    "sigma_n is infinite: no noise is stated, and as many unknowns as measured coordinates leave no residual to estimate the noise; \
-                     state the noise (--noise-mm)",
+                    "sigma_n is infinite: no noise is stated, and there are as many unknowns as measured \
+                        coordinates, so no residual remains from which the noise could be estimated; state the noise \
+                        (--noise-mm)",
                 );
             }
             SensorWarning::LargeResidual { residual_rms_mm, moved_rms_mm } => {
                 return write!(
                     f,
-                    "the residual is {residual_rms_mm:.3} mm rms, the displacement {moved_rms_mm:.3} mm rms, and no noise is stated: unless the \
-                     noise is as large as the residual, sigma_n is too small; check the contacts and the finger, or state the noise (--noise-mm)"
+                    "no noise is stated, and the residual is {residual_rms_mm:.3} mm rms (displacement: \
+                        {moved_rms_mm:.3} mm rms), so sigma_n is too small unless the noise is as large as the \
+                        residual; check the contacts and the finger, or state the noise (--noise-mm)"
                 );
             }
         };
         let advice = match warning {
             Warning::UnknownLinearisation => "sigma_n does not include this error",
             Warning::Residual(_) if *is_linear => {
-                "sigma_n follows from the residual and includes the error of linearisation; --estimator nonlinear avoids this error and warns only \
-                 of other causes, such as wrong contacts"
+                "sigma_n follows from the residual and includes the error of linearisation; --estimator nonlinear \
+                    avoids the error of linearisation, so its warnings have other causes, such as wrong contacts"
             }
             _ if *is_linear => "sigma_n includes the error of linearisation, which --estimator nonlinear avoids",
             Warning::Residual(_) => {

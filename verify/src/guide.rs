@@ -39,6 +39,6 @@ guides! {
     networks, "networks": "Train a sensing network, or use a shipped one";
     reading_the_report, "reading-the-report": "Make the report and read it";
     accuracy, "accuracy": "How accurate forces are: photographs, images, simulation";
-    architecture, "architecture": "How the program is divided, and where to add to it";
+    architecture, "architecture": "How the program is divided into parts, and where to add code";
     files, "files": "Columns of every file that a command reads or writes";
 }

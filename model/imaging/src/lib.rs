@@ -18,16 +18,17 @@ pub type RgbView<'a> = ImageBuffer<Rgb<u8>, &'a [u8]>;
 
 /// An image whose pixels are read in parts of rows: red, green and blue of each pixel, 8 bits each.
 ///
-/// A locator that tracks markers reads only the pixels about them. An image in another form, such as a frame of a video, therefore converts only the pixels
+/// A locator that tracks markers reads only the pixels about them. An image in another form, such as a frame of a video, converts only the pixels
 /// that are read.
 pub trait RgbRows {
     /// Width and height, px.
     fn size_px(&self) -> [u32; 2];
 
-    /// Pixels of a row in some columns, from left to right. `buffer` provides the memory for pixels that must be converted; its old content is lost.
+    /// Pixels of a row in the given columns, from left to right. `buffer` provides the memory for pixels that must be converted; its old content is
+    /// lost.
     ///
     /// # Panics
-    /// If row or columns are outside the image.
+    /// Panics if row or columns are outside the image.
     fn row<'p>(&'p self, row: usize, columns: Range<usize>, buffer: &'p mut Vec<u8>) -> &'p [u8];
 }
 

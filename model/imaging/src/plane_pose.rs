@@ -17,8 +17,9 @@ pub struct PoseFit {
     pub pose: Pose,
     /// Residual standard deviation of one pixel coordinate, px, with 2 n - 6 degrees of freedom for n points.
     pub residual_sd_px: f64,
-    /// 6 x 6 covariance of the pose for pixel coordinates with a standard deviation of 1 px. The pose is varied by a small motion of the camera frame: rotation
-    /// vector in rad, then translation in mm. For other pixel errors, the covariance is this matrix times the variance of a pixel coordinate in px^2.
+    /// 6 x 6 covariance of the pose for pixel coordinates with a standard deviation of 1 px. The six unknowns of the pose are a small motion of the
+    /// camera frame: rotation vector in rad, then translation in mm. For other pixel errors, the covariance is this matrix times the variance of a
+    /// pixel coordinate in px^2.
     pub unit_covariance: Matrix6<f64>,
 }
 
@@ -43,11 +44,11 @@ pub enum PlanePoseError {
 }
 
 /// Fits a pose to the pixels of points on the plane z = `height_mm` of the finger frame. `points` contains the position (mm) and the pixel of each
-/// point. The homography of the undistorted pixels is the starting point of the least-squares fit. A distant plane fits nearly as well with the
-/// opposite tilt, so both tilts are tried.
+/// point. The homography from the points to their undistorted pixels gives the starting point of the least-squares fit. The pixels of a distant plane
+/// fit nearly as well with the opposite tilt, so the fit is started from both tilts.
 ///
 /// # Errors
-/// [`PlanePoseError`] for fewer than four points, collinear points, a pixel beyond the fold, or no pose that fits.
+/// [`PlanePoseError`] for fewer than four points, collinear points, a pixel where the lens distortion folds the image, or no pose that fits.
 ///
 /// # Reference
 /// Z. Zhang, A flexible new technique for camera calibration, IEEE Trans. PAMI 22 (2000), sec. 3.1 and app. A. The second tilt follows
@@ -115,8 +116,8 @@ impl LeastSquaresProblem for PoseProblem<'_> {
     }
 }
 
-/// 2 x 6 derivatives of the pixel of a point by a small motion of the camera frame, px/rad and px/mm. A small rotation vector w changes R X by d(R X) = w x R X
-/// = -[R X]x w.
+/// 2 x 6 derivatives of the pixel of a point by a small motion of the camera frame, px/rad and px/mm. A small rotation vector w changes R X by d(R X)
+/// = w x R X = -[R X]x w, where [v]x is the matrix of the cross product with v.
 pub(super) fn by_motion(lens: &Lens, pose: &Pose, point: &Vector3<f64>) -> Result<Matrix2x6<f64>, ViewError> {
     let (_, by_camera) = lens.project_with_derivatives(&pose.to_camera(point))?;
     let turned = pose.rotation * point;
@@ -169,8 +170,8 @@ pub(super) fn homography(positions: &[Vector2<f64>], seen: &[Vector2<f64>]) -> O
     Some(to.try_inverse()? * normalised * from)
 }
 
-/// Pose from the homography H ~ [r1 r2 R (0, 0, height) + t] of the plane z = `height_mm`; the sign is chosen so that the points' mean lies in front of the
-/// camera.
+/// Pose from the homography H ~ [r1 r2 R (0, 0, height) + t] of the plane z = `height_mm`. The sign of H is chosen so that the points' mean lies in
+/// front of the camera.
 fn of_homography(homography: &Matrix3<f64>, mean: &Vector2<f64>, height_mm: f64) -> Option<Pose> {
     let scale = 2.0 / (homography.column(0).norm() + homography.column(1).norm());
     let depth = (homography * mean.push(1.0)).z;

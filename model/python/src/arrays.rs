@@ -1,4 +1,4 @@
-//! NumPy arrays and other arguments of Python, checked and converted.
+//! Checks and converts arguments from Python, and creates NumPy arrays.
 
 use crate::error::failed;
 use finray_imaging::RgbView;
@@ -40,7 +40,7 @@ fn found(value: &Bound<'_, PyAny>) -> String {
     }
 }
 
-/// Nodes from a sequence of integers or an array.
+/// Nodes from a sequence or an array of integers.
 pub fn nodes_of(value: &Bound<'_, PyAny>) -> PyResult<Vec<NodeId>> {
     let nodes: Vec<usize> = value.extract().map_err(|_| {
         failed(format!("nodes: expected the numbers of nodes, integers of shape (n,), found {}", found(value)))
@@ -58,7 +58,7 @@ pub fn vectors_of(name: &str, value: &Bound<'_, PyAny>, count: usize) -> PyResul
     Ok(array.as_array().rows().into_iter().map(|row| Vector::new(row[0], row[1])).collect())
 }
 
-/// Numbers from one number, which stands for all, or from an array of shape (`count`,). `name` is the name of the argument.
+/// Numbers from an array of shape (`count`,), or one number repeated `count` times. `name` is the name of the argument.
 pub fn numbers_of(name: &str, value: &Bound<'_, PyAny>, count: usize) -> PyResult<Vec<f64>> {
     if let Ok(number) = value.extract::<f64>() {
         return Ok(vec![number; count]);
@@ -72,7 +72,7 @@ pub fn numbers_of(name: &str, value: &Bound<'_, PyAny>, count: usize) -> PyResul
     Ok(array.as_array().to_vec())
 }
 
-/// A number, zero or more, with the message of the command line.
+/// Checks that a number is zero or more. The error message is that of the command line.
 pub fn not_negative(name: &str, number: Option<f64>) -> PyResult<Option<f64>> {
     match number.map(|number| text::not_negative(&number.to_string())) {
         Some(Err(reason)) => Err(failed(format!("{name}: {reason}"))),
@@ -82,9 +82,9 @@ pub fn not_negative(name: &str, number: Option<f64>) -> PyResult<Option<f64>> {
 
 /// The pixels of an image argument.
 pub enum ImageArgument<'py> {
-    /// Red, green and blue, borrowed from the array.
+    /// Pixels (red, green, blue) of a colour image, borrowed from the array.
     Colour(PyReadonlyArray3<'py, u8>),
-    /// Red, green and blue made from the levels of a grey image, with its height and width.
+    /// Pixels (red, green, blue) made from the levels of a grey image, and the image's height and width.
     Grey(Vec<u8>, [usize; 2]),
 }
 
@@ -104,7 +104,7 @@ impl<'py> ImageArgument<'py> {
         };
         if let Ok(colour) = value.extract::<PyReadonlyArray3<'py, u8>>() {
             return match colour.shape()[2] {
-                // `as_slice` also accepts the order of Fortran.
+                // `as_slice` would also accept an array in Fortran (column-major) order.
                 3 if colour.is_c_contiguous() => Ok(ImageArgument::Colour(colour)),
                 3 => Err(scattered()),
                 _ => Err(expected()),

@@ -14,7 +14,8 @@ create_exception!(
     finray,
     Refused,
     FinrayError,
-    "The input has the right form, but yields no estimate: no finger in an image, or forces that are not identifiable."
+    "The input has the right form, but yields no estimate, because an image shows no finger or because the forces \
+        are not identifiable."
 );
 
 /// The exception for wrong input or a result that cannot be computed.
@@ -22,7 +23,7 @@ pub fn failed(reason: impl Display) -> PyErr {
     FinrayError::new_err(reason.to_string())
 }
 
-/// The exception for valid input without an estimate.
+/// The exception for valid input that yields no estimate.
 pub fn refused(reason: impl Display) -> PyErr {
     Refused::new_err(reason.to_string())
 }

@@ -1,7 +1,7 @@
-//! The Python package `finray`, thin over the crates: scenes, solver, marker locator and sensors, with NumPy arrays in and out.
+//! The Python package `finray`, a thin layer over the crates: scenes, solver, marker locator and sensors, with NumPy arrays in and out.
 //!
-//! `python/finray/__init__.pyi` states the types of everything that Python sees. Errors have the messages of the command `finray`. The interpreter is
-//! released while a function computes. An image is read in the memory of its array, without a copy.
+//! `python/finray/__init__.pyi` states the types of everything that Python sees. Error messages are those of the command `finray`. Other Python
+//! threads can run while a function computes. A colour image is read directly from its array, without a copy, when its markers are located.
 #![forbid(unsafe_code)]
 
 mod arrays;

@@ -52,9 +52,8 @@ impl Locator {
 
     /// Locate the markers in the next image.
     ///
-    /// Args:
-    ///     image: C-contiguous uint8 array of shape (height, width, 3), in the order red, green, blue. It is read in place and must not change
-    ///         meanwhile. A grey image of shape (height, width) is converted to colour first.
+    /// Args: image: C-contiguous uint8 array of shape (height, width, 3), in the order red, green, blue. The array is read in place and must not
+    /// change during the call. A grey image of shape (height, width) is converted to colour first.
     ///
     /// Raises Refused if the image does not show the finger, and FinrayError for an array of another type or size.
     fn locate(&self, py: Python<'_>, image: &Bound<'_, PyAny>) -> PyResult<Observation> {
@@ -75,7 +74,7 @@ impl Locator {
         }
     }
 
-    /// Residual standard deviation of one pixel coordinate in the fit of the pose to `rest`, px; None without such a fit.
+    /// Residual standard deviation of one pixel coordinate in the fit of the pose to `rest`, px; None if the pose was not fitted.
     #[getter]
     fn rest_residual_px(&self) -> Option<f64> {
         self.rest_residual_px

@@ -25,7 +25,7 @@ impl Observation {
         Observation { warnings, ..self }
     }
 
-    /// Vectors of all markers; `None` unless every marker has one.
+    /// Vectors of all markers; `None` unless every marker has a vector.
     fn vectors<'py>(
         &self,
         py: Python<'py>,
@@ -47,11 +47,9 @@ impl Observation {
 
 #[pymethods]
 impl Observation {
-    /// Args:
-    ///     nodes: nodes of the markers; shape (n,).
-    ///     displacements: displacements from the unloaded positions, mm, finger frame; shape (n, 2).
-    ///     positions: positions, mm, finger frame; shape (n, 2). Displacements take precedence.
-    ///     sigma_mm: standard deviation of one coordinate, mm; one number, shape (n,), or None if unknown.
+    /// Args: nodes: nodes of the markers; shape (n,). displacements: displacements from the unloaded positions, mm, finger frame; shape (n, 2).
+    /// positions: positions, mm, finger frame; shape (n, 2). Displacements take precedence over positions. sigma_mm: standard deviation of one
+    /// coordinate, mm; one number for all markers, or shape (n,); None if unknown.
     #[new]
     #[pyo3(signature = (nodes, displacements=None, *, positions=None, sigma_mm=None))]
     fn python_new(
@@ -105,7 +103,7 @@ impl Observation {
         self.vectors(py, |marker| marker.displacement)
     }
 
-    /// Standard deviations of one coordinate, mm, with all errors; shape (n,). None if unknown.
+    /// Standard deviations of one coordinate, mm, including all errors; shape (n,). None if unknown.
     #[getter]
     fn sigma_mm<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
         self.numbers(py, |marker| marker.sd_mm)

@@ -10,7 +10,7 @@ use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use std::path::Path;
 
-/// True and sensed forces of a simulated press. Arrays have one entry for each contact of a step, and one for the total of the step.
+/// True and sensed forces of a simulated press. For each step, every array has one entry per contact and one entry for the total.
 #[pyclass(frozen, module = "finray")]
 pub struct Press {
     rows: Vec<ForceRow>,
@@ -75,7 +75,7 @@ impl Press {
         self.column(py, |row| row.sensed_n)
     }
 
-    /// Stated standard deviation of the sensed force, N; NaN without one.
+    /// Stated standard deviation of the sensed force, N; NaN if none is stated.
     #[getter]
     fn sigma_n<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.column(py, |row| row.sigma_n)

@@ -103,7 +103,7 @@ pub fn lines(finger: &Finger, is_drawn: impl Fn(Part) -> bool, at: impl Fn(Finge
     drawn.map(|(_, points)| points.into_iter().map(&at).collect()).collect()
 }
 
-/// Lines of the undeformed finger, in the background of another drawing.
+/// Lines of the undeformed finger, for the background of another drawing.
 pub fn at_rest(finger: &Finger) -> Vec<Series> {
     Series::lines("at rest", lines(finger, |_| true, |at| point(finger, at)), Hue::FAINT, 3.0)
 }

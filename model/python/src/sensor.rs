@@ -40,7 +40,7 @@ impl SensorBasis {
             (None, _) => Networks::of(Vec::new()),
             (Some(path), EstimatorId::Network) => Networks::of(vec![load_network(&path).map_err(failed)?.0]),
             (Some(_), _) => {
-                return Err(failed("network: expected the estimator \"network\" too, found another estimator"));
+                return Err(failed("network: expected only with the estimator \"network\", found another estimator"));
             }
         };
         Ok(SensorBasis {
@@ -60,7 +60,7 @@ impl SensorBasis {
 /// One contact or several, in the notation of the command line.
 #[derive(FromPyObject)]
 pub enum Contacts {
-    /// Position of a contact, mm, or its node.
+    /// Position of a contact, mm, or number of its node.
     Number(f64),
     /// One contact.
     One(String),
@@ -71,7 +71,7 @@ pub enum Contacts {
 /// A contact as a number or in the notation of the command line.
 #[derive(FromPyObject)]
 pub enum ContactText {
-    /// Position of a contact, mm, or its node.
+    /// Position of a contact, mm, or number of its node.
     Number(f64),
     /// Position or node, and direction.
     Text(String),
@@ -121,16 +121,13 @@ pub struct Sensor(OwnedSensor);
 
 #[pymethods]
 impl Sensor {
-    /// Args:
-    ///     scene: the finger.
-    ///     contact_at: contacts at positions along the front plate, in the notation of `finray sense --contact-at`: "80@-20" is 80 mm from the base,
-    ///         -20 degrees from the normal; "auto@auto": both unknown; "80" and "auto": along the normal of the undeformed plate.
-    ///     contact: contacts at nodes, in the notation of `--contact`: "19@normal".
-    ///     noise_mm: standard deviation of one coordinate, mm; None: the scene's, else the observation's, else from the residual.
-    ///     estimator: name of the estimator, as in `finray sense --help`.
-    ///     network: file of a network of `finray train`; None: the shipped networks.
-    ///     mesh_nodes: number of mesh nodes of the nonlinear estimator; None: refined until converged.
-    ///     friction: friction coefficient that limits the directions of contacts with standard deviations ("80+-1@0+-5").
+    /// Args: scene: the finger. contact_at: contacts at positions along the front plate, in the notation of `finray sense --contact-at`: "80@-20" is
+    /// 80 mm from the base, -20 degrees from the normal; "auto@auto": position and direction unknown; "80" and "auto" without a direction: along the
+    /// normal of the undeformed plate. contact: contacts at nodes, in the notation of `--contact`: "19@normal". noise_mm: standard deviation of one
+    /// coordinate, mm; None: from the scene, else from the observation, else from the residual. estimator: name of the estimator, as in `finray sense
+    /// --help`. network: file of a network of `finray train`; None: the shipped networks. mesh_nodes: number of mesh nodes of the nonlinear
+    /// estimator; None: the mesh is refined until the result converges. friction: friction coefficient that limits the directions of contacts with
+    /// standard deviations ("80+-1@0+-5").
     ///
     /// Raises FinrayError if the contacts are wrong, or the estimator does not support them.
     #[new]
@@ -195,7 +192,7 @@ impl Forces {
         self.sensed.contacts.iter().map(name).collect()
     }
 
-    /// Position of each contact along the front plate, mm from the base; shape (k,). NaN if the plate has no such position.
+    /// Position of each contact along the front plate, mm from the base; shape (k,). NaN for a node that is not on the front plate.
     #[getter]
     fn s_mm<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let finger = &self.scene.finger;

@@ -15,7 +15,7 @@ use serde::de::IntoDeserializer;
 use serde::de::value::Error;
 use std::sync::Arc;
 
-/// Displacements of the key nodes of a finger; rows are in the order of the nodes.
+/// Displacements of the key nodes of a finger. Each array has one row per node, in the order of the nodes.
 #[pyclass(frozen, module = "finray")]
 pub struct Shape {
     scene: Arc<finray_model::Scene>,
@@ -88,7 +88,7 @@ impl Shape {
 
     fn __repr__(&self) -> String {
         let (nodes, largest_mm) = (self.shape.motions().len(), self.shape.largest_displacement_mm());
-        format!("<finray.Shape of {nodes} nodes, displaced by up to {largest_mm:.3} mm>")
+        format!("<finray.Shape of {nodes} nodes, largest displacement {largest_mm:.3} mm>")
     }
 }
 
@@ -111,7 +111,7 @@ impl From<NodeLoad> for Load {
     }
 }
 
-/// The loads in an argument; `expected` says which tuples it has.
+/// The loads in an argument. `expected` is the error message for other values, and names the expected tuples.
 fn list<'py, T: FromPyObjectOwned<'py>>(value: Option<Bound<'py, PyAny>>, expected: &str) -> PyResult<Vec<T>> {
     let Some(value) = value else { return Ok(Vec::new()) };
     let items = value.try_iter().map_err(|_| failed(expected))?;
@@ -126,7 +126,7 @@ fn list<'py, T: FromPyObjectOwned<'py>>(value: Option<Bound<'py, PyAny>>, expect
 ///     kinematics: "corotational", "corotational-chord" or "linear".
 ///     mesh_nodes: number of mesh nodes; None for the key nodes.
 ///
-/// Raises FinrayError for wrong loads, or without an equilibrium.
+/// Raises FinrayError if the loads are wrong or no equilibrium exists.
 #[pyfunction]
 #[pyo3(signature = (scene, load_at=None, *, load=None, kinematics="corotational", mesh_nodes=None))]
 pub fn solve<'py>(

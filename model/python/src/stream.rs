@@ -1,4 +1,4 @@
-//! Forces in the frames of a stream, as `finray live` prints them.
+//! Contact forces for each frame of a stream, as `finray live` prints them.
 
 use crate::arrays::ImageArgument;
 use crate::error::failed;
@@ -35,7 +35,7 @@ self_cell!(
 #[pyclass(frozen, module = "finray")]
 pub struct StreamSensor(Mutex<OwnedEvaluation>);
 
-/// Image or marker positions of a frame, or the reason why it has neither.
+/// Image or marker positions of a frame, or the reason why the frame has neither.
 enum Content<'a> {
     Image(finray_imaging::RgbView<'a>),
     Markers(&'a Observation),
@@ -81,8 +81,8 @@ impl StreamSensor {
     ///     time_s: time of the frame, s; None if unknown.
     ///     dropped: number of frames dropped since the previous line.
     ///
-    /// Raises FinrayError for an array that is not an image, and for an image if the scene has no camera or markers. Other reasons without forces are
-    /// in the line.
+    /// Raises FinrayError for an array that is not an image, and for an image if the scene has no camera or markers. If forces are missing for a
+    /// reason that raises no error, the line states the reason.
     #[pyo3(signature = (frame, *, time_s=None, dropped=0))]
     fn line(&self, py: Python<'_>, frame: &Bound<'_, PyAny>, time_s: Option<f64>, dropped: usize) -> PyResult<String> {
         let arrived = Instant::now();

@@ -94,7 +94,7 @@ def test_forces_that_are_not_identifiable_are_refused_as_by_the_program(paper, b
         ({"contact_at": 80, "noise_mm": -1}, "noise_mm: expected zero or more, found -1"),
         ({"contact_at": 80, "noise_mm": float("nan")}, "noise_mm: expected a finite number"),
         ({"contact_at": 80, "estimator": "exact"}, "estimator: expected one of"),
-        ({"contact_at": 80, "network": "none"}, "network: expected the estimator"),
+        ({"contact_at": 80, "network": "none"}, "network: expected only with the estimator"),
         ({"contact_at": 80, "network": "none", "estimator": "network"}, "none: cannot be read"),
     ],
 )

@@ -39,9 +39,9 @@ impl fmt::Display for Unknown {
 pub struct FactorModel {
     /// Linear or co-rotational kinematics.
     pub kinematics: Kinematics,
-    /// Beam elements per member. For the linear finger, one element is exact.
+    /// Beam elements per member. For the linear finger, one element per member is exact.
     pub elements: usize,
-    /// Standard deviation of one measured coordinate, mm. If it is `None`, the noise is estimated from the residual.
+    /// Standard deviation of one measured coordinate, mm. If `noise_mm` is `None`, the noise is estimated from the residual.
     pub noise_mm: Option<f64>,
 }
 
@@ -81,16 +81,18 @@ impl FactorEstimate {
     }
 }
 
-/// A pair of unknowns is reported if its absolute correlation is at least this value. If one factor of the pair were known, the standard deviation of
-/// the other factor would fall to a third.
+/// A pair of unknowns is reported if its absolute correlation is at least this value. At this correlation, knowledge of one factor of a pair would
+/// reduce the standard deviation of the other factor to a third.
 const ENTANGLED: f64 = 0.95;
 /// Factors are refused if the largest singular value of the scaled Jacobian is at least this many times the smallest. Sensitivities have nine correct
-/// digits, so the smallest singular value is then a rounding error. For independent zones of the paper's finger, the ratio is below 1e4.
+/// digits, so a singular value that is 1e7 times smaller than the largest is a rounding error. For independent zones of the paper's finger, the ratio
+/// of the largest to the smallest singular value is below 1e4.
 const LARGEST_SPAN: f64 = 1e7;
 /// A factor is not identifiable if the standard deviation of its logarithm is at least this value. A value of 1 means that the factor is uncertain by
 /// a factor of e in either direction.
 const LARGEST_RELATIVE_SIGMA: f64 = 1.0;
-/// An error message names an unknown if the unknown's change in an inseparable combination exceeds this share of the largest change.
+/// An error message names an unknown of an inseparable combination if the unknown's change exceeds this share of the largest change in the
+/// combination.
 const NAMED_SHARE: f64 = 0.2;
 /// The search ends when a step changes no factor by more than this share. Convergence is quadratic: the next step would change a factor by the square of this
 /// share.
@@ -103,10 +105,11 @@ const SMALLEST_STEP: f64 = 1e-10;
 /// the whole finger.
 ///
 /// # Reference
-/// Eq. (11) of Xu et al. (2021) for several unknowns, with squares in place of distances, by [`LevenbergMarquardt`]. In equilibrium, r(u, p) = 0, so
-/// du/dp = -K^-1 dr/dp with the tangent stiffness K. The forces of a member are proportional to its modulus. dr/dp is the sum of these forces, each
-/// weighted by the zone's share of the member's compliance ([`Mesh::zone_shares`](crate::Mesh::zone_shares)). The covariance of the logarithms is s^2
-/// (J^T W^2 J)^-1.
+/// Eq. (11) of Xu et al. (2021), extended to several unknowns, with squared distances in place of distances, minimised by [`LevenbergMarquardt`]. In
+/// equilibrium, the residual forces r(u, p) are zero for displacements u and logarithms p of the factors. Hence du/dp = -K^-1 dr/dp with the tangent
+/// stiffness K. The forces of a member are proportional to its modulus, so dr/dp is the sum of the member forces, each weighted by the zone's share
+/// of the member's compliance ([`Mesh::zone_shares`](crate::Mesh::zone_shares)). The covariance of the logarithms is s^2 (J^T W^2 J)^-1, with the
+/// noise s, the Jacobian J and the marker weights W.
 ///
 /// # Errors
 /// [`CalibrationError`] if the statics fail, the search does not converge, or the factors are not identifiable.

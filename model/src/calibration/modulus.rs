@@ -9,18 +9,19 @@ use crate::sensing::{ResidualTest, noise_of};
 use crate::statics::StaticsError;
 
 /// A marker is down-weighted if its distance from the computed position exceeds this many standard deviations of a coordinate (Huber). Normal noise
-/// exceeds this limit for one marker in ninety. Down-weighting then raises the standard deviation of the factor by less than 1 %.
+/// exceeds this limit for one marker in ninety. With normal noise, down-weighting raises the standard deviation of the modulus factor by less than 1
+/// %.
 const FORGIVEN: f64 = 3.0;
 /// A marker is reported as an outlier if its distance from the computed position exceeds both `OUTLYING` standard deviations and `OUTLYING_SHARE` of
 /// the root mean square displacement. Normal noise exceeds five standard deviations for one marker in 270 000.
 const OUTLYING: f64 = 5.0;
 const OUTLYING_SHARE: f64 = 0.1;
-/// Median distance of normal noise in a plane, in standard deviations of a coordinate: sqrt(2 ln 2).
+/// Median length of normal noise vectors in a plane, in standard deviations of one coordinate: sqrt(2 ln 2).
 const MEDIAN_DISTANCE: f64 = 1.177_410_022_515_474_7;
 /// Reweighting ends when the factor changes by less than this share of its standard deviation, usually after two or three rounds.
 const SETTLED: f64 = 1e-2;
 const MOST_ROUNDS: usize = 20;
-/// If the finger with the linear finger's factor has no equilibrium under the loads, the modulus is doubled at most this number of times.
+/// With the linear finger's factor, the finger may have no equilibrium under the loads. The modulus is then doubled, at most this number of times.
 const MOST_DOUBLINGS: i32 = 6;
 
 /// Modulus of the finger as a factor on the scene's modulus.
@@ -50,7 +51,7 @@ pub struct OutlyingMarker {
 }
 
 /// Young's modulus of the co-rotational finger. Finds the factor on all moduli that minimises the sum of squared distances between measured and
-/// computed nodes. Distant markers are down-weighted.
+/// computed positions of the nodes. Distant markers are down-weighted.
 ///
 /// `elements` is the number of beam elements per member. `noise_mm` is the standard deviation of one measured coordinate, mm. If the noise is unknown
 /// or contradicts the residual, it is estimated from the residual.
@@ -104,8 +105,9 @@ pub fn corotational_modulus(
     })
 }
 
-/// Least-squares factor on all moduli, and the cases with the last weights of their markers. Markers are weighted by their distances until the factor settles.
-/// The first weights follow from the distances for the unchanged finger.
+/// Least-squares factor on all moduli, and the cases with the last weights of their markers. Markers far from their computed positions are
+/// down-weighted. The weights are updated until the factor settles. The first weights follow from the distances between measured and computed
+/// positions for the unchanged finger.
 fn forgiving(
     finger: &Finger,
     cases: &[CalibrationCase],

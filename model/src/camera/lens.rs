@@ -6,7 +6,8 @@ use nalgebra::{Matrix2, Matrix2x3, Vector2, Vector3};
 
 /// Tangent of the largest considered angle from the optical axis, 79 degrees.
 const WIDEST: f64 = 5.0;
-/// Number of radii at which a fold is searched for. These radii suffice, because the slope is a cubic in r^2 with at most three roots.
+/// Number of radii at which a fold is searched for. This number suffices, because the slope of the distorted radius is a cubic in r^2 with at most
+/// three roots.
 const FOLD_STEPS: usize = 2000;
 /// Newton's method ends when a step is at most this share of 1 + radius. At a focal length of 1e5 px, this share corresponds to 1e-11 px.
 const SETTLED: f64 = 1e-16;
@@ -15,9 +16,9 @@ const MOST_STEPS: usize = 50;
 /// Number of points along each side of the image at which the distortion must be invertible.
 const SIDE_POINTS: usize = 32;
 
-/// Distortion coefficients in OpenCV's convention. With r^2 = x^2 + y^2 and f = 1 + k1 r^2 + k2 r^4 + k3 r^6:
+/// Distortion coefficients in OpenCV's convention. Here r^2 = x^2 + y^2 and f = 1 + k1 r^2 + k2 r^4 + k3 r^6.
 ///
-/// x' = x f + 2 p1 x y + p2 (r^2 + 2 x^2), y' = y f + p1 (r^2 + 2 y^2) + 2 p2 x y.
+/// The distorted coordinates are x' = x f + 2 p1 x y + p2 (r^2 + 2 x^2) and y' = y f + p1 (r^2 + 2 y^2) + 2 p2 x y.
 ///
 /// Source: D. C. Brown, Decentering distortion of lenses, Photogrammetric Engineering 32 (1966); OpenCV, calib3d.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -136,7 +137,10 @@ impl Lens {
             None => Ok(lens),
             Some(pixel) => {
                 let at = format!("pixel ({:.0}, {:.0})", pixel.x, pixel.y);
-                let expected = format!("coefficients that do not fold the image; these fold it before {at}");
+                let expected = format!(
+                    "coefficients that do not fold the image; these coefficients fold the image between its middle and \
+                    {at}"
+                );
                 Err(ImpossibleLens { key: CAMERA.distortion.name, expected })
             }
         }
@@ -229,7 +233,7 @@ impl Lens {
     }
 
     /// Undistorted coordinates of a pixel, dimensionless. Newton's method first inverts the radial part, between bounds within which the solution is
-    /// unique. It then inverts radial and tangential part together.
+    /// unique. Newton's method then inverts the radial and the tangential part together.
     pub fn undistorted(&self, pixel: &Pixel) -> Result<Vector2<f64>, ViewError> {
         let bent = (pixel - self.principal_point_px).component_div(&self.focal_px);
         let radius = bent.norm();

@@ -51,7 +51,7 @@ impl<R: Number> Chord<R> {
         let forward = relative.x * direction.x + relative.y * direction.y;
         let sideways = relative.x * across.x + relative.y * across.y;
         let projected = forward + beam.length_mm;
-        // Fingers are of ordinary size, so the squares neither overflow nor underflow, and `hypot` is not needed.
+        // The lengths of a finger are neither huge nor tiny, so their squares neither overflow nor underflow, and `hypot` is not needed.
         let length_mm = (projected * projected + sideways * sideways).sqrt();
         let elongation_mm =
             (forward * (forward + beam.length_mm * 2.0) + sideways * sideways) / (length_mm + beam.length_mm);

@@ -25,14 +25,15 @@ struct ChordLoad {
 }
 
 impl Beam {
-    /// Stations from the first end to the second: two for each segment between ends and loads. Within a segment, axial strain is constant and curvature is
-    /// linear, so the stations include the largest values.
+    /// Stations from the first end to the second: two for each segment into which the loads divide the beam. Within a segment, axial strain is
+    /// constant and curvature is linear, so the stations include the largest values.
     ///
-    /// The motion of the ends gives the deflection w of the cubic beam, w'' = ((6 xi - 4) psi_a + (6 xi - 2) psi_b) / L, with the end slopes psi of the
-    /// axis. A force between the ends adds the solution of a beam clamped at both ends. Let q = 1 - p. A force P across the chord at xi = p adds bending
-    /// moments EI w'': P L p q^2 at the first end, -2 P L p^2 q^2 at the force and P L p^2 q at the second end. With the sway factor r, shear
-    /// deformation adds the moment -P L p q (q - p) (1 - r) (1 - 2 xi) / 2. A force F along the chord at xi = p adds the axial force F q before this
-    /// position and -F p after it. For small displacements the sum is exact.
+    /// The motion of the ends gives the deflection w of the cubic beam, w'' = ((6 xi - 4) psi_a + (6 xi - 2) psi_b) / L, with the end slopes psi of
+    /// the axis. A force between the ends adds the solution of a beam clamped at both ends. Let q = 1 - p. A force P across the chord at xi = p = 1 -
+    /// q adds bending moments EI w'': P L p q^2 at the first end, -2 P L p^2 q^2 at the force and P L p^2 q at the second end. With the sway factor
+    /// r, shear deformation under a force P at xi = p = 1 - q adds the moment -P L p q (q - p) (1 - r) (1 - 2 xi) / 2. A force F along the chord at
+    /// xi = p = 1 - q adds the axial force F q before this position and -F p after it. For small displacements, the sum of the parts due to the end
+    /// motions and the loads is exact.
     ///
     /// Source without shear: Young and Budynas, Roark's Formulas, table 8.1, case 1d.
     pub(crate) fn stations(

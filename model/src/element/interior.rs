@@ -29,11 +29,11 @@ impl Shape {
 }
 
 impl Beam {
-    /// Work of a dead force (N) at the fraction `xi` of the undeformed length, N mm. Its derivatives are the consistent nodal loads.
+    /// Work of a dead force (N) at the fraction `xi` of the undeformed length, N mm. The derivatives of the work are the consistent nodal loads.
     ///
-    /// The loaded point is p = (1 - xi) p_a + xi p_b + w n, with n the unit vector across the chord. The deflection w is cubic,
-    /// w = L (psi_a xi (1 - xi)^2 - psi_b xi^2 (1 - xi)), with the end slopes psi of the axis. With linear kinematics the derivatives are the classical
-    /// equivalent nodal loads of the beam, with or without shear deformation, so displacements at the ends are exact.
+    /// The loaded point is p = (1 - xi) p_a + xi p_b + w n, with n the unit vector across the chord. The deflection w is cubic, w = L (psi_a xi (1 -
+    /// xi)^2 - psi_b xi^2 (1 - xi)), with the end slopes psi of the axis. With linear kinematics, the derivatives of the work are the classical
+    /// equivalent nodal loads of the beam, with or without shear deformation. Displacements at the ends are therefore exact.
     pub fn interior_work(&self, kinematics: Kinematics, xi: f64, force: Vector, motion: &[EndMotion; 2]) -> Response {
         self.work_on(kinematics, Shape::at(xi, self), force, motion)
     }
@@ -46,7 +46,7 @@ impl Beam {
         force: Vector,
         motion: &[EndMotion; 2],
     ) -> ElementVector {
-        // Work and its derivatives are linear in the shape.
+        // The work and its derivatives are linear in the `Shape`.
         self.work_on(kinematics, Shape::slope_at(xi, self), force, motion).gradient / self.length_mm
     }
 

@@ -1,7 +1,7 @@
 //! One plane beam element: its elastic energy, nodal forces and tangent stiffness.
 //!
-//! An element does not depend on the structure around it. It maps the motion of its two ends to a [`Response`]. [`crate::frame`] connects the ends to nodes
-//! through arms, pins and rigid links.
+//! An element does not depend on the structure around it. An element maps the motion of its two ends to a [`Response`]. [`crate::frame`] connects the
+//! ends to nodes through arms, pins and rigid links.
 
 mod chord;
 mod diagram;
@@ -76,7 +76,8 @@ impl<R: Number> Beam<R> {
     ///
     /// All kinematics share one formulation. The end motions determine three natural deformations: the elongation e of the chord, and the rotations
     /// phi_a and phi_b of the two ends relative to the chord (Argyris' natural modes). U(e, phi_a, phi_b) is the energy of a beam fixed to its chord.
-    /// The chain rule transforms the derivatives of U to the end motions. With the 3 x 6 derivative `d` of the natural deformations,
+    /// The chain rule transforms the derivatives of U to the end motions. Let `d` be the 3 x 6 matrix of derivatives of the natural deformations by
+    /// the end motions.
     ///
     /// gradient = d^T U',   tangent = d^T U'' d + sum_i U'_i (second derivative of deformation i).
     ///

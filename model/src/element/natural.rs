@@ -5,7 +5,7 @@ use super::{Beam, EndMotion, Response};
 use crate::number::Number;
 use nalgebra::{SMatrix, SVector, Vector2, Vector3};
 
-/// Coefficients of a quadratic form of the two end rotations: of both squares, and of the product.
+/// Coefficients of a quadratic form of the two end rotations: one for both squares, one for the product.
 type EndForm<R> = [R; 2];
 
 /// Coefficient of the end rotations in the axial strain, dimensionless: 1 / 30 with bowing, 0 without.
@@ -14,7 +14,7 @@ fn arch(bowing: bool) -> f64 {
 }
 
 impl<R: Number> Beam<R> {
-    /// Reciprocal length, 1/mm, computed only once because divisions are slow.
+    /// Reciprocal length, 1/mm, because multiplication by it is faster than division by the length.
     #[inline(always)]
     pub(super) fn per_length(&self) -> R {
         self.length_mm.constant(1.0) / self.length_mm
@@ -26,7 +26,7 @@ impl<R: Number> Beam<R> {
         Vector2::new(self.direction.x * self.length_mm, self.direction.y * self.length_mm)
     }
 
-    /// End moments per end rotation, in units of EI / L: at the rotated end 1 + 3 r, at the other end 3 r - 1. r is the sway factor.
+    /// With the sway factor r, the end moments per end rotation, in units of EI / L, are 1 + 3 r at the rotated end and 3 r - 1 at the other end.
     #[inline(always)]
     fn end_stiffness(&self) -> [R; 2] {
         let one = self.sway_factor.constant(1.0);
@@ -43,11 +43,11 @@ impl<R: Number> Beam<R> {
         [(sway + five) * 0.25, (sway - five) * 0.5]
     }
 
-    /// Axial strain eps = e / L + (2 psi_a^2 - psi_a psi_b + 2 psi_b^2) / 30, with the end slopes psi of the axis relative to the chord. Without shear
-    /// deformation, these are the end rotations phi.
+    /// Axial strain eps = e / L + (2 psi_a^2 - psi_a psi_b + 2 psi_b^2) / 30, with the end slopes psi of the axis relative to the chord. Without
+    /// shear deformation, the end slopes psi equal the end rotations phi.
     ///
-    /// The second term is the mean of w'^2 / 2 over the cubic deflection w (shallow arch). It is zero without `bowing`. Returns the strain (dimensionless), and
-    /// its derivatives by the two end rotations, multiplied by the beam's length, mm.
+    /// The term in psi is the mean of w'^2 / 2 over the cubic deflection w (shallow arch). It is zero without `bowing`. Returns the strain
+    /// (dimensionless), and its derivatives by the two end rotations, multiplied by the beam's length, mm.
     #[inline(always)]
     pub(super) fn axial_strain(&self, bowing: bool, deformation: &Deformation<R>) -> (R, [R; 2]) {
         let (a, b) = (deformation[1], deformation[2]);
@@ -80,10 +80,10 @@ impl<R: Number> Beam<R> {
     /// Energy U with its gradient and second derivatives, by the chain rule from the natural deformations to the six end coordinates.
     ///
     /// The energy depends only on the displacement d of the second end relative to the first and on the two end rotations. Four coordinates therefore
-    /// suffice: d along and across the chord, theta_a and theta_b. Let l be the length of the deformed chord. The first derivatives by these
-    /// coordinates are (1, 0, 0, 0) for the length and (0, 1 / l, 0, 0) for the chord's rotation. With phi = theta - rotation, the first derivatives
-    /// of the relative end rotations follow. The second derivatives are 1 / l (across-across) for the length and -1 / l^2 (along-across) for the
-    /// rotation; both are included only if `curved`.
+    /// suffice: d along and across the chord, theta_a and theta_b. Let l be the length of the deformed chord. The first derivatives by d along, d
+    /// across, theta_a and theta_b are (1, 0, 0, 0) for the chord's length and (0, 1 / l, 0, 0) for the chord's rotation. The first derivatives of
+    /// the relative end rotations follow from phi = theta - rotation. The second derivative of the length is 1 / l (twice by d across), and that of
+    /// the rotation is -1 / l^2 (by d along and d across). The two second derivatives are included only if `curved` is true.
     #[inline(always)]
     pub(super) fn response_on(
         &self,
@@ -109,7 +109,8 @@ impl<R: Number> Beam<R> {
         let (axial_curvature, moment_curvature) =
             if curved { (axial * per_length, (a + b) * per_length * per_length) } else { (axial.zero(), axial.zero()) };
 
-        // Second derivatives by d along and across the chord, then mixed derivatives with each end rotation.
+        // Second derivatives of the energy by the relative displacement of the ends along and across the chord, then mixed derivatives with each end
+        // rotation.
         let along_across = moment_curvature - (axial_a + axial_b) * per_length;
         let across_across = (bending_a + mixed * 2.0 + bending_b) * per_length * per_length + axial_curvature;
         let (e, n) = (chord.along, chord.across);

@@ -23,7 +23,7 @@ pub struct BeamEstimator<'m> {
     /// Mesh of the co-rotational finger, used to compute the model error. For the nonlinear estimator, this mesh is finer than `mesh`. `None` if the
     /// standard deviations follow from noise alone.
     reference: Option<Mesh>,
-    /// Compliance for all contacts, computed once. `None` if the compliance is computed for each set of contacts.
+    /// Compliance for all contacts, computed once. `None` if the compliance is computed separately for each set of contacts.
     solved: Option<NodalCompliance>,
 }
 
@@ -44,7 +44,7 @@ impl<'m> BeamEstimator<'m> {
         BeamEstimator { id, prior: Some(prior), mesh, reference: Some(reference), solved: None }
     }
 
-    /// Gauss-Newton on a mesh of the co-rotational finger. The standard deviations include the error of the mesh.
+    /// Estimator that uses the Gauss-Newton method on a mesh of the co-rotational finger. The standard deviations include the error of the mesh.
     pub fn nonlinear(mesh: &'m Mesh) -> BeamEstimator<'m> {
         let reference = Some(Discretisation::finer(mesh));
         BeamEstimator { id: EstimatorId::Nonlinear, prior: None, mesh, reference, solved: None }
@@ -122,9 +122,10 @@ impl PreparedEstimator for Linear<'_> {
 }
 
 /// Standard deviation of the sum of linearly estimated forces: sqrt(1^T P 1), where P = s^2 (C^T W^2 C + (s / p)^2)^-1 is the covariance of the
-/// forces. Here s is the noise, and p is the prior's standard deviation (infinite for least squares).
+/// forces. Here C is the compliance at the markers, W holds their weights, s is the noise, and p is the prior's standard deviation (infinite for
+/// least squares).
 struct SumSigma {
-    /// C^T W^2 C, mm^2/N^2, for an estimator with a prior. `None` without a prior, or if the matrix is singular to rounding.
+    /// C^T W^2 C, mm^2/N^2, for an estimator with a prior. `None` without a prior, or if rounding makes the matrix singular.
     information: Option<DMatrix<f64>>,
     /// Standard deviation of the sum of least-squares forces per mm of noise, N/mm.
     per_noise: f64,
@@ -132,7 +133,7 @@ struct SumSigma {
 
 impl SumSigma {
     fn of(estimator: &LinearEstimator, prior: Prior) -> SumSigma {
-        // G has full rank and G C = 1, so G G^T = (C^T W^2 C)^-1.
+        // The gain G is the pseudo-inverse of the weighted compliance W C, so G G^T = (C^T W^2 C)^-1.
         let gain = &estimator.inverse().gain;
         let covariance = gain * gain.transpose();
         let per_noise = covariance.sum().sqrt();
@@ -180,7 +181,7 @@ impl PreparedEstimator for Nonlinear<'_> {
 
     fn expect_samples_of(&mut self, noise_free: &Measurement, noise_mm: f64, samples: usize) {
         self.estimator.forget();
-        // For a single sample, the search would cost more than it saves.
+        // For a single sample, a search on the noise-free measurement would cost more time than it saves.
         if samples < 2 {
             return;
         }

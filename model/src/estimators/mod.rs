@@ -60,8 +60,8 @@ impl EstimatorId {
         self.row().is_linear
     }
 
-    /// Whether the estimator solves iteratively for the shape of the co-rotational finger. A measurement that no shape fits then costs about 100 times as
-    /// much.
+    /// Whether the estimator solves iteratively for the shape of the co-rotational finger. If no shape fits a measurement, the iterative solution
+    /// takes about 100 times as long.
     pub fn searches(self) -> bool {
         self.row().searches
     }
@@ -96,7 +96,7 @@ impl EstimatorId {
         (self.row().on)(mesh, networks)
     }
 
-    /// Checks that the estimator supports the contacts, independent of any measurement.
+    /// Checks, without a measurement, that the estimator supports the contacts.
     ///
     /// # Errors
     /// [`EstimatorError`] if a contact is wrong or unsupported.
@@ -144,7 +144,7 @@ pub struct Question<'q> {
     /// Possible differences between the unloaded finger and the scene's finger. Estimators that do not search refuse a question with such
     /// differences.
     pub unloaded: Option<&'q UnloadedFinger>,
-    /// Forces near the result of the measurement, from which a search starts. `None` if no such forces are known.
+    /// Forces close to the estimate that the measurement will give, from which a search starts. `None` if no forces close to the estimate are known.
     pub near: Option<NearForces<'q>>,
 }
 
@@ -175,8 +175,8 @@ pub trait Estimator: Sync {
         markers: &Measurement,
     ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError>;
 
-    /// An estimator that computes the common part of all contacts only once, with the same results up to rounding. `None` if such an estimator saves
-    /// no time. If the true finger is linear, a linear estimator omits the error of linearisation.
+    /// An estimator that computes the part shared by all sets of contacts only once, with the same results up to rounding. `None` if sharing this
+    /// computation saves no time. If the true finger is linear, a linear estimator omits the error of linearisation.
     fn for_many(&self, _finger_is_linear: bool) -> Option<Box<dyn Estimator + '_>> {
         None
     }
@@ -204,9 +204,9 @@ pub trait PreparedEstimator {
 pub struct Sensed {
     /// Force of each contact along its direction, N, in the order of the contacts.
     pub forces_n: Vec<f64>,
-    /// Standard deviation of each force, N. `None` if the estimator does not state it.
+    /// Standard deviation of each force, N. `None` if the estimator does not state standard deviations.
     pub sigmas_n: Option<Vec<f64>>,
-    /// Standard deviation of the sum of the forces, N. `None` if the estimator does not state it.
+    /// Standard deviation of the sum of the forces, N. `None` if the estimator does not state the standard deviation of the sum.
     pub sum_sigma_n: Option<f64>,
     /// Whether the measurement contradicts the model, or the error of the model exceeds the noise.
     pub warned: bool,
@@ -234,6 +234,6 @@ pub enum EstimatorError {
     #[error("a scene whose contacts have a pad (pad_mm, pad_length_mm) needs --estimator {name}", name = EstimatorId::Nonlinear)]
     NoPad,
     /// The estimator does not support an unloaded finger that differs from the scene's finger.
-    #[error("a scene with the table assembly needs --estimator {name}", name = EstimatorId::Nonlinear)]
+    #[error("a scene with the table [assembly] needs --estimator {name}", name = EstimatorId::Nonlinear)]
     NoAssembly,
 }

@@ -78,8 +78,8 @@ impl Networks {
         Networks(networks)
     }
 
-    /// Selects the network for contacts of a finger, in any order. A network for exactly these contacts has priority over a network that accepts any
-    /// subset of its contacts.
+    /// Selects the network for the contacts of a finger; the order of the contacts does not matter. A network for exactly these contacts has priority
+    /// over a network that accepts any subset of its trained contacts.
     ///
     /// # Errors
     /// [`NoNetwork`] if no network is trained for the finger and the contacts.

@@ -12,11 +12,11 @@ pub(super) const ROW: EstimatorRow = EstimatorRow {
     searches: true,
     at_nodes: false,
     needs: "contacts; their positions and directions may be unknown",
-    refuses: "measurements that no shape of the finger explains, directions and positions that are not identifiable",
+    refuses: "measurements that no shape of the finger explains; directions and positions that are not identifiable",
     unseen_contacts: "any",
     mesh: |finger| Mesh::with_elements_per_member(finger, ELEMENTS),
     on: |mesh, _| Box::new(BeamEstimator::nonlinear(mesh)),
-    // The search checks the contacts, because positions and directions may be estimated.
+    // This check accepts all contacts: the search checks them later, because their positions and directions may be unknown.
     admits: |_, _, _| Ok(()),
     answer,
 };
@@ -26,8 +26,8 @@ pub(super) const ROW: EstimatorRow = EstimatorRow {
 const SETTLED_SIGMAS: f64 = 0.05;
 const ROUNDS: usize = 8;
 
-/// Answers a question, with repeated estimates if the unloaded finger may differ from the scene's finger. Each round linearises the assembly errors
-/// at the forces and errors of the previous round.
+/// Answers a question. Repeats the estimate if the unloaded finger may differ from the scene's finger. Each round linearises the assembly errors at
+/// the forces and errors of the previous round.
 fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError> {
     let Some(unloaded) = question.unloaded else {
         let sensed = sensed(finger, question)?;
@@ -60,7 +60,7 @@ fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError
     Err(SensingError::NotConverged { iterations: ROUNDS, change_n }.into())
 }
 
-/// Estimates on a mesh of `mesh_nodes` nodes, or refines the mesh until doubling the mesh hardly changes the forces.
+/// Estimates the forces on a mesh of `mesh_nodes` nodes. Without `mesh_nodes`, refines the mesh until doubling the mesh hardly changes the forces.
 fn sensed(finger: &Finger, question: &Question) -> Result<NonlinearEstimate, EstimatorError> {
     let &Question { contacts, pad, object, measurement, noise_mm, near, .. } = question;
     match question.mesh_nodes {

@@ -101,14 +101,15 @@ pub(super) fn place_ribs(d: &FingerDescription) -> Result<Vec<[f64; 2]>, Impossi
             let is_on_plate = position.is_finite() && (position == 0.0 || position > gap) && position < length - gap;
             require(is_on_plate, &key, || {
                 format!(
-                    "expected rib {} on the {plate} plate, from 0 to below {length:?} mm, found {position:?}",
+                    "expected the position of rib {} on the {plate} plate from 0 to below {length:?} mm, found \
+                        {position:?}",
                     i + 1
                 )
             })?;
             require(position == before || position > before + gap, &key, || {
                 format!(
-                    "expected ribs in order from base to tip that do not cross: on the {plate} plate, rib {} at {position:?} mm is neither \
-                     nearer to the tip than the previous rib at {before:?} mm nor at the same position",
+                    "expected ribs in order from base to tip that do not cross: on the {plate} plate, rib {} at \
+                        {position:?} mm must lie beyond the previous rib at {before:?} mm or at the same position",
                     i + 1
                 )
             })?;

@@ -2,7 +2,8 @@
 
 use super::{BeamEnd, FrameMotion, PlaneFrame};
 
-/// Largest number of rigid levers in series between a master node and a node that follows it: a bracket, a rib and a bracket.
+/// Largest number of rigid levers in series between a master node and a node that follows it: the three levers are a bracket, a rib, and another
+/// bracket.
 pub(super) const MOST_LEVERS: usize = 3;
 /// Number of coordinates that may move a node: x and y of the node or of its master, the node's rotation, and the rotations of its levers.
 pub(super) const NODE_COORDINATES: usize = 3 + MOST_LEVERS;
@@ -30,7 +31,7 @@ impl Equations {
         };
         let mut translations = vec![[None; 2]; frame.nodes.len()];
         let mut rotations = vec![None; frame.rotation_fixed.len()];
-        // A rotation slot that no beam or link uses would be a free unknown without stiffness.
+        // Rotation slots that no beam or link uses get no equation: they would be unknowns without stiffness.
         let mut used = vec![false; rotations.len()];
         for end in frame.members.iter().flat_map(|m| m.ends) {
             used[end.rotation] = true;
@@ -69,7 +70,8 @@ impl Equations {
         figures
     }
 
-    /// Adds a correction of all unknowns (mm, rad) to a motion, and moves linked nodes with their masters. If `linear`, levers rotate to first order.
+    /// Adds a correction of all unknowns (mm, rad) to a motion, and moves linked nodes with their masters. If `linear`, the rotations of levers are
+    /// linearised.
     pub fn advance(&self, frame: &PlaneFrame, motion: &mut FrameMotion, correction: &[f64], linear: bool) {
         for (u, equations) in motion.displacements.iter_mut().zip(&self.translations) {
             for (value, equation) in u.iter_mut().zip(equations) {

@@ -1,4 +1,4 @@
-//! Rigid links. A rigid link makes a node follow another node over rotating rigid levers.
+//! Rigid links. A rigid link makes a node follow another node through rigid levers, which rotate.
 
 use super::equations::MOST_LEVERS;
 use super::members::{swing, turned, vector_of};
@@ -7,7 +7,7 @@ use crate::Vector;
 use crate::number::Number;
 use nalgebra::Vector2;
 
-/// A rigid bar as the undeformed vector from its first to its second node, mm. The bar rotates with a rotation slot.
+/// A rigid bar, stored as the undeformed vector from its first to its second node, mm. The bar rotates with a rotation slot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Lever {
     /// Rotation slot with which the bar rotates.
@@ -16,7 +16,7 @@ pub(crate) struct Lever {
     pub along: Vector,
 }
 
-/// A node that follows a master over rigid levers in series: u = u_master + sum over levers of (R(rotation) - 1) lever.
+/// Makes a node follow a master through rigid levers in series: u = u_master + sum over levers of (R(rotation) - 1) lever.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RigidLink {
     /// The first node of the series, which follows no other node.
@@ -38,7 +38,7 @@ impl PlaneFrame {
     /// The second node follows the first node and the bar's rotation. The first node may itself follow another node.
     ///
     /// # Panics
-    /// If the second node would then follow its master over more than three bars in series.
+    /// Panics if the second node would follow its master through more than three bars in series.
     pub fn link_rigidly(&mut self, first: NodeIndex, second: NodeIndex, hinged: bool) {
         let along = self.position(second) - self.position(first);
         let rotation = if hinged {
@@ -103,7 +103,7 @@ impl PlaneFrame {
         self.nodes[node].link.iter().flat_map(RigidLink::levers).map(|lever| lever.rotation)
     }
 
-    /// Whether a node follows another node over at least one lever.
+    /// Whether a node follows another node through at least one lever.
     pub(crate) fn is_linked(&self, node: NodeIndex) -> bool {
         self.lever_rotations(node).next().is_some()
     }

@@ -114,7 +114,7 @@ impl PlaneFrame {
         self.inside(motion, member, kinematics, slope).gradient
     }
 
-    /// Evaluates the quantity `of` for a member's beam, and its derivatives with respect to the motions of the member's two nodes.
+    /// Evaluates the function `of` for a member's beam, and transforms the derivatives to the motions of the member's two nodes.
     fn inside(
         &self,
         motion: &FrameMotion,

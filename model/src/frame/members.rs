@@ -1,4 +1,4 @@
-//! Members in the coordinates of the frame: the chain rule over rigid arms and rigid links.
+//! Energies of members and their derivatives in the coordinates of the frame, by the chain rule through rigid arms and rigid links.
 
 use super::equations::{MEMBER_COORDINATES, NODE_COORDINATES};
 use super::{BeamEnd, FrameMotion, Member, NodeIndex, PlaneFrame};
@@ -61,7 +61,7 @@ pub(crate) fn end_motions<R: Number>(
     ends: &[BeamEnd<R>; 2],
     linear: bool,
 ) -> [EndMotion<R>; 2] {
-    // `map` would pass the array through memory.
+    // `map` would pass the array through memory instead of registers.
     [end_motion(motion, &ends[0], linear), end_motion(motion, &ends[1], linear)]
 }
 
@@ -148,7 +148,8 @@ impl PlaneFrame {
         member.beam.stations(kinematics, &motions, loads)
     }
 
-    /// Chain rule from the two nodes to the frame's coordinates over rigid links. [`carry_over_arms`] explains the second derivatives.
+    /// Transforms energy derivatives from two nodes to the frame's coordinates, by the chain rule through rigid links. [`carry_over_arms`] explains
+    /// the second derivatives.
     pub(crate) fn carry_over_links(
         &self,
         motion: &FrameMotion,
@@ -177,10 +178,11 @@ impl PlaneFrame {
     }
 }
 
-/// Chain rule from the ends of the elastic part to the nodes over rigid arms; `rotations` are the ends' rotations, rad.
+/// Transforms energy derivatives from the ends of the elastic part to the nodes, by the chain rule through rigid arms. `rotations` are the rotations
+/// of the ends, rad.
 ///
-/// The end of an arm v moves on a circle. The second derivative with respect to the arm's rotation therefore gains -f . v, where f is the gradient
-/// with respect to the displacement of the arm's end.
+/// The end of an arm v moves on a circle. The second derivative with respect to the arm's rotation therefore gains the term -f . v. Here f is the
+/// gradient with respect to the displacement of the arm's end.
 #[inline(always)]
 pub(crate) fn carry_over_arms<R: Number>(
     ends: &[BeamEnd<R>; 2],
@@ -196,7 +198,7 @@ pub(crate) fn carry_over_arms<R: Number>(
         let (x, y, theta) = (3 * i, 3 * i + 1, 3 * i + 2);
         let (force_x, force_y) = (response.gradient[x], response.gradient[y]);
         response.gradient[theta] += arm.x * force_y - arm.y * force_x;
-        // To the row of the node's rotation, -arm.y times row x and arm.x times row y are added; likewise for columns.
+        // Adds -arm.y times row x and arm.x times row y to the row of the node's rotation, and treats the columns likewise.
         let tangent = &mut response.tangent;
         for k in 0..6 {
             let turning = arm.x * tangent[(y, k)] - arm.y * tangent[(x, k)];

@@ -8,14 +8,14 @@ use crate::{Finger, NodeId};
 pub struct LinkageErrors {
     /// Standard deviation of the motor's angle, degrees.
     pub motor_deg: f64,
-    /// Backlash of the nut on the screw, mm. The position within the backlash is assumed to be uniformly distributed. The standard deviation of the
-    /// position is then backlash / sqrt(12).
+    /// Backlash of the nut on the screw, mm. The nut's position within the backlash is assumed to be uniformly distributed. For this uniform
+    /// distribution, the standard deviation of the nut's position is backlash / sqrt(12).
     pub backlash_mm: f64,
     /// Standard deviation of each of three lengths, mm: rocker, link, and distance of the fixed joint from the screw's axis.
     pub length_mm: f64,
 }
 
-/// Largest position error of an undeformed key node from each cause, as a standard deviation in mm. The causes are independent.
+/// Largest position error among the undeformed key nodes, one value per cause: standard deviations in mm. The causes are independent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NodeErrors {
     /// Error from the motor's angle, mm.
@@ -26,7 +26,7 @@ pub struct NodeErrors {
     pub rocker_mm: f64,
     /// Error from the link's length, mm.
     pub link_mm: f64,
-    /// Error from the distance of the fixed joint from the screw's axis, mm.
+    /// Error from the uncertain distance between the fixed joint and the screw's axis, mm.
     pub fixed_joint_mm: f64,
 }
 

@@ -18,7 +18,7 @@ impl Placement {
     /// The identity transform.
     pub const IDENTITY: Placement = Placement { origin: Vector::new(0.0, 0.0), angle_rad: 0.0, mirrored: false };
 
-    /// Matrix that transforms directions to the outer frame. It is orthogonal, with determinant -1 if mirrored.
+    /// Matrix that transforms directions to the outer frame. The matrix is orthogonal, with determinant -1 if the frame is mirrored.
     pub fn axes(&self) -> Matrix2<f64> {
         let sign = if self.mirrored { -1.0 } else { 1.0 };
         Rotation2::new(self.angle_rad).into_inner() * Matrix2::new(1.0, 0.0, 0.0, sign)

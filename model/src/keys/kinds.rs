@@ -1,4 +1,4 @@
-//! Kinds of values that keys accept. Each kind reads values from TOML, checks their range, and describes them in words.
+//! Kinds of values that keys accept. Each implementation of [`Kind`] reads values from TOML, checks their range, and describes them in words.
 
 mod numbers;
 
@@ -100,7 +100,7 @@ impl Kind for Text {
     }
 }
 
-/// One of `N` words, in quotation marks except `true` and `false`. The value is the index of the word in this list.
+/// One of `N` words, in quotation marks except `true` and `false`. The value is the index of the word in the list of the `N` words.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Word<const N: usize>(pub [&'static str; N]);
 

@@ -5,13 +5,13 @@ use super::{Entry, Occurs, SceneTable, TABLES};
 /// Width of the printed lines, characters.
 const COLUMNS: usize = 100;
 
-/// The reference in Markdown. It lists quantity, unit, range, default and meaning of every key of every table.
+/// The reference in Markdown. The reference lists quantity, unit, range, default and meaning of every key of every table.
 pub fn reference() -> String {
     let sections = TABLES.chunk_by(|one, next| one.says() == next.says());
     sections.map(section).collect::<Vec<_>>().join("\n")
 }
 
-/// Text of one section, for tables that share their keys.
+/// Text of one section, which describes one or more tables with the same keys.
 fn section(tables: &[&dyn SceneTable]) -> String {
     let Some(first) = tables.first() else { return String::new() };
     let names: Vec<_> = tables.iter().filter(|table| !table.path().is_empty()).map(|table| heading(*table)).collect();

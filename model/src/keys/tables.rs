@@ -1,5 +1,5 @@
 //! All keys of all tables of a scene. Each key has the kind and range of its values, its default and its meaning.
-// The texts write names of tables in brackets. These brackets are not links.
+// The documentation of the keys writes names of tables in brackets. These brackets are not links.
 #![allow(rustdoc::broken_intra_doc_links)]
 
 use super::Need::{Of, Optional, Or, Required, RequiredIf};
@@ -9,7 +9,7 @@ use super::{
     SceneTable, SideLengths, Text, Word,
 };
 
-/// Default radius of the rods on the front plate, mm. The rods of Xu et al. (2021), sec. II, have a diameter of 3 mm.
+/// Default radius of the rods on the front plate, mm. The source is section II of Xu et al. (2021). The rods of Xu et al. have a diameter of 3 mm.
 pub const ROD_RADIUS_MM: f64 = 1.5;
 
 const NOT_NEGATIVE: Range = Range::NOT_NEGATIVE;
@@ -44,7 +44,7 @@ const SIGMA: &str = "standard deviation";
 const TRUE_FALSE: [&str; 2] = ["true", "false"];
 const COLOUR: Quantity = Quantity("red, green and blue", "");
 
-/// Defines tables that share their keys: a struct with these keys, and one static per table, which stores the path of the table.
+/// Defines tables that share their keys: one struct with these keys, and one static variable per table with the table's path.
 macro_rules! tables {
     ($($name:ident = $path:literal),+: $keys:ident, $occurs:ident, $about:literal;
      $($key:ident: $kind:ident $(<$n:literal>)? ($($value:tt)*), $need:expr, $says:literal;)*) => {
@@ -160,9 +160,9 @@ tables! {
 
 tables! {
     ASSEMBLY = "assembly": AssemblyKeys, Optional,
-        "Deviations between the unloaded finger and the tables above, caused by assembly or mounting. `finray sense` and `finray live` estimate the \
-         deviations together with the force, and include them in sigma_n. `finray calibrate` uses preload_nmm and can estimate it. `finray solve` \
-         ignores this table.";
+        "Deviations of the unloaded finger from its description in the scene, caused by assembly or mounting. \
+            `finray sense` and `finray live` estimate the deviations together with the force, and include them in \
+            sigma_n. `finray calibrate` uses preload_nmm and can estimate it. `finray solve` ignores this table.";
     joint_sigma_mm: Number(Quantity(SIGMA, "mm"), Within(0.0, LARGEST_JOINT_SIGMA_MM)), Or(0.0),
         "Standard deviation of the position of each rib joint, both along the joint's plate and perpendicular to this plate.";
     preload_nmm: Number(Quantity("moment", "N mm"), Finite), Or(0.0),
@@ -337,7 +337,7 @@ tables! {
     GRASP = "grasp": GraspKeys, Optional,
         "Settings of `finray grasp`. Coordinates are in the gripper's frame at the start. The frame's origin lies on the screw's axis at the height \
          of the fixed joints. The x axis points to the right finger; the y axis points along the screw to the fingertips.";
-    // Steps and speed of the motor: Xu et al. 2021, secs V-C and V-D.
+    // The default step and speed of the motor are those of Xu et al. (2021), sections V-C and V-D.
     motor_deg: Numbers<2>(Quantity("motor angles", "degrees"), Finite), Required,
         "Motor angle at the start, and limit of the motor angle for closing. Both angles must be within reach of the linkage.";
     step_deg: Number(Quantity("motor angle", "degrees"), Positive(LARGEST)), Or(22.5),
@@ -354,7 +354,8 @@ tables! {
          that the fingers must not touch. false: no support; the weight acts only after the object is grasped. Without this key, the value is true, \
          or false if gravity is zero.";
     gravity_m_s2: Numbers<2>(Quantity("gravity", "m/s^2"), AtMost(LARGEST)), Or([0.0, 9.81]),
-        "Acceleration of gravity, in the frame of this table. The default is Earth's gravity on a gripper that points down.";
+        "Acceleration of gravity, in the frame of [grasp]. The default is Earth's gravity on a gripper that points \
+            down.";
     motor_deg_per_s: Number(Quantity("speed", "degrees per second"), Positive(LARGEST)), Or(30.0), "Speed of the motor; used only with frames_per_s.";
     frames_per_s: Number(Quantity("rate", "frames per second"), Positive(LARGEST)), Optional,
         "Replaces step_deg: frame rate of the camera. Each frame is one settled step.";

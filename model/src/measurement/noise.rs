@@ -1,4 +1,4 @@
-//! Noise of measured displacements. The noise depends on the source of the undeformed positions.
+//! Noise of measured displacements. The noise of a displacement depends on the source of the undeformed position.
 //!
 //! A displacement is a position in an image minus the undeformed position. The undeformed position is measured in an image of the unloaded finger, or
 //! computed from the motor angle. The error of the undeformed position is part of the displacement, and all frames that use this undeformed position
@@ -44,10 +44,10 @@ impl DisplacementNoise {
         }
     }
 
-    /// Covariance of the mean of `frames` frames, mm^2. Rows and columns are x and y of each node of `positions_mm`.
+    /// Covariance of the displacements averaged over `frames` frames, mm^2. Rows and columns are x and y of each node of `positions_mm`.
     ///
     /// `positions_mm` are the deformed positions of the nodes, finger frame. The positions are needed because a rotation of the base moves every node
-    /// perpendicular to its radius. The error of the undeformed positions does not average out.
+    /// perpendicular to its radius. The error of the undeformed positions is the same in all frames, so it does not average out.
     pub fn covariance_mm2(&self, positions_mm: &[Vector], frames: usize) -> DMatrix<f64> {
         let coordinates = 2 * positions_mm.len();
         let own = self.frame_sd_mm().powi(2) / frames as f64;
@@ -100,8 +100,8 @@ impl DisplacementNoise {
         }
     }
 
-    /// Covariance of the mean of several frames, factored as L L^T: L^-1 transforms errors into independent errors of standard deviation 1. `None` without
-    /// noise.
+    /// Covariance of the displacements averaged over several frames, factored as L L^T. L^-1 transforms errors into independent errors of standard
+    /// deviation 1. `None` without noise.
     pub fn factored(&self, positions_mm: &[Vector], frames: usize) -> Option<Cholesky<f64, Dyn>> {
         Cholesky::new(self.covariance_mm2(positions_mm, frames))
     }

@@ -27,7 +27,8 @@ pub enum SensingError {
     },
     /// No finger within the errors of the scene's table `assembly` explains the measurement.
     #[error(
-        "no finger within the errors of the scene's table assembly explains the measurement: reduce these errors, or correct the finger in the scene"
+        "no finger within the errors of the scene's table [assembly] explains the measurement: reduce these \
+            errors, or correct the finger in the scene"
     )]
     NoSuchFinger,
     /// No contact is given.
@@ -53,8 +54,9 @@ pub enum SensingError {
     },
     /// Some combination of the unknown forces hardly changes the measured displacements.
     #[error(
-        "not identifiable: the scaled singular values span {span:.1e}, expected at most {limit:.0e}: the measured nodes do not determine the forces \
-         (contact {weakest} least); treat neighbouring contacts as one"
+        "not identifiable: the measured nodes do not determine the forces, least of all at contact {weakest}; the \
+            ratio of the largest to the smallest scaled singular value is {span:.1e}, expected at most {limit:.0e}; \
+            treat neighbouring contacts as one"
     )]
     IllConditioned {
         /// Ratio of the largest to the smallest scaled singular value, dimensionless.
@@ -123,20 +125,21 @@ pub enum SensingError {
     },
     /// The measurement contradicts the linear finger, and the error of linearisation cannot be computed.
     #[error(
-        "the measurement contradicts the linear model, and its error of linearisation is unknown, because no forces on the co-rotational finger \
-         reproduce the linear estimate: use the nonlinear estimator"
+        "the measurement contradicts the linear model, and the error of linearisation is unknown, because no \
+            forces on the co-rotational finger reproduce the linear estimate: use the nonlinear estimator"
     )]
     NotLinearised,
     /// The base, the friction or a contact has a standard deviation, but the noise of the displacements is not stated. The estimator then needs the
     /// noise, too.
     #[error(
-        "base, friction or contact has a standard deviation, so the noise of the displacements must be known as well: state the noise (--noise-mm, or \
-         noise_mm in the table camera of the scene)"
+        "base, friction or contact has a standard deviation, so the noise of the displacements must be known as \
+            well: state the noise (--noise-mm, or noise_mm in [camera] of the scene)"
     )]
     NoiseNotStated,
     /// A direction refers to the normal of an object, but no object is known.
     #[error(
-        "the direction of contact {contact} is the normal of an object's outline: expected a table contact.object with pose_mm in the scene"
+        "the direction of contact {contact} is the normal of an object's outline: expected a table \
+            [contact.object] with pose_mm in the scene"
     )]
     NoObject {
         /// Position of the contact in the list, from 1.
@@ -144,8 +147,8 @@ pub enum SensingError {
     },
     /// The object cannot touch the plate.
     #[error(
-        "the object cannot touch the plate at contact {contact}: the gap between outline and pad is {gap_mm:.2} mm, {} (standard deviation \
-         {sd_mm:.2} mm); check pose_mm, frame and pad_mm",
+        "the object cannot touch the plate at contact {contact}: the gap between outline and pad is {gap_mm:.2} mm \
+            (standard deviation {sd_mm:.2} mm), so the outline lies {}; check pose_mm, frame and pad_mm",
         if *gap_mm > 0.0 { "outside the finger" } else { "inside the finger" }
     )]
     NotTouching {

@@ -24,8 +24,8 @@ pub enum Warning {
     Linearisation(ModelError),
     /// The error of linearisation is unknown and not included in the standard deviations.
     #[error(
-        "the linear model explains the measurement, but no forces on the co-rotational finger reproduce the linear estimate: the error of \
-         linearisation is unknown, unless the finger bends linearly"
+        "the linear model explains the measurement, but no forces on the co-rotational finger reproduce the linear \
+            estimate; if the finger does not bend linearly, the error of linearisation is unknown"
     )]
     UnknownLinearisation,
     /// The error of the mesh exceeds the error due to noise.

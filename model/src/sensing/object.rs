@@ -25,7 +25,7 @@ pub enum ObjectShape {
 
 /// The corners do not form a convex polygon.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("three or more corners of a convex polygon, in order round it")]
+#[error("three or more corners of a convex polygon, listed in order")]
 pub struct NotConvex;
 
 impl ObjectShape {

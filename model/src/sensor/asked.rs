@@ -30,7 +30,7 @@ pub enum AskedContactsError {
     #[error("a contact with standard deviations (+-): expected numbers for its position and its direction")]
     NoNumbers,
     /// Only some contacts have standard deviations.
-    #[error("expected all contacts with standard deviations (+-), or none")]
+    #[error("expected standard deviations (+-) for all contacts or for no contact")]
     Mixed,
     /// A friction coefficient is given, but no contact has standard deviations.
     #[error("--friction: expected contacts with standard deviations (+-)")]
@@ -152,11 +152,12 @@ pub enum AskedDirection {
 pub enum MissingInScene {
     /// The scene states no friction.
     #[error(
-        "the direction `friction` needs a coefficient: expected friction or friction_range in the scene's table contact"
+        "the direction `friction` needs a coefficient: expected friction or friction_range in the scene's table \
+            [contact]"
     )]
     Friction,
     /// The scene states no object.
-    #[error("the direction `object` needs an outline: expected a table contact.object in the scene")]
+    #[error("the direction `object` needs an outline: expected a table [contact.object] in the scene")]
     Object,
     /// The image has no measured force.
     #[error("the direction `measured` needs a force: expected the measured force of the image (--forces)")]

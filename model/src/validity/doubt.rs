@@ -74,17 +74,19 @@ impl fmt::Display for Doubt {
                 } else {
                     write!(
                         f,
-                        "(at which rubber in tension is {} % softer than at rest; {key} in the scene sets the material's own limit)",
+                        "(at the limit, rubber in tension is {} % softer than at rest; {key} in the scene sets the \
+                            material's own limit)",
                         percent(LARGEST_STRAIN)
                     )?;
                 }
-                f.write_str("; such strains need a nonlinear material law")
+                f.write_str("; strains above the limit need a nonlinear material law")
             }
             Doubt::Shear { share, member } => write!(
                 f,
-                "members are too thick for their length: shear, which Euler-Bernoulli beams neglect, increases the displacement of the loads by up \
-                 to {} % (limit {} %: Timoshenko's shear energy over the strain energy), mostly in {member}; such a finger needs Timoshenko beams \
-                 (finger.shear_correction in the scene) or a solid model",
+                "members are too thick for their length: shear, which Euler-Bernoulli beams neglect, increases the \
+                    displacement of the loads by up to {} % (ratio of Timoshenko's shear energy to the strain energy; \
+                    limit {} %), mostly in {member}; use Timoshenko beams (finger.shear_correction in the scene) or a \
+                    solid model",
                 percent(*share),
                 percent(LARGEST_SHEAR_SHARE)
             ),

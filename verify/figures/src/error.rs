@@ -23,7 +23,7 @@ pub enum FigureError {
     )]
     NotPositive(String),
     /// Positions of a grid neither increase nor decrease from each entry to the next.
-    #[error("{0}: expected numbers that increase, or decrease, from each entry to the next")]
+    #[error("{0}: expected numbers that only increase or only decrease from each entry to the next")]
     NotMonotone(String),
     /// The lower limit is not below the upper one.
     #[error("{0}: expected a lower limit below the upper one, found {1} to {2}")]

@@ -73,7 +73,8 @@ pub fn load_shape(path: &Path, finger: &Finger) -> Result<FingerShape, FileError
     }
     if let Some(missing) = motions.iter().position(Option::is_none) {
         let message = format!(
-            "expected one row for each node of the finger, as in a file of solve or press; node {} is missing",
+            "expected one row for each node of the finger, as in a file of `finray solve` or `finray press`; node \
+                {} is missing",
             missing + 1
         );
         return Err(FileError::content(path, message));

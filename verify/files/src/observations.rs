@@ -85,7 +85,7 @@ impl ObservationTable {
     /// [`FileError`] if the table has no column `image`.
     pub fn images(&self) -> Result<Vec<&str>, FileError> {
         if !self.table.has(&["image"]) {
-            return Err(self.wrong("expected a column image, as locate writes it"));
+            return Err(self.wrong("expected a column `image`, as `finray locate` writes it"));
         }
         Ok(self.images.iter().map(String::as_str).collect())
     }
@@ -103,7 +103,9 @@ impl ObservationTable {
     pub fn observation(&self, image: Option<&str>) -> Result<Observation, FileError> {
         let image = self.image_meant(image)?;
         if let Some(reason) = image.and_then(|image| self.refused(image)) {
-            return Err(self.wrong(format!("{} was refused when it was located: {reason}", image.unwrap_or_default())));
+            return Err(
+                self.wrong(format!("image {} was refused when it was located: {reason}", image.unwrap_or_default()))
+            );
         }
         let chosen = self.rows_of(image);
         let markers = chosen.iter().map(|row| self.marker(row)).collect::<Result<_, _>>()?;
@@ -125,9 +127,9 @@ impl ObservationTable {
             }
             ObservationError::Marker { index, reason } => at(*index, reason.to_string()),
             ObservationError::Base => at(0, format!("{}: expected zero or more", BASE_COLUMNS.join(", "))),
-            ObservationError::NoNoise => {
-                self.wrong("expected a column sigma_mm, as locate writes it, or noise_mm in the scene's table camera")
-            }
+            ObservationError::NoNoise => self.wrong(
+                "expected a column sigma_mm, as `finray locate` writes it, or noise_mm in [camera] of the scene",
+            ),
         }
     }
 
@@ -140,7 +142,7 @@ impl ObservationTable {
         if !self.table.has(&["image"]) {
             return match image {
                 None => Ok(None),
-                Some(_) => Err(self.wrong("--image-name: expected a column image, as locate writes it")),
+                Some(_) => Err(self.wrong("--image-name: expected a column `image`, as `finray locate` writes it")),
             };
         }
         if let Some((name, _)) = image.and_then(|image| self.rows.get_key_value(image)) {

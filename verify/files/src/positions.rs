@@ -186,7 +186,8 @@ impl<R: BufRead> PositionReader<R> {
             }
             rows += 1;
             if rows > MOST_ROWS {
-                let message = format!("line {}: expected t_s or image to change within {MOST_ROWS} rows", self.line);
+                let message =
+                    format!("line {}: expected a row with another t_s or image within {MOST_ROWS} rows", self.line);
                 return Err(PositionError::Form(message));
             }
             name = Some(of);

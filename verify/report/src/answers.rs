@@ -59,7 +59,11 @@ fn reasons(study: &Study, situations: &[Situation]) -> Option<String> {
     let assumed = situations.iter().find(|of| of.contact == ContactKnowledge::Assumed);
     let assumed = assumed.and_then(|of| of.failed_by_direction(study));
     let assumed = assumed.map(|share| {
-        format!(" Contact wrong: its direction ({} of the failing cells), otherwise its position.", percent(share))
+        format!(
+            "With a wrong contact, the main cause is its direction in {} of the failing cells, and its position in the \
+            other failing cells.",
+            percent(share)
+        )
     });
     Some(format!("{known}{}", assumed.unwrap_or_default()))
 }
@@ -75,10 +79,13 @@ fn seeking(directions: &DirectionStudy) -> Option<String> {
     let seek = match directions.is_normal_better() {
         true => {
             format!(
-                "Little friction: assume the normal. Otherwise estimate the direction: identifiable in {found} of the cells."
+                "With little friction, assume the normal. Otherwise estimate the direction, which is identifiable \
+                    in {found} of the cells."
             )
         }
-        false => format!("Estimate the direction with the force: identifiable in {found} of the cells."),
+        false => format!(
+            "Estimate the direction together with the force: the direction is identifiable in {found} of the cells."
+        ),
     };
     (!shares.is_empty()).then_some(seek)
 }

@@ -46,8 +46,8 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         .page("largest", Format::Percent, |row| row.force_largest_error)
         .page("first order", Format::Percent, |row| row.first_order_rms_error)
         .page("refused", Format::Plain, |row| row.refused);
-    let caption = "Error of a displacement's coordinate (rms, largest, as stated) and of the force (rms over the nodes, largest, and rms to first \
-                   order from the errors of the displacements)";
+    let caption = "Error of each displacement coordinate: rms, largest, and stated. Error of the force: rms over the nodes, \
+        largest, and rms computed to first order from the displacement errors";
     blocks.push(details("By condition", vec![Block::Table(columns.table(caption, CSV, &camera.rows))]));
     blocks.extend(needed(camera)?);
     Ok(Some(Section::new("camera", "From camera to force", blocks).saying(says(camera))))
@@ -56,9 +56,11 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 /// Chart by contact node of the noise at which a force errs by [`ASKED_ERROR`], and of the noise of the paper's camera.
 fn needed(camera: &CameraStudy) -> Result<Option<Block>, FigureError> {
     let asked = percent_two_digits(ASKED_ERROR);
-    let title = format!("Noise at which {} N errs by {asked}", camera.force_n);
-    let alt =
-        format!("{title}, by contact node; the force errs by less where this noise is above the paper's camera noise.");
+    let title = format!("Noise at which a force of {} N errs by {asked}", camera.force_n);
+    let alt = format!(
+        "{title}, by contact node. At nodes where this noise exceeds the noise of the paper's camera, a force \
+            sensed with that camera errs by less."
+    );
     let rows: Vec<(String, NeededNoise)> =
         camera.needed.iter().rev().map(|needed| (needed.node.to_string(), *needed)).collect();
     let lines: [Line<NeededNoise>; 2] =

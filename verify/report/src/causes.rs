@@ -86,7 +86,10 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 /// Errors of the assumed contact, and how shares are computed.
 fn about(study: &Study) -> String {
     let fitted = match study.causes.iter().any(|map| map.truth == FITTED) {
-        true => " The softer ends were assumed, so their appearance as causes is no finding.",
+        true => {
+            "The softer ends of the simulated finger are an assumption, so their appearance among the causes is no \
+            finding."
+        }
         false => "",
     };
     format!(
@@ -129,8 +132,9 @@ fn by_region(study: &Study) -> Table {
         error_as(format!("{}: {why}{refused}", percent(shares.rms_error)), shares.rms_error)
     };
     let caption = format!(
-        "Root mean square error at {force_n} N along the normal, its largest cause, and the error without this cause. Near an end: within a sixth of \
-         the plate. Amber: above 10 %, red: above 25 %"
+        "Root mean square error at {force_n} N along the normal, its largest cause, and the error without this \
+            cause. \"Near an end\" means within a sixth of the plate's length from an end. Amber marks errors above 10 \
+            %, red errors above 25 %"
     );
     Columns::<&CauseMap>::new()
         .page("finger, contact", Format::Words, |map| format!("{}, {}", map.truth.label(), map.contact.name()))

@@ -13,7 +13,8 @@ const ABOUT: &str = "External checks compare with other programs: OpenSees and M
                      use the EA and EI of the beams, so they verify solvers and kinematics. Material and joints of a real finger are not verified \
                      here.";
 /// Text for a finger that no program solved as a continuum.
-const NO_CONTINUUM: &str = "Nor is beam theory: this finger was not solved as a continuum.";
+const NO_CONTINUUM: &str =
+    "Beam theory is not verified here either, because this finger was not solved as a continuum.";
 /// The same on the first page, with the guide that contains the figures of other fingers.
 const NO_CONTINUUM_IN_SHORT: &str = "This finger was not solved as a continuum. The guide \"your-finger\" states the error of beam theory on other fingers.";
 /// Text on the checks that exist only for the paper's scene.
@@ -43,9 +44,11 @@ fn beam_theory(continuum: &ContinuumStudy) -> String {
         return NO_CONTINUUM.to_owned();
     };
     format!(
-        "A plane continuum of CalculiX shows what beam theory neglects (no check; {COMPARISONS_CSV}): over {} forces up to {LARGEST_FORCE_N} N, not \
-         on the tip, beams with Young's modulus alone move {:.2} times as far in the median. With Poisson's ratio, rigid arms at the rods and shear, \
-         the beams differ by {} of the largest displacement in the median, and by {} at most: at node {}, with the force on node {}.",
+        "A plane continuum solved by CalculiX shows what beam theory neglects ({COMPARISONS_CSV}; not counted as a \
+            check). The comparison covers {} forces up to {LARGEST_FORCE_N} N, not on the tip. Beams with Young's \
+            modulus alone move {:.2} times as far (median). With Poisson's ratio, rigid arms at the rods and shear, \
+            the beams differ by {} of the largest displacement (median), and by {} at most: at node {}, with the force \
+            on node {}.",
         arms.cases,
         modulus.scale,
         percent(arms.median),
@@ -85,9 +88,9 @@ fn files() -> Table {
 fn in_words(study: &Study) -> String {
     let about = |against: Against| match against {
         Against::OtherPrograms => "external checks (OpenSees, MuJoCo)",
-        Against::SettledLattice => "external checks of our lattice settled by rapier2d",
+        Against::SettledLattice => "external checks against our lattice (settled by rapier2d)",
         Against::Literature => "analytical ones (closed forms, literature)",
-        Against::Ourselves => "internal ones (our second formulation, a balance or a bound)",
+        Against::Ourselves => "internal checks (our second formulation, a balance or a bound)",
     };
     let counted = counted(study);
     let parts = counted.iter().map(|Tally { against, passed, all }| format!("{passed} of {all} {}", about(*against)));
@@ -137,9 +140,9 @@ fn disagreements(study: &Study) -> Result<Option<Figure>, FigureError> {
     let frame = Frame::full("Disagreement with each independent reference", alt);
     let height = 30.0 * sources.len() as f64;
     let svg = Chart::new(frame.with_plot_height(height), axes, series.collect()).svg()?;
-    let caption = "One symbol per check. If the reference is 0, the difference is relative to the largest displacement or in radians. Error terms \
-                   are orders of convergence. A symbol at the left edge means equality to the last bit. The softer ends were fitted to Table I: \
-                   their residuals check nothing.";
+    let caption = "One symbol per check. If the reference is 0, the difference is relative to the largest displacement or in \
+        radians. Checks of error terms compare orders of convergence. A symbol at the left edge means equality to the \
+        last bit. The softer ends were fitted to Table I: their residuals check nothing.";
     Ok(Some(Figure::wide(svg, caption, CSV)))
 }
 
@@ -164,5 +167,5 @@ fn by_source(checks: &[&Check]) -> Table {
         .page("checks", Format::Plain, |source| of(source).len())
         .page("largest difference / tolerance", Format::Percent, |source| worst(of(source).into_iter().map(share)))
         .cells("verdict", Format::Words, |source| verdict(of(source).into_iter().all(Check::passes), ["pass", "fail"]))
-        .table("Checks by kind and source of their reference", CSV, sources)
+        .table("Checks by kind and by source of the reference value", CSV, sources)
 }

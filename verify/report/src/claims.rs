@@ -5,11 +5,11 @@ use finray_studies::claims::{Claim, ClaimVerdict};
 
 const CSV: &str = "claims.csv";
 /// Meaning of the verdicts.
-const ABOUT: &str = "Sentences of Xu et al. (IEEE T-RO 2021) compared with computations on models of the finger. Refuted: the model contradicts a \
-                     statement about mechanics. Not reproduced: the model does not yield a measured value. Depends on assumption: the verdict \
-                     depends on something that the paper does not state. In simulation, or less error in simulation: the claim is true for a \
-                     simulated finger whose model is known; this does not contradict the measurement. claims.csv states how each verdict is \
-                     computed.";
+const ABOUT: &str = "Claims of Xu et al. (IEEE T-RO 2021) are compared with computations on models of the finger. \"Refuted\" means \
+    that the model contradicts a statement about mechanics. \"Not reproduced\" means that the model does not yield a \
+    measured value. \"Depends on assumption\" means that the verdict depends on something that the paper does not \
+    state. \"In simulation\" and \"less error in simulation\" mean that the claim is true for a simulated finger whose \
+    model is known, which does not contradict the measurement. claims.csv states how each verdict is computed.";
 
 pub(super) fn datasets<'s>(Results { claims, .. }: Results<'s>) -> Vec<Dataset<'s>> {
     vec![Dataset::records(CSV, claims)]

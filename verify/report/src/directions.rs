@@ -112,12 +112,12 @@ fn where_identifiable(directions: &DirectionStudy) -> Option<String> {
         Some(everywhere) => format!("all directions are identifiable at {everywhere}"),
     };
     let nowhere = match of(false) {
-        None => "and some directions are identifiable at every position".to_owned(),
+        None => "and at every position some directions are identifiable".to_owned(),
         Some(nowhere) => format!("and no direction is identifiable at {nowhere}"),
     };
     let [identified, all] = directions.identified(largest_n);
     let fails = match 2 * identified > all {
-        true => "small forces and near the ends, not for the whole finger",
+        true => "small forces and for positions near the ends, but not for the whole finger",
         false => "most forces",
     };
     (!shares.is_empty()).then(|| {

@@ -234,7 +234,7 @@ pub(super) fn bent(study: &Study) -> Result<String, FigureError> {
         let reach = bent.force.normalize() * (0.1 * finger.plate_length_mm(Plate::Front));
         series.push(Series::arrow([point(&(bent.at - reach)), point(&bent.at)], "", Hue::nth(n / 2)));
     }
-    let alt = "The finger at rest and bent by a force at three nodes, linear and co-rotational.";
+    let alt = "The finger at rest and bent by a force at one of three nodes, with linear and co-rotational kinematics.";
     let frame = Frame::full(format!("At rest and under {} N", study.forces.drawn_n()), alt);
     Chart::to_scale(frame, [ALONG_AXIS, ACROSS_AXIS], series).svg()
 }

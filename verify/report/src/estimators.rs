@@ -56,7 +56,9 @@ fn columns<'s>() -> Columns<'s, Row<'s>> {
         .page("estimator", Format::Words, |row| row.estimator.label())
         .page("within 10 %, share of cells", Format::Plain, cells)
         .page("answers without a warning", Format::Percent, |row| Some(row.coverage?.share_without_warning()))
-        .page("of these: force in the 95 % interval", Format::Percent, |row| row.coverage?.covered_without_warning)
+        .page("of answers without a warning: force in the 95 % interval", Format::Percent, |row| {
+            row.coverage?.covered_without_warning
+        })
         .page("time per frame", Format::Plain, |row| row.seconds.map(time))
         .page("needs", Format::Words, |row| row.estimator.needs())
         .page("refuses", Format::Words, |row| row.estimator.refuses())
@@ -70,8 +72,9 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let [least_n, .., most_n] = study.forces.of_maps_n();
     let caption = format!(
-        "Uniform finger, contact known, worst force of {least_n} to {most_n} N. Networks sense only forces along the normal at contact nodes; node \
-         13 is sensed by the network for any contact"
+        "Uniform finger, contact known, worst force of {least_n} to {most_n} N. Networks sense only forces along \
+            the normal at contact nodes; forces at node 13 are sensed by the network that was trained for all contact \
+            nodes"
     );
     let mut blocks = vec![Block::Table(columns().table(caption, ESTIMATORS_CSV, rows(study)))];
     if !study.coverage.is_empty() {
@@ -92,8 +95,9 @@ fn says(study: &Study) -> Option<String> {
     let best = best.map(|best| format!("Recommended for any contact: {}. ", best.label())).unwrap_or_default();
     (share < 0.1).then(|| {
         format!(
-            "{best}Choose by error and interval, not by time: a force takes {fastest} to {slowest} (medians), at most {} of the {frame_ms:.0} ms \
-             between two frames at 25 Hz. Finding the nodes in an image takes longer.",
+            "{best}Choose by error and interval, not by time: sensing a force takes {fastest} to {slowest} \
+                (medians), at most {} of the {frame_ms:.0} ms between two frames at 25 Hz. Finding the nodes in an \
+                image takes longer.",
             percent(share)
         )
     })

@@ -26,8 +26,8 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     if study.is_paper {
         facts.push(ASSUMED.to_owned());
     }
-    let caption =
-        "Key nodes from the back base over the tip to the front base; a positive force pushes along its arrow.";
+    let caption = "Key nodes, numbered from the back base over the tip to the front base. An arrow shows the direction of a \
+            positive force.";
     let figure = Figure::wide(drawings::finger(study)?, caption, CSV);
     let blocks = vec![Block::Figure(figure), Block::List(facts)];
     Ok(Some(Section::new("finger", "The finger", blocks)))

@@ -17,13 +17,13 @@ use serde::Serialize;
 const CSV: &str = "grasp.csv";
 const SCENES_CSV: &str = "grasp_scenes.csv";
 /// How grasps are computed and sensed.
-const ABOUT: &str = "In simulation, two lattice fingers on the paper's linkage close on a free object, lift it, carry it and put it down: a disc off \
-                     the centre, a box in an oblique pose that the fingers rotate, and a ball in mid-air between spring-steel fingers. Every step is \
-                     an equilibrium of fingers, object, gravity and contacts with Coulomb friction. The lengths of the linkage are assumed, because \
-                     the paper gives them only in a figure that was not available. Sensing receives the motor angle and, with noise, the \
-                     displacements of the key nodes and points on both outlines. Also known are the touching parts and the coefficient of friction. \
-                     Nothing was tested on a real gripper. The object lies on rails, between which the fingers pass. A grasp ends if the fingers \
-                     touch each other.";
+const ABOUT: &str = "In simulation, two lattice fingers on the paper's linkage close on a free object, lift it, carry it and put it \
+    down: a disc off the centre, a box in an oblique pose that the fingers rotate, and a ball in mid-air between \
+    spring-steel fingers. Every step is an equilibrium of fingers, object, gravity and contacts with Coulomb friction. \
+    The lengths of the linkage are assumed, because the paper gives them only in a figure that was not available. \
+    Sensing receives the motor angle and, with noise, the displacements of the key nodes and points on both outlines. \
+    Sensing also receives which parts touch, and the coefficient of friction. Nothing was tested on a real gripper. \
+    The object lies on rails, between which the fingers pass. A grasp ends if the fingers touch each other.";
 
 /// First column of a row of forces: the scene.
 #[derive(Serialize)]
@@ -108,7 +108,7 @@ fn says(GraspStudy { name, noise_mm, noisy, clean, .. }: &GraspStudy) -> Option<
 /// Animated drawing of the whole grasp.
 fn moving(grasp: &GraspStudy) -> Result<Figure, ReportError> {
     let svg = grasp_animation_svg(&grasp.name, &grasp.scene, &grasp.steps)?;
-    Ok(Figure::narrow(svg, "Every step of the grasp; in print, only one step.", CSV))
+    Ok(Figure::narrow(svg, "Every step of the grasp; a printed page shows only one step.", CSV))
 }
 
 /// Charts of the forces of a grasp.

@@ -114,7 +114,7 @@ fn map_figure(study: &Study, lattice: &LatticeStudy) -> Result<Figure, ReportErr
 /// Chart of each estimator's error on the lattice, by position.
 pub fn sensing_figure(lattice: &LatticeStudy) -> Result<Figure, ReportError> {
     let force_n = lattice.sensing.largest_n();
-    let title = format!("lattice truth, no noise, {force_n} N, worst direction");
+    let title = format!("true finger: lattice, no noise, {force_n} N, worst direction");
     let series = lattice.sensing.maps().into_iter().enumerate().map(|(n, map)| {
         let worst = |&s_mm: &f64| {
             let here = map.cells.iter().filter(|cell| cell.s_mm == s_mm && cell.force_n == force_n);
@@ -147,8 +147,8 @@ pub fn drawing(rows: &[FinenessRow]) -> Result<String, FigureError> {
     let finenesses: Vec<f64> = rows.iter().map(|row| row.fineness as f64).collect();
     let widest = [f64::INFINITY, 0.0_f64];
     let ends = finenesses.iter().fold(widest, |[low, high], &x| [low.min(x / BESIDE), high.max(x * BESIDE)]);
-    let alt = "Worst difference of the lattice's displacements from converged beams by segments of plate between two key nodes, one line per force, \
-               both axes logarithmic";
+    let alt = "Worst difference of the lattice's displacements from converged beams by number of plate segments between two \
+        key nodes, one line per force, both axes logarithmic";
     let x = Axis::log("segments of plate between two key nodes").within(ends[0], ends[1]).with_ticks(finenesses);
     let axes = [x, Axis::log("difference / largest displacement")];
     Chart::new(Frame::full("Lattice against beams, by fineness", alt).with_plot_height(320.0), axes, series).svg()

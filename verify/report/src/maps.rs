@@ -29,8 +29,8 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let first: MapFilter = |truth, estimator| truth != TruthId::Linear && estimator != EstimatorId::Ridge;
     let mut blocks = vec![Block::Figure(overview(study, first)?)];
     let all = Block::Figure(overview(study, |_, _| true)?);
-    blocks.push(details("The same with ridge and the linear finger", vec![all]));
-    blocks.push(details("Least squares and the nonlinear estimator in full", in_full(study)?));
+    blocks.push(details("The overview with the ridge estimator and the linear finger", vec![all]));
+    blocks.push(details("Large maps of least squares and the nonlinear estimator", in_full(study)?));
     blocks.push(details("What limits any estimator", vec![Block::Figures(drawings::explanations(study)?)]));
     blocks.push(details("Key figures and cells of every map", vec![Block::Table(tables::figures(study))]));
     Ok(Some(Section::new("maps", "Every finger by every estimator", blocks).saying(words::says(study))))

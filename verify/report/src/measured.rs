@@ -44,7 +44,8 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         let magnified = picture::magnified(&measured.pictures);
         let figure = |shown: &Picture| {
             let caption = format!(
-                "{}: residual of each marker, {magnified} times as long, from its located position (circle) to its position on the finger.",
+                "{}: residual of each marker, magnified {magnified} times, from its located position (circle) to \
+                    its position on the finger.",
                 shown.image
             );
             Figure::narrow(picture::svg(shown, magnified), caption, RESIDUALS_CSV)
@@ -52,8 +53,8 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         let figures = measured.pictures.iter().map(figure).collect();
         blocks.push(Block::Figures(figures));
     }
-    let caption = "Error of the force relative to the measured force, by known quantities: all quantities that the scene states, then all of these \
-                   but one";
+    let caption = "Error of the force relative to the measured force, by known quantities: first with all quantities that the \
+        scene states, then without one of these quantities at a time";
     let of_all = coverages(measured).into_iter().filter(|coverage| coverage.object.is_none());
     blocks.push(Block::Table(coverage_columns().table(caption, COVERAGE_CSV, of_all)));
     let by_object: Vec<Coverage> =
@@ -210,7 +211,7 @@ fn residuals(residuals: &[MarkerResidual]) -> Result<Option<String>, FigureError
     let seen: Vec<Point> = residuals.iter().map(|left| [left.x_mm, left.y_mm]).collect();
     let mut series = Series::lines("residual", residuals.iter().map(line).collect(), Hue::nth(1), 2.0);
     series.push(Series { dash: Dash::None, hue: Hue::NEUTRAL, ..Series::nth(0, "markers seen", seen) });
-    let title = format!("Residuals, {scale:.0} times as long ({longest_mm:.3} mm at most)");
+    let title = format!("Residuals, magnified {scale:.0} times (longest: {longest_mm:.3} mm)");
     let alt = "Markers of all images in the finger frame with the residual of each";
     Chart::to_scale(Frame::half(title, alt), ["x, mm", "y, mm"], series).svg().map(Some)
 }

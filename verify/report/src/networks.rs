@@ -55,8 +55,9 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 fn about(noise_mm: f64) -> String {
     let forces_n = list(FORCES_N, " to ");
     format!(
-        "The networks are for eleven single nodes and four pairs of nodes of the paper's finger. They sense {forces_n} N along the normal with \
-         {noise_mm} mm noise. They were trained on the uniform finger, which they also sense here."
+        "The networks are for eleven single nodes and four pairs of nodes of the paper's finger. They sense \
+            {forces_n} N along the normal with {noise_mm} mm noise. They were trained on the uniform finger, and are \
+            tested here on the uniform finger."
     )
 }
 
@@ -73,7 +74,10 @@ fn says(networks: &NetworkStudy) -> Option<String> {
     let (most, worst) = over.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let sums = networks.rows.iter().filter_map(|row| Some((sum(row)?.mean_error / bound(sum(row)?)?, row)));
     let sum = sums.max_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(String::new, |(most, row)| {
-        format!(", a sum by up to {most:.2} times (nodes {})", list(&row.nodes, " and "))
+        format!(
+            ", and the sum of two forces by at most {most:.2} times its bound (nodes {})",
+            list(&row.nodes, " and ")
+        )
     });
     let checks = networks.checks();
     let kept = checks.iter().filter(|check| check.passes()).count();

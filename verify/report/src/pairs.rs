@@ -8,7 +8,7 @@ use finray_studies::settings::TWO_FORCES_N;
 
 const CSV: &str = "pairs.csv";
 const EACH: &str = "Mean error of each force, %";
-const SUM: &str = "Mean error of the sum of both, %";
+const SUM: &str = "Mean error of the sum of both forces, %";
 /// Height of the matrix, px, at which its cells are about square.
 const MATRIX_HEIGHT: f64 = 480.0;
 

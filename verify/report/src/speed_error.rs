@@ -23,7 +23,8 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     blocks.extend(study.timing_notes.iter().map(text));
     if !points.iter().any(is_peer) {
         blocks.push(text(
-            "Other programs were not timed: finray report --peers peers.csv adds the times that bench/peers/peers.py writes.",
+            "Other programs were not timed. To add the times that bench/peers/peers.py writes, run finray report \
+                --peers peers.csv.",
         ));
     }
     let floor = study.convergence.left(solved_n).filter(|left| *left > 0.0);
@@ -49,9 +50,12 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 fn about(solved_n: f64, sensed_n: [f64; 2], noise_mm: f64) -> String {
     let sensed_n = list(sensed_n, " to ");
     format!(
-        "Median time of one answer on one core against its error. Shapes: {solved_n} N along the front plate in three directions, against beams of 32 \
-         elements per member. Forces: {sensed_n} N along the normal over {FRAMES_A_PERIOD} frames, {noise_mm} mm noise. A warm start begins at the previous \
-         frame's answer, a cold start at the least-squares answer. Times for meshing, for preparing a contact and for the model error are not included."
+        "Each point shows the median time of one answer on one core, and the error of the answer. Shapes are \
+            computed under {solved_n} N along the front plate in three directions, and compared with beams of 32 \
+            elements per member. Forces of {sensed_n} N along the normal are sensed over {FRAMES_A_PERIOD} frames, \
+            with {noise_mm} mm noise. A warm start begins at the previous frame's answer, a cold start at the \
+            least-squares answer. Times for meshing, for preparing a contact and for the model error are not \
+            included."
     )
 }
 
@@ -72,8 +76,8 @@ fn says(study: &Study) -> Option<String> {
     });
     let (force_n, good_shape) = (study.checked_forces().drawn_n(), percent(GOOD_SHAPE));
     Some(format!(
-        "The fastest model that computes the shape under {force_n} N within {good_shape}: {good}. The most accurate model: {nearest}. The fastest model: \
-         {fastest}."
+        "For the shape under {force_n} N, the fastest model with an error of at most {good_shape} is {good}. The \
+            most accurate model is {nearest}. The fastest model is {fastest}."
     ))
 }
 
@@ -85,7 +89,11 @@ fn sensing(points: &[SpeedErrorPoint]) -> Option<String> {
     };
     let (way, all) = (recommended(points)?, ways(points));
     let fastest = all.iter().min_by(|a, b| a.one.seconds.total_cmp(&b.one.seconds))?;
-    Some(format!("Sensing one force: the recommended estimator, {}; the fastest, {}.", of(way.one), of(fastest.one)))
+    Some(format!(
+        "To sense one force, the recommended estimator, {}; the fastest estimator, {}.",
+        of(way.one),
+        of(fastest.one)
+    ))
 }
 
 fn is_peer(point: &SpeedErrorPoint) -> bool {
@@ -136,7 +144,7 @@ pub fn drawing(
     let mut front: Vec<[f64; 2]> = drawn.iter().filter(|point| point.on_front).map(|point| place(point)).collect();
     front.sort_by(|a, b| a[0].total_cmp(&b[0]));
     series.push(Series::guide("best trade-off", front));
-    let alt = format!("Error of {title} over the time that it takes, both axes logarithmic.");
+    let alt = format!("Error of {title} against computation time, both axes logarithmic.");
     let y = Axis::log(if task == Task::Solve { "error / largest displacement" } else { "mean error, %" });
     let axes = [Axis::log("time of one answer, \u{b5}s"), y];
     let chart =

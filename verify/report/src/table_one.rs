@@ -51,9 +51,10 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 /// The paper's experiment, and its simulation; `least` and `greatest` are the extreme ratios of calibrated to true modulus.
 fn about([least, greatest]: [f64; 2]) -> String {
     format!(
-        "The paper hangs 50 to 300 g on single nodes and senses them with the linear model, calibrated on nodes 17, 19 and 21 (calibrated / true \
-         modulus: {least:.2} to {greatest:.2}). Here the true finger is the uniform finger, without noise. The paper does not state the orientation \
-         of the finger, so several directions of the weights are assumed (at 10.9 deg the finger axis is level)."
+        "The paper hangs 50 to 300 g on single nodes and senses these weights with the linear model, which was \
+            calibrated on nodes 17, 19 and 21 (calibrated / true modulus: {least:.2} to {greatest:.2}). Here the true \
+            finger is the uniform finger, without noise. The paper does not state the orientation of the finger, so \
+            several directions of the weights are assumed (at 10.9 deg the finger axis is level)."
     )
 }
 
@@ -73,8 +74,9 @@ fn on_continuum(tables: &[TableOne]) -> String {
     let explained = large.iter().filter(|rows| rows.iter().any(gives_most)).count();
     let [least, most] = Span::of(tables.iter().map(|table| table.modulus_factor)).map_or([f64::NAN; 2], Span::ends);
     format!(
-        "The same protocol on a plane continuum with rods, under {} N at {} deg, yields a modulus of {least:.2} to {most:.2} times the true one; \
-         forces err by {}. These errors exceed half of the paper's error at {explained} of the {} nodes with a large error in the paper.",
+        "The paper's protocol on a plane continuum with rods, under {} N at {} deg, yields {least:.2} to {most:.2} \
+            times the true modulus; forces err by {}. These errors exceed half of the paper's error at {explained} of \
+            the {} nodes at which the paper's error is large.",
         list(FORCES_N, ", "),
         list(tables.iter().map(|table| table.angle_deg), ", "),
         list(by_node.iter().map(at), ", "),
@@ -95,11 +97,11 @@ fn says(tables: &[TableOne]) -> String {
     let parts = [
         part("more than half", |most, all| most == all),
         part("less than half", |most, _| most == 0),
-        part("more or less than half (depending on the direction)", |most, all| most > 0 && most < all),
+        part("more or less than half (depending on the direction of the weights)", |most, all| most > 0 && most < all),
     ];
     let rest = match parts {
         [_, None, None] => "",
-        _ => " The causes of the rest are not determined here.",
+        _ => "The causes of the remaining errors are not determined here.",
     };
     let parts = list(parts.into_iter().flatten(), "; ");
     format!("In simulation, over the assumed directions, geometric nonlinearity alone accounts for {parts}.{rest}")

@@ -53,11 +53,11 @@ fn drawing(two: &TableTwo, records: &[RecipeRow], noise_mm: f64) -> Result<Strin
         Some(_) => format!("{}: {}", group.name, quantity.trim_end_matches(" force")),
         None => group.name.to_owned(),
     });
-    let alt =
-        "Mean error of each force and of the sum: the paper's Table II, its network as recorded, and our estimators.";
+    let alt = "Mean error of each force and of the sum: in the paper's Table II, for the recorded trainings of the \
+            paper's network, and for our estimators.";
     let axes = [Axis::categories("contact nodes", names), Axis::linear("mean error, %")];
     let all = std::iter::once(paper).chain(recorded).chain(ours).filter(|bars| bars.values.iter().any(Option::is_some));
-    Chart::of_bars(Frame::full("Table II: one force, two neighbours, two apart", alt), axes, all.collect()).svg()
+    Chart::of_bars(Frame::full("Table II: one force, two neighbours, two nodes apart", alt), axes, all.collect()).svg()
 }
 
 /// Mean error for a true finger, noise level (mm) and estimator.
@@ -75,7 +75,7 @@ fn of_quantity(quantity: &str, force: f64, sum: Option<f64>) -> Option<f64> {
 
 /// Name of one of the paper's training recipes in tables.
 fn paper_network(recipe: &str) -> String {
-    format!("network of the paper, scaled by the {}", scaling(recipe))
+    format!("network of the paper, displacements scaled by the {}", scaling(recipe))
 }
 
 fn scaling(recipe: &str) -> &'static str {

@@ -34,9 +34,10 @@ fn about(recorded: &[RecipeRow]) -> String {
         seeds.collect::<std::collections::BTreeSet<_>>().len()
     });
     format!(
-        "Three recipes, recorded with {a}, {spread}, {b} and {c} seeds: (a) the paper's recipe: 150-200-150 units, 20 000 noise-free cases of the linear \
-         finger, displacements divided by the largest displacement or by their spread; (b) the same with noise; (c) the recipe of the shipped networks, \
-         trained on the uniform finger with noise."
+        "Three training recipes: (a) the paper's recipe with 150-200-150 units and 20 000 noise-free cases of the \
+            linear finger, with displacements divided by the largest displacement (recorded with {a} seeds) or by \
+            their spread ({spread} seeds); (b) recipe (a) with noise ({b} seeds); (c) the recipe of the shipped \
+            networks, trained on the uniform finger with noise ({c} seeds)."
     )
 }
 

@@ -91,7 +91,7 @@ pub(super) fn situations<'s>(study: &'s Study) -> Vec<Situation<'s>> {
     let off = format!("{POSITION_OFF_MM} mm and {DIRECTION_OFF_DEG} deg off");
     let assumed = assumed.map(|known| Situation {
         name: "contact assumed",
-        about: format!("position and direction of the contact assumed, {off}"),
+        about: format!("contact assumed with a wrong position and direction, {off}"),
         in_words: format!("with the contact {off}"),
         in_short: off.clone(),
         contact: ContactKnowledge::Assumed,
@@ -143,9 +143,10 @@ pub(super) fn datasets<'s>(study: &'s Study) -> Vec<Dataset<'s>> {
 pub(super) fn caption(study: &Study) -> String {
     let forces_n = list(study.forces.of_maps_n(), ", ");
     format!(
-        "Colour: the worst of the mean errors under {forces_n} N, with the nonlinear estimator. Front plate: forces along its normal. Fans: all \
-         directions, drawn on the side from which the force comes. Green is trusted; refused cells (position and direction) are not trusted. Shares \
-         refer to the cells with an equilibrium."
+        "The colour shows the worst of the mean errors under {forces_n} N, with the nonlinear estimator. The front \
+            plate shows forces along its normal. The fans show all directions, drawn on the side from which the force \
+            comes. Green cells are trusted; refused cells (position and direction) are not trusted. Shares count only \
+            the cells with an equilibrium."
     )
 }
 
@@ -174,7 +175,8 @@ fn figure(study: &Study, situation: &Situation, is_first: bool) -> Result<Figure
     let [front, back, ribs] = at_rest(finger);
     let series = Series::lines("", [back, ribs, front].concat(), Hue::FAINT, 2.2);
     let alt = format!(
-        "{title}. The finger, base on the left; its front plate coloured by the error along the normal, fans by the error in every direction."
+        "{title}. The finger is drawn with its base on the left. The front plate is coloured by the error along \
+            the normal, the fans by the error in every direction."
     );
     // The situation with everything known is drawn larger, above the others.
     let frame = if is_first { Frame::full(&title, alt) } else { Frame::half(&title, alt) };

@@ -113,7 +113,8 @@ fn drawing(study: &TwinStudy) -> Result<Option<String>, FigureError> {
         at_nodes(study).map(|row| (row.sensing.node.to_string(), row)).collect();
     rows.reverse();
     let title = "Table I, the finger with softer ends";
-    let alt = "Mean error by node: in the paper, on the uniform finger, on the finger with softer ends, and on the same finger with known zones.";
+    let alt = "Mean error by node: in the paper, on the uniform finger, on the finger with softer ends, and on the finger \
+        with softer ends when its zones are known.";
     let lines: [Line<NodeComparison>; 5] = [
         ("paper", |row| Some(100.0 * row.after?.paper_mean_error)),
         ("uniform finger", |row| Some(100.0 * row.before?.mean_error)),

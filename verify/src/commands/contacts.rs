@@ -50,7 +50,10 @@ impl Args for Contacts {
                 list(AT_POSITIONS)
                     .value_name("S_MM[+-SD]|auto[@ANGLE_DEG[+-SD]|normal|friction|object|measured|auto]")
                     .value_parser(AskedContact::at_position)
-                    .help("Contact at a position along the front plate, mm from its base; auto: position unknown"),
+                    .help(
+                        "Contact at a position along the front plate, mm from its base; auto if the position is \
+                        unknown",
+                    ),
             )
     }
 

@@ -125,7 +125,10 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
             let at = steps.last().map_or("before its first step".to_owned(), |step| {
                 format!("after step {} ({}, motor at {:.1} degrees)", step.step, step.phase, step.motor_deg)
             });
-            Err(not_computed(format!("{at}: {failed}; the steps until then are in {}", arguments.out.display())))
+            Err(not_computed(format!(
+                "{at}: {failed}; the steps before the failure are in {}",
+                arguments.out.display()
+            )))
         }
     }
 }

@@ -106,8 +106,9 @@ fn pose_of_plane(fit: &LensFit) -> Result<Pose, String> {
         let farther = (of[1] - origin).norm() / origin.norm();
         if turned_deg > SAME_NORMAL_DEG || farther > SAME_DISTANCE {
             return Err(format!(
-                "--plane: expected a grid that does not move between images, but relative to the mean of all images, the plane of image {} is \
-                 rotated by {turned_deg:.2} deg and shifted by {:.2} % of its distance from the camera",
+                "--plane: expected a grid that does not move between images, found a plane in image {} that \
+                    differs from the mean of all images: it is rotated by {turned_deg:.2} deg and shifted by {:.2} % \
+                    of its distance from the camera",
                 number + 1,
                 100.0 * farther
             ));
@@ -124,7 +125,7 @@ fn to_toml(fit: &LensFit, pose: Option<Pose>, arguments: &Arguments, kind: GridK
     // Writing to a string cannot fail.
     let _ = writeln!(
         text,
-        "# Lens from {images} of {} of {grid_mm} mm: {dots} {}, residual {residual:.3} px.",
+        "# Lens from {images} of {} with a pitch of {grid_mm} mm: {dots} {}, residual {residual:.3} px.",
         kind.name(),
         if kind == GridKind::Chessboard { "corners" } else { "dots" },
     );

@@ -83,8 +83,10 @@ fn named_scene(text: &str) -> Result<(String, PathBuf), String> {
         has_parts && name.starts_with(|first: char| first.is_ascii_alphabetic())
     };
     let named = text.split_once('=').filter(|(name, scene)| is_name(name) && !scene.is_empty());
-    let (name, scene) =
-        named.ok_or("expected NAME=SCENE, with a name of letters, digits and single _ that begins with a letter, such as left=left.toml")?;
+    let (name, scene) = named.ok_or(
+        "expected NAME=SCENE, such as left=left.toml; NAME begins with a letter and consists of letters, digits \
+            and single _",
+    )?;
     Ok((name.to_owned(), PathBuf::from(scene)))
 }
 
@@ -113,7 +115,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let streams = [&arguments.input].into_iter().filter(|_| arguments.image.is_empty());
     require_one_standard_input(scene_files().chain(streams.clone()))?;
     if arguments.record.as_deref().is_some_and(is_standard_stream) {
-        return Err(bad_input("--record: expected a file, found -: standard output receives the lines"));
+        return Err(bad_input("--record: expected a file, found -, but standard output receives the lines"));
     }
     let inputs = scene_files().chain(streams).chain(&arguments.image).map(PathBuf::as_path);
     require_separate_files([&arguments.out].into_iter().chain(&arguments.record).map(PathBuf::as_path), inputs)?;
@@ -234,7 +236,7 @@ fn unknown_finger(content: &Content, fingers: &[(String, PathBuf)]) -> Option<St
     let names: Vec<&str> = fingers.iter().map(|(name, _)| name.as_str()).filter(|name| !name.is_empty()).collect();
     Some(match &names[..] {
         [] => format!(
-            "expected markers without the name of a finger, or --finger {0}=SCENE, found finger {0:?}",
+            "expected markers that name no finger, or the option --finger {0}=SCENE, found markers of finger {0:?}",
             unknown.finger
         ),
         names => format!("expected a finger of {}, found {:?}", names.join(", "), unknown.finger),

@@ -108,7 +108,7 @@ fn images_with_their_radii(arguments: &Arguments, scene: &Scene, observer: Obser
         return found;
     }
     let (found, sought) = match count(&anew) >= count(&found) {
-        true => (anew, ", with which the markers were located again"),
+        true => (anew, ", and the markers were located again with this radius"),
         false => (found, ""),
     };
     for other in others {
@@ -182,8 +182,8 @@ fn warn_of_lost(path: &Path, scene: &Scene, seen: &Observation) {
 fn warn_of_base(path: &Path, finger: &Finger, seen: &Observation) {
     if seen.base.is_some_and(|base| !base.is_known) {
         print_message(format_args!(
-            "warning: {}: no two references on the base were found, so the pose of the base is estimated from the ribs: use these displacements only \
-             with an estimate of the base, as in `finray sense`",
+            "warning: {}: no two references on the base were found, so the pose of the base is estimated from the \
+                ribs: use these displacements only with an estimate of the base, as `finray sense` computes it",
             path.display()
         ));
     }
@@ -218,8 +218,9 @@ fn warn_of_rest(arguments: &Arguments, observer: &Observer) {
         && residual_px > SURE_REST_PX
     {
         print_message(format_args!(
-            "warning: {}: the markers are {residual_px:.1} px (rms) away from their positions on the scene's unloaded finger: if the finger carries \
-             a load in this image, every sensed force is wrong by that load; markers mounted beside their nodes cause no error",
+            "warning: {}: the markers are {residual_px:.1} px (rms) away from their positions on the scene's \
+                unloaded finger. If the finger carries a load in this image, every sensed force is wrong by that load; \
+                if the markers are merely mounted beside their nodes, this causes no error",
             path.display()
         ));
     }
@@ -242,8 +243,8 @@ fn doubt_of_pose(finger: &Finger, seen: &Observation) -> Option<String> {
         Some(marker)
     })?;
     Some(format!(
-        "the marker of clamped node {} is {:.2} mm away from its position in this pose: displacements err by at least this distance, and sigma_mm \
-         does not include this error",
+        "the marker of clamped node {} is {:.2} mm away from the position that the pose gives for it: \
+            displacements err by at least this distance, and sigma_mm does not include this error",
         moved.node,
         moved.displacement.norm()
     ))

@@ -158,7 +158,8 @@ fn require_separate_files<'p>(
         if known.contains(&found) {
             let path = output.display();
             return Err(bad_input(format!(
-                "{path}: expected a file of its own for each output, found an input or another output"
+                "{path}: expected a separate file for each output, found a file that is also an input or another \
+                    output"
             )));
         }
         known.push(found);

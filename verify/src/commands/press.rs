@@ -43,7 +43,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     if let Some(shape) = &arguments.shape {
         if is_standard_stream(shape) {
-            return Err(bad_input("--shape: expected a file, found -: standard output receives the forces"));
+            return Err(bad_input("--shape: expected a file, found -, but standard output receives the forces"));
         }
         if *shape == arguments.out || *shape == figure_path(&arguments.out) {
             return Err(bad_input(

@@ -75,8 +75,9 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
             hints::of_refused(&seen.refused);
             if seen.misplaced_mm > SAME_MM {
                 print_message(format_args!(
-                    "warning: {}: located with another scene, or with --rest: positions of markers differ by up to {:.2} mm from the positions with \
-                     this scene; locate the images with this scene",
+                    "warning: {}: the images were located with another scene, or with --rest: positions of markers \
+                        differ by up to {:.2} mm from the positions with this scene; locate the images again with this \
+                        scene",
                     located.display(),
                     seen.misplaced_mm
                 ));

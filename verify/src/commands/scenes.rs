@@ -29,7 +29,7 @@ pub fn scene_or_papers(path: Option<&Path>) -> Result<(Scene, String), Failure> 
 pub fn networks_of(path: Option<&Path>, estimators: &[EstimatorId]) -> Result<(Networks, Option<String>), Failure> {
     let Some(path) = path else { return Ok((Networks::read(&finray_fixtures::NETWORKS)?, None)) };
     if !estimators.contains(&EstimatorId::Network) {
-        return Err(bad_input("--network: expected --estimator network too, found another estimator"));
+        return Err(bad_input("--network: expected the option --estimator network as well, found another estimator"));
     }
     let (network, digest) = load_network(path)?;
     Ok((Networks::of(vec![network]), Some(digest)))

@@ -85,7 +85,10 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         SensorContacts::Measured { .. } => None,
     };
     let contacts = contacts.ok_or_else(|| {
-        bad_input("a network needs contacts with known positions and directions, not `auto`, `normal`, `friction`, `object`, `measured` or +-")
+        bad_input(
+            "a network needs contacts with known positions and directions, not `auto`, `normal`, `friction`, `object`, \
+            `measured` or a standard deviation after +-",
+        )
     })?;
     if let Some(node) = arguments.hide.iter().find(|&&node| finger.marked_nodes().all(|free| free.0 != node)) {
         let [first, last] = [2, finger.key_node_count() - 1];
@@ -140,14 +143,11 @@ fn tested(network: &Network) -> String {
     let card = &network.card;
     let line = |(contact, error): (&Contact, &TestError)| {
         format!(
-            "contact {contact}: {:.4} N root mean square error with {} mm of noise, {:.4} N without\n",
+            "contact {contact}: {:.4} N root mean square error with {} mm of noise, {:.4} N without noise\n",
             error.rms_n, card.noise_mm, error.clean_rms_n
         )
     };
     let lines: String = card.contacts.iter().zip(&card.test_errors).map(line).collect();
     let (cases, epochs) = (card.test_samples, card.origin.epochs);
-    format!(
-        "{lines}(forces up to {} N, {cases} fresh cases; weights of epoch {epochs})\n",
-        card.origin.force_range_n[1]
-    )
+    format!("{lines}(forces up to {} N, {cases} test cases; weights of epoch {epochs})\n", card.origin.force_range_n[1])
 }

@@ -94,13 +94,13 @@ fn measurements_that_contradict_their_images_are_refused_by_name() {
             "all-grams",
             located.rows.clone(),
             with(&|forces| forces.iter_mut().for_each(scaled(GRAMS_A_NEWTON))),
-            vec!["measured forces are", "times (median) the forces that bend the scene's finger", "unit (N)"],
+            vec!["the median ratio of measured forces to the forces that the markers show is", "unit (N)"],
         ),
         (
             "all-signs",
             located.rows.clone(),
             with(&|forces| forces.iter_mut().for_each(scaled(-1.0))),
-            vec!["measured forces are -", "sign"],
+            vec!["the median ratio of measured forces to the forces that the markers show is -", "sign"],
         ),
         ("exchanged", located.rows.clone(), with(&|forces| forces.swap(0, 2)), [&["press"], &force[..]].concat()),
     ];
@@ -123,7 +123,10 @@ fn what_stands_out_is_said() {
     println!("{warnings:?}");
     for image in ["press1.png", "press3.png"] {
         let of_image = warnings.iter().find(|warning| warning.contains(image)).expect("a warning");
-        assert_says(of_image, &["the measured force is", "check its unit, frame and row"]);
+        assert_says(
+            of_image,
+            &["the ratio of the measured force to the force that the markers show is", "check unit, frame and row"],
+        );
     }
     // The row of one node, displaced by a millimetre.
     let moved = |line: &str| {

@@ -151,7 +151,7 @@ fn faults_of_the_inputs_are_said() {
         (
             "other marks in place of those of the base",
             Refused,
-            vec!["mm from the base that the ribs show", "base.reference.radius_mm"],
+            vec!["mm from the base position shown by the ribs", "base.reference.radius_mm"],
             Box::new(|rig| {
                 let others = [20.0, -10.0].map(|y| {
                     format!("[[base.reference]]\nat_mm = [-46.0, {y:?}]\nshade = \"dark\"\nradius_mm = 1.9\nheight_mm = 0.0\n")
@@ -195,7 +195,7 @@ fn faults_of_the_inputs_are_said() {
         (
             "all images upside down",
             Refused,
-            vec!["measured forces are -", "sign or frame"],
+            vec!["the median ratio of measured forces to the forces that the markers show is -", "sign or frame"],
             Box::new(|rig| {
                 let turn = |i: usize| rig.changed(i, &format!("turned{i}.png"), DynamicImage::rotate180);
                 rig.calibrated("all-turned", &[0, 1, 2].map(turn), [1.0, 1.0])
@@ -228,7 +228,7 @@ fn faults_of_the_inputs_are_said() {
         (
             "the sign of fy",
             Refused,
-            vec!["measured forces scatter by", "with the opposite angle", "sign of fx_n and fy_n"],
+            vec!["measured forces scatter by", "mirrored about the plate's normal", "sign of fx_n and fy_n"],
             Box::new(|rig| rig.calibrated("fy", &rig.images, [1.0, -1.0])),
         ),
         ("half of a board", Warned, vec!["the focal length is uncertain by"], Box::new(Rig::half_of_a_board)),

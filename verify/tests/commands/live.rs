@@ -290,7 +290,7 @@ fn outputs_are_files_of_their_own() {
         vec!["--record", &scene],
         vec!["--out", "a", "--record", "./a"],
     ] {
-        assert_says(&finray(&[&live[..], &outputs].concat()).refused(), &["expected a file of its own"]);
+        assert_says(&finray(&[&live[..], &outputs].concat()).refused(), &["expected a separate file for each output"]);
     }
     assert_eq!(folder.read("stream"), pressed_frame());
     assert_says(&finray(&[&live[..], &["--record", "-"]].concat()).refused(), &["--record: expected a file"]);

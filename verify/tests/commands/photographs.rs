@@ -189,7 +189,7 @@ fn friction_is_judged(folder: &Folder, scene: &str, located: &str, objects: &str
         writeln!(mirrored, "press{i}.png,{fx},{fy}").expect("memory");
     }
     let answer = finray(&[&calibrate[..], &[&folder.put("mirrored.csv", mirrored)]].concat());
-    assert_says(&answer.refused(), &["with the opposite angle", "check the sign of fx_n and fy_n"]);
+    assert_says(&answer.refused(), &["mirrored about the plate's normal", "check the sign of fx_n and fy_n"]);
 }
 
 /// The report compares the sensed forces of the images with the measured forces.
@@ -247,7 +247,7 @@ fn compared_in_a_report(
     // Two of the images are shown with the residuals of their markers. Each marker has two circles, because one is a halo.
     assert_eq!(section.matches("data:image/jpeg;base64,").count(), 2);
     assert_eq!(section.matches("r=\"4\"/><path d=\"M").count(), 2 * 2 * 8);
-    assert!(section.contains("press2.png: residual of each marker"));
+    assert!(section.contains("press2.png: residual of each marker, magnified"));
     let residuals = Csv::of(&folder.read("report/measured_residuals.csv"));
     assert_eq!(residuals.rows.len(), 3 * 8);
     assert!(residuals.numbers("residual_x_mm").iter().all(|left| left.abs() < 0.06));

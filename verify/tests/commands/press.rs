@@ -53,7 +53,7 @@ fn sense_of_measured_contacts_gives_what_press_gives() {
     let exact = Csv::of(&finray(&sense).done()).numbers("sigma_n")[0];
     assert!(exact < of_sense[1], "{exact} and {of_sense:?}");
     let mixed = [&sense[..], &["--contact", "17"]].concat();
-    assert_says(&finray(&mixed).refused(), &["expected all contacts with standard deviations (+-), or none"]);
+    assert_says(&finray(&mixed).refused(), &["expected standard deviations (+-) for all contacts or for no contact"]);
     // A standard deviation is not ignored silently if another quantity of its contact is unknown.
     for contact in ["auto@-20+-3", "80+-0.5@normal", "80+-0.5@auto"] {
         let sense = ["sense", &scene, "--displacements", &shape, "--contact-at", contact, "--noise-mm", LEAST_MM];

@@ -156,6 +156,6 @@ fn wrong_arguments_are_refused() {
     let stray = ["sense", PAPER, "--displacements", "-", "--contact", "19", "--network", "file"];
     assert_says(
         &finray_reading(b"node,ux_mm,uy_mm\n7,0,-1\n", &stray).refused(),
-        &["--network: expected --estimator network too"],
+        &["--network: expected the option --estimator network as well"],
     );
 }

@@ -1,8 +1,8 @@
 //! Detection of the inner corners of a chessboard, at which two dark and two light squares meet.
 //!
-//! Around a ring about such a corner, the light changes four times, opposite pixels are equal, and the centre has the mean light of the ring. These properties
-//! distinguish a corner from an edge, a line, and the gap between two dots. The centre of the corner is the point from which the directions to nearby pixels
-//! are perpendicular to the gradients at those pixels.
+//! On a ring about a chessboard corner, the light changes four times, opposite pixels are equal, and the centre has the mean light of the ring. These
+//! properties of ring and centre distinguish a corner from an edge, a line, and the gap between two dots. The centre of the corner is the point from
+//! which the directions to nearby pixels are perpendicular to the gradients at those pixels.
 //!
 //! # Reference
 //! S. Bennett, J. Lasenby, ChESS: quick and robust detection of chess-board features, Computer Vision and Image Understanding 118 (2014); W. Foerstner,
@@ -16,9 +16,9 @@ use finray_model::camera::Pixel;
 use image::GrayImage;
 use nalgebra::Matrix2;
 
-/// Corners are first searched for in an image whose longer side is at most this, px. Larger images are reduced by a whole factor.
+/// Corners are first searched for in an image whose longer side is at most this, px. Larger images are reduced by an integer factor.
 const LONGER_SIDE: u32 = 1100;
-/// A corner is a neighbour along the edge of a square only if its direction is within this angle of the edge, degrees.
+/// A corner counts as the neighbour along the edge of a square only if the direction to it is within this angle of the edge, degrees.
 const OFF_EDGE_DEG: f64 = 15.0;
 /// A lattice of corners is a chessboard only if at least this share of neighbouring squares alternates between dark and light.
 const LEAST_IN_TURN: f64 = 0.9;
@@ -30,16 +30,16 @@ const WINDOW_PX: [f64; 2] = [3.0, 15.0];
 const STEPS: usize = 20;
 /// The iterations for a corner's centre end when a step is below this, px.
 const STILL_PX: f64 = 1e-4;
-/// Range of the light that a corner's centre may have; 0 is the light of the dark squares, 1 is the light of the light squares.
+/// Range of the light that a corner's centre may have; 0 is the light of the squares found as dots, 1 is the light of the other squares.
 const MIDDLE: std::ops::Range<f64> = 0.25..0.75;
 /// Distance from a corner at which the light of the adjacent squares is sampled, as a share of the distance to their centres.
 const BESIDE: f64 = 0.25;
 /// Smallest distance from a corner at which the light of the adjacent squares is sampled, px.
 const BESIDE_PX: f64 = 2.0;
-/// At most about this number of dots is used to test whether dots are squares.
+/// At most about this number of dots is examined to decide whether dots are squares of a chessboard.
 const MOST_LOOKED: usize = 60;
 
-/// The corners of the largest chessboard in an image, each with column and row, and pixel.
+/// The corners of the largest chessboard in an image, each with its column, its row and its pixel.
 pub(super) fn board(grey: &GrayImage) -> Vec<([i32; 2], Pixel)> {
     let first = grey.width().max(grey.height()).div_ceil(LONGER_SIDE).max(1);
     let mut best: Vec<([i32; 2], Pixel)> = Vec::new();
@@ -79,8 +79,8 @@ fn neighbours(lattice: &Lattice, [i, k]: [i32; 2]) -> impl Iterator<Item = usize
     [[i + 1, k], [i - 1, k], [i, k + 1], [i, k - 1]].into_iter().filter_map(|index| lattice.get(&index).copied())
 }
 
-/// Whether the dots of a lattice are squares of a chessboard. Squares of one shade meet at their corners, so a chessboard corner then lies halfway
-/// between neighbouring dots.
+/// Whether the dots of a lattice are squares of a chessboard. Squares of one shade meet at their corners, so a chessboard corner lies halfway between
+/// neighbouring dots if the dots are squares.
 pub(super) fn are_squares(grey: &GrayImage, dots: &[Dot], lattice: &Lattice) -> bool {
     let is_corner = |number: usize, next: [i32; 2], aside: [[i32; 2]; 2]| {
         let next = lattice.get(&next)?;
@@ -90,7 +90,7 @@ pub(super) fn are_squares(grey: &GrayImage, dots: &[Dot], lattice: &Lattice) -> 
         let window = WINDOW * along.norm().min(across.norm());
         let corner = centre(grey, (from + to) / 2.0, window.clamp(WINDOW_PX[0], WINDOW_PX[1]))?;
         let [along, across] = [along, across].map(|way| way * BESIDE.max(BESIDE_PX / way.norm()));
-        // Mean light of two opposite squares, and the difference between the two.
+        // Mean light of two opposite squares, and the difference between the light of the two.
         let both = |step: Pixel| {
             let lights = (light(grey, &(corner + step))?, light(grey, &(corner - step))?);
             Some(((lights.0 + lights.1) / 2.0, (lights.0 - lights.1).abs()))
@@ -119,7 +119,8 @@ fn is_in_turn(grey: &GrayImage, dots: &[Dot], lattice: &Lattice) -> bool {
         let middle = [a, b, c, d].iter().map(|dot| dots[**dot].pixel).sum::<Pixel>() / 4.0;
         light(grey, &middle)
     };
-    // Difference in light between a square and the next square, multiplied by a sign that alternates. On a chessboard, all results have the same sign.
+    // Difference in light between a square and the next square, multiplied by a sign that alternates from square to square. On a chessboard, the
+    // products for all pairs of neighbouring squares have the same sign.
     let lighter = |&[i, k]: &[i32; 2], next: [i32; 2]| {
         let difference = square([i, k])? - square(next)?;
         Some(if (i + k).rem_euclid(2) == 0 { difference } else { -difference })
@@ -131,7 +132,7 @@ fn is_in_turn(grey: &GrayImage, dots: &[Dot], lattice: &Lattice) -> bool {
     !differences.is_empty() && lighter.max(darker) as f64 >= LEAST_IN_TURN * differences.len() as f64
 }
 
-/// Seeds of a lattice: corners with neighbours along both edges, on both sides.
+/// Seeds of a lattice: corners that have a neighbour on both sides along each of their two edges.
 fn seeds(corners: &[Corner]) -> Vec<Seed> {
     let widest = OFF_EDGE_DEG.to_radians().cos();
     let seed = |(number, corner): (usize, &Corner)| {
@@ -172,8 +173,8 @@ fn centre(grey: &GrayImage, from: Pixel, window: f64) -> Option<Pixel> {
                 if far2 >= 1.0 {
                     continue;
                 }
-                // The weight is a Gaussian whose standard deviation is half the window's radius, lowered to zero at the window's border. The centre then
-                // changes smoothly as pixels enter the window.
+                // The weight is a Gaussian whose standard deviation is half the window's radius, lowered to zero at the window's border. With a
+                // weight that falls to zero at the border, the centre changes smoothly as pixels enter the window.
                 let weight = (-2.0 * far2).exp() - (-2.0_f64).exp();
                 let gradient = Pixel::new(value(u + 1, v) - value(u - 1, v), value(u, v + 1) - value(u, v - 1));
                 let product = gradient * gradient.transpose() * weight;

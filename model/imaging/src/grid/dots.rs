@@ -1,21 +1,22 @@
 //! Centres and radii of the dots of a lattice, from the light of the pixels about each dot.
 //!
-//! A pixel's light is assigned to the dot whose rim is nearest. If neighbours are so close that their blurred edges overlap, a dot gains as much light from
-//! its neighbour's edge as it loses from its own. Pixels away from all dots show the background.
+//! A pixel's light is assigned to the dot whose rim is nearest. If the blurred edges of two close dots overlap, a dot gains as much light from its
+//! neighbour's edge as it loses from its own edge. Pixels away from all dots show the background.
 
 use super::patches::Dot;
 use finray_model::camera::Pixel;
 use image::GrayImage;
 use nalgebra::{Matrix3, Vector3};
 
-/// Distances beyond a dot's rim at which the dot's light ends and at which the used background ends. Each is a multiple of the dot's radius plus a length in
-/// px. The first pair is for isolated dots, the other pairs for dots that lie close together.
+/// Distances beyond a dot's rim: up to the first distance, light belongs to the dot; from there to the second distance, pixels may show the
+/// background. Each is a multiple of the dot's radius plus a length in px. The first pair is for isolated dots; the other pairs are for dots that lie
+/// close together.
 const ABOUT: [[(f64, f64); 2]; 3] = [[(0.15, 2.5), (0.35, 4.5)], [(0.0, 2.0), (0.5, 6.0)], [(0.0, 1.0), (1.0, 8.0)]];
 /// A dot is measured only if at least this number of pixels shows the background.
 const LEAST_GROUND: usize = 24;
-/// Radius of the inner part of a dot, in which the light is even, in radii of the dot.
+/// Radius of the inner part of a dot, as a share of the dot's radius; the light is even in this part.
 const INNER: f64 = 0.6;
-/// A dot is rejected if the centre of its light is farther than this from the centre of its patch, in radii.
+/// A dot is rejected if the centre of its light is farther than this from the centre of its patch, as a share of the dot's radius.
 const LARGEST_SHIFT: f64 = 0.5;
 /// A dot is rejected if the area of its light, divided by the area of its patch, is outside this range.
 const AREAS: std::ops::Range<f64> = 0.5..2.0;
@@ -28,7 +29,8 @@ pub(super) fn measured(grey: &GrayImage, dot: &Dot, others: &[Dot]) -> Option<(P
     })
 }
 
-/// Same as [`measured`], for given extents: the dot's light reaches `own` px beyond the rim, and the background from there to `reach` px.
+/// Same as [`measured`], for given extents: the dot's light reaches `own` px beyond the rim, and the background used lies `own` to `reach` px beyond
+/// the rim.
 fn light_of(grey: &GrayImage, dot: &Dot, others: &[Dot], [own, reach]: [f64; 2]) -> Option<(Pixel, f64)> {
     let half = dot.longer_px() + reach;
     let middle = dot.pixel;

@@ -4,7 +4,7 @@ use super::patches::Dot;
 use finray_model::camera::Pixel;
 use std::collections::{HashMap, VecDeque};
 
-/// A lattice is grown from at most this number of dots in turn, those with the most regular surroundings first.
+/// At most this number of dots is tried as the start of a lattice, the dots with the most regular surroundings first.
 const SEEDS: usize = 40;
 /// The search for a larger lattice ends when this share of the dots is in one lattice.
 const ENOUGH: f64 = 0.8;
@@ -17,10 +17,10 @@ const STEPS: f64 = 1.25;
 const LEAST_SINE: f64 = 0.9;
 /// Two dots are neighbours only if the ratio of their radii is at most this.
 const ALIKE: f64 = 1.6;
-/// A dot is detected only at this distance from the image border or farther: a multiple of its longer half axis, plus px.
+/// A dot is detected only if its distance from the image border is at least a multiple of its longer half axis, plus a length in px.
 const ROOM: (f64, f64) = (1.2, 4.0);
 
-/// Index of the dot at each column and row, counted from an arbitrary dot.
+/// Index of the dot at each column and row; columns and rows are counted from an arbitrary dot.
 pub(super) type Lattice = HashMap<[i32; 2], usize>;
 
 /// A dot from which a lattice may grow: irregularity of its surroundings (0 is regular), its index, and the steps to two of its neighbours, px.
@@ -51,8 +51,8 @@ pub(super) fn seeds(dots: &[Dot]) -> Vec<Seed> {
     (0..dots.len()).filter_map(seed).collect()
 }
 
-/// Irregularity of a dot's surroundings, and the steps to two neighbours, px. Both neighbours have counterparts on the opposite side. The shape of the dot
-/// corrects the steps for the slant of the grid.
+/// Irregularity of a dot's surroundings, and the steps to two neighbours, px. Each of the two neighbours has a counterpart on the opposite side of
+/// the dot. Steps are compared after the slant of the grid is removed, which follows from the shape of the dot.
 fn steps_at(dots: &[Dot], seed: usize) -> Option<(f64, [Pixel; 2])> {
     let Dot { pixel: from, upright, .. } = dots[seed];
     let mut near: Vec<(f64, Pixel)> = dots
@@ -70,7 +70,7 @@ fn steps_at(dots: &[Dot], seed: usize) -> Option<(f64, [Pixel; 2])> {
     near.select_nth_unstable_by(count - 1, |a, b| a.0.total_cmp(&b.0));
     near.truncate(count);
     near.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // Distance between the mirrored step and the nearest dot, relative to the length of the step.
+    // Distance from the end of the mirrored step to the nearest dot, relative to the length of the step.
     let off =
         |step: &Pixel| near.iter().map(|(_, other)| (other + step).norm()).fold(f64::INFINITY, f64::min) / step.norm();
     let first = near.iter().map(|(_, step)| *step).find(|step| off(step) < OFF)?;
@@ -126,8 +126,8 @@ pub(super) fn outline(dots: &[Dot], lattice: &Lattice, size_px: [u32; 2]) -> [us
         let room = ROOM.0 * dot.longer_px() + ROOM.1;
         let is_inside =
             |at: Pixel| (0..2).all(|axis| (room..f64::from(size_px[axis]) - 1.0 - room).contains(&at[axis]));
-        // Whether one of two opposite neighbours is missing although the image would show it. The other neighbour predicts its position. `None` if
-        // both are missing, or if the image would not show the missing one.
+        // Whether one of two opposite neighbours is missing although it would lie in the image. The other neighbour predicts its position. `None` if
+        // both neighbours are missing, or if the missing neighbour would lie outside the image.
         let lacks_one = |ends: [[i32; 2]; 2]| match ends.map(|end| lattice.get(&end)) {
             [Some(_), Some(_)] => Some(false),
             [Some(&other), None] | [None, Some(&other)] => {

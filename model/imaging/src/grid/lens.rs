@@ -20,7 +20,7 @@ pub enum LensOfGridsError {
     /// No lens fits the dots.
     #[error(transparent)]
     Fit(#[from] LensFitError),
-    /// The dots of one image do not lie on a plane grid with any lens.
+    /// No lens explains the dots of one image as a plane grid.
     #[error(
         "image {image}: expected a plane grid, found dots that deviate from a plane grid by {residual_px:.1} px (root mean square); neighbouring \
          dots are {pitch_px:.0} px apart"
@@ -34,7 +34,7 @@ pub enum LensOfGridsError {
         pitch_px: f64,
     },
     /// Some images show a chessboard, others a grid of dots.
-    #[error("expected images of one board, found some of a chessboard and some of dots")]
+    #[error("expected images of one board, found images of a chessboard and images of a board of dots")]
     Kinds,
 }
 
@@ -42,7 +42,7 @@ pub enum LensOfGridsError {
 /// the image of the disc's centre; the fit corrects this difference. Returns the fit and the number of dots that were dropped as outliers.
 ///
 /// # Errors
-/// [`LensOfGridsError`] for grids of different kinds, dots off a plane grid, or no lens that fits.
+/// [`LensOfGridsError`] if the grids are of different kinds, if dots do not lie on a plane grid, or if no lens fits.
 pub fn lens_of_grids(size_px: [u32; 2], pitch_mm: f64, grids: &[Grid]) -> Result<(LensFit, usize), LensOfGridsError> {
     let kind = Grid::common_kind(grids).ok_or(LensOfGridsError::Kinds)?;
     let position = |dot: &GridDot| kind.position(dot.index) * pitch_mm;

@@ -1,4 +1,4 @@
-//! Detection of a plane grid in an image without an initial guess: dots, holes or chessboard corners, and their columns and rows.
+//! Detection of a plane grid in an image without an initial guess: finds dots, holes or chessboard corners, and their columns and rows.
 //!
 //! Dots may be dark or light, unevenly lit and partly hidden. The grid may be slanted, and the lens may distort the image.
 
@@ -22,10 +22,10 @@ const LEAST_DOTS: usize = 12;
 /// Half the side of the blocks over which brightness is averaged for the threshold, px. The sizes suit small to large dots.
 const BLOCKS_PX: [u32; 4] = [10, 25, 60, 120];
 
-/// A grid is asymmetric only if its outlines have at least this number of dots along the diagonals.
+/// A grid counts as asymmetric only if at least this number of dots on the outlines lies along diagonals.
 const LEAST_DIAGONAL: usize = 3;
-/// A grid is asymmetric only if the number of dots on outlines along the diagonals exceeds this multiple of the number along rows and columns.
-/// A rectangular grid already has four diagonal dots, at its corners.
+/// A grid counts as asymmetric only if the outline dots along diagonals are more than this many times as numerous as those along rows and columns. A
+/// rectangular grid already has four diagonal dots, at its corners.
 const DIAGONAL: usize = 2;
 
 /// Type of a grid.
@@ -33,8 +33,8 @@ const DIAGONAL: usize = 2;
 pub enum GridKind {
     /// Dots or holes in rows and columns. The pitch is the distance between neighbours.
     Dots,
-    /// Dots or holes in rows that are one pitch apart. The dots of a row are two pitches apart, and every other row is displaced by one pitch, so neighbours
-    /// are diagonal.
+    /// Dots or holes in rows that are one pitch apart. The dots of a row are two pitches apart, and every other row is displaced by one pitch, so the
+    /// nearest neighbours of a dot lie diagonally.
     AsymmetricDots,
     /// The inner corners of a chessboard. The pitch is the side of a square.
     Chessboard,
@@ -67,13 +67,13 @@ pub struct Grid {
     pub dots: Vec<GridDot>,
     /// Whether the grid consists of the corners of a chessboard.
     is_chessboard: bool,
-    /// Number of dots on the outline along rows and columns, and number along diagonals.
+    /// Number of outline dots along rows and columns, and number of outline dots along diagonals.
     outline: [usize; 2],
 }
 
 impl Grid {
-    /// Common type of grids that show the same board. `None` if some are chessboards and others are not. A single image may not show whether dots are
-    /// asymmetric, so the outlines of all grids decide together.
+    /// Common type of grids that show the same board. `None` if some grids are chessboards and others are not. A single image may not show whether
+    /// dots are asymmetric, so the outlines of all grids decide together.
     pub fn common_kind(grids: &[Grid]) -> Option<GridKind> {
         let boards = grids.iter().filter(|grid| grid.is_chessboard).count();
         let [straight, diagonal] = [0, 1].map(|way| grids.iter().map(|grid| grid.outline[way]).sum::<usize>());
@@ -110,8 +110,8 @@ pub struct NoGrid {
     pub found: usize,
 }
 
-/// Finds the grid with the most dots, trying several thresholds. The squares of a chessboard may also count as dots, unless they are large or cut by the
-/// border. Corners are therefore searched for if the dots are squares, or if there are too few dots.
+/// Finds the grid with the most dots, trying several thresholds. The squares of a chessboard may also count as dots, unless they are large or cut by
+/// the border. Chessboard corners are therefore searched for if the dots are squares, or if there are too few dots.
 ///
 /// # Errors
 /// [`NoGrid`] if the image shows no grid of at least 12 dots or corners.

@@ -15,9 +15,10 @@ const LARGEST_SHARE: f64 = 0.02;
 /// Range of the area of an elliptic patch, divided by the area of the ellipse with the same second moments. Even for an ellipse, the ratio differs from 1,
 /// because patches consist of whole pixels.
 const FULLNESS: [f64; 2] = [0.85, 1.15];
-/// An ellipse is a dot only if the ratio of its axes is at most this: the ratio of a disc seen at 70 degrees.
+/// An ellipse is a dot only if the ratio of its axes is at most this, about the ratio of a disc seen at 70 degrees from its normal.
 const LONGEST: f64 = 3.0;
-/// At most this number of patches is considered, in raster order. An image with more patches shows something else.
+/// At most this number of round patches, and of other patches, is considered, in raster order. An image with more patches shows something other than
+/// a calibration grid.
 const MOST_DOTS: usize = 6000;
 
 /// A patch, described by an ellipse.
@@ -27,7 +28,7 @@ pub(super) struct Dot {
     pub pixel: Pixel,
     /// Radius of a disc with the patch's area, px.
     pub radius_px: f64,
-    /// Linear map of vectors in the image after which a slanted dot is round: the inverse square root of the patch's second moments, scaled to determinant 1.
+    /// Linear map of image vectors that makes a slanted dot round: the inverse square root of the patch's second moments, scaled to determinant 1.
     pub upright: Matrix2<f64>,
 }
 
@@ -54,7 +55,8 @@ pub(super) struct Patches {
     pub others: Vec<Dot>,
 }
 
-/// Finds the patches of an image that differ from the mean brightness of blocks. `block_px` is half the side of a block, px; `are_dark` selects dark patches.
+/// Finds the patches of an image that are darker or lighter than the mean of the block around each pixel. `block_px` is half the side of a block, px;
+/// `are_dark` selects dark patches.
 pub(super) fn patches(grey: &GrayImage, block_px: u32, are_dark: bool) -> Patches {
     if 2 * block_px >= grey.width().min(grey.height()) {
         return Patches::default();

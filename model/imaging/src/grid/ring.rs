@@ -1,4 +1,4 @@
-//! Candidates for chessboard corners, from the light on a ring about each pixel of an image, which may be reduced.
+//! Candidates for chessboard corners, from the light on a ring about each pixel of an image; the image may be reduced.
 
 use finray_model::camera::Pixel;
 use image::GrayImage;
@@ -13,7 +13,7 @@ pub(super) const LEAST_CONTRAST: f32 = 20.0;
 const LEAST_RESPONSE: f32 = 3.0;
 /// Corners are at least this far apart, px.
 const APART: u32 = 4;
-/// At most this number of corners is considered, in raster order. An image with more corners shows something else.
+/// At most this number of corners is considered, in raster order. An image with more corners shows something other than a calibration grid.
 const MOST_CORNERS: usize = 6000;
 
 /// A corner: its pixel, and the unit directions of its two edges.
@@ -24,7 +24,7 @@ pub(super) struct Corner {
     pub edges: [Pixel; 2],
 }
 
-/// An image that is reduced by a whole factor.
+/// An image that is reduced by an integer factor.
 pub(super) struct Shrunk {
     /// Factor by which the image is reduced.
     factor: u32,

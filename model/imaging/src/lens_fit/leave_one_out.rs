@@ -5,13 +5,13 @@ use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
 type Normal = SMatrix<f64, PARAMETERS, PARAMETERS>;
 
-/// The scatter is estimated only from at least this number of images.
+/// Smallest number of images from which the scatter is estimated.
 const LEAST_IMAGES: usize = 3;
 
 /// Standard deviations of the lens's parameters by the jackknife, which omits each image in turn and uses the resulting changes of the parameters.
-/// The standard deviations include errors that the dots of an image share, for instance due to a bent board or a wrong model of the dots. `jacobian`
-/// has the columns of the lens, then six per pose. Its rows are two per dot, image by image, then the priors. `dots` is the number of dots of each
-/// image. `None` for fewer than three images, or if a parameter depends on a single image.
+/// The standard deviations include errors that the dots of an image share, for instance due to a bent board or a wrong model of the dots. The columns
+/// of `jacobian` belong to the lens's parameters, then six to each pose. The rows of `jacobian` are two per dot, image by image, followed by the rows
+/// of the priors. `dots` is the number of dots of each image. `None` for fewer than three images, or if a parameter depends on a single image.
 ///
 /// # Reference
 /// B. Efron, The jackknife, the bootstrap and other resampling plans, SIAM (1982), sec. 3. The effect of omitting an image is linearised.
@@ -25,7 +25,7 @@ pub(super) fn sds(jacobian: &DMatrix<f64>, residual: &DVector<f64>, dots: &[usiz
         let by_lens = jacobian.view((row, 0), (2 * count, PARAMETERS));
         let by_pose = jacobian.view((row, PARAMETERS + 6 * number), (2 * count, 6));
         let mixed = by_pose.tr_mul(&by_lens);
-        // The pose of the grid adapts to a change of the lens, so the pose is eliminated.
+        // The pose of the grid adapts to a change of the lens, so the pose is eliminated from the normal equations.
         let eliminated = mixed.tr_mul(&by_pose.tr_mul(&by_pose).cholesky()?.solve(&mixed));
         let normal = by_lens.tr_mul(&by_lens) - eliminated;
         let gradient = by_lens.tr_mul(&residual.rows(row, 2 * count));

@@ -21,7 +21,7 @@ const HELD_FOCAL_SD: f64 = 0.01;
 const USUAL_FOCUS: f64 = 1.2;
 /// Focal lengths at the starting points of the search, in image widths: wide-angle, normal and telephoto lens.
 const STARTS: [f64; 3] = [0.6, 1.2, 3.0];
-/// Assumed noise of a dot's centre, px, in the first fit. It weighs the priors until the residual is known.
+/// Assumed noise of a dot's centre, px, in the first fit. The assumed noise determines the weight of the priors until the residual is known.
 const FIRST_NOISE_PX: f64 = 0.1;
 /// Lower bound of the estimated noise of a dot's centre, px.
 const LEAST_NOISE_PX: f64 = 0.002;
@@ -35,8 +35,8 @@ const LEAST_POINTS: usize = 12;
 pub struct LensFit {
     /// The lens.
     pub lens: Lens,
-    /// Standard deviations of the parameters, in the order and units of [`LENS_PARAMETERS`]. Each is the larger of two estimates: one from
-    /// independent noise of the residuals' size, the other from the scatter between images.
+    /// Standard deviations of the parameters, in the order and units of [`LENS_PARAMETERS`]. Each standard deviation is the larger of two estimates:
+    /// one from independent noise of the residuals' size, the other from the scatter between images.
     pub sds: [f64; PARAMETERS],
     /// For each parameter, whether the images determine it better than the prior: its variance from noise is below half of the prior's variance.
     pub is_shown: [bool; PARAMETERS],
@@ -90,8 +90,8 @@ struct LensAndPoses {
 /// [`LensFitError`] for no images, fewer than 12 dots in an image, no pose of the grid, or no lens that fits.
 ///
 /// # Reference
-/// Z. Zhang, A flexible new technique for camera calibration, IEEE Trans. PAMI 22 (2000). Eqs (3) and (4) give the focal length of one starting point, with
-/// equal focal lengths and the principal point in the middle of the image.
+/// Z. Zhang, A flexible new technique for camera calibration, IEEE Trans. PAMI 22 (2000). Zhang's eqs (3) and (4) give the focal length of one
+/// starting point, with equal focal lengths and the principal point in the middle of the image.
 pub fn fit_lens(size_px: [u32; 2], views: &[Vec<(Vector, Pixel)>]) -> Result<LensFit, LensFitError> {
     if views.is_empty() {
         return Err(LensFitError::NoView);
@@ -105,7 +105,7 @@ pub fn fit_lens(size_px: [u32; 2], views: &[Vec<(Vector, Pixel)>]) -> Result<Len
     let middle = [(width - 1.0) / 2.0, (height - 1.0) / 2.0];
     let usual = UsualLens { middle, width, focal: USUAL_FOCUS * width, focal_sd: FOCAL_SD };
     let mut problem = LensProblem { size_px, views, usual, noise_px: FIRST_NOISE_PX };
-    // The sum of squares has other minima at far too long focal lengths, where distortion imitates the tilt of the plane.
+    // The sum of squares also has minima at focal lengths that are far too long, where distortion imitates the tilt of the plane.
     let starts = STARTS.map(|share| share * width).into_iter().chain(first_focal_px(views, middle));
     let found = starts.map(|focal| problem.nearest_minimum(focal));
     let (mut best, mut failure) = (None::<Fit<LensAndPoses>>, None);
@@ -118,7 +118,7 @@ pub fn fit_lens(size_px: [u32; 2], views: &[Vec<(Vector, Pixel)>]) -> Result<Len
     }
     let mut fitted = best.ok_or_else(|| failure.unwrap_or(LensFitError::NotFound))?;
     let pixels = 2 * views.iter().map(Vec::len).sum::<usize>();
-    // Priors add no degrees of freedom here, which is conservative.
+    // The priors are not counted as additional data, so the noise is overestimated rather than underestimated.
     let freedom = pixels.saturating_sub(fitted.jacobian.ncols()).max(1) as f64;
     for _ in 0..ROUNDS {
         let squares_px2 = fitted.residual.rows(0, pixels).norm_squared() * problem.noise_px * problem.noise_px;
@@ -145,8 +145,8 @@ fn lens_of(size_px: [u32; 2], p: &[f64; PARAMETERS]) -> Result<Lens, ImpossibleL
     Lens::new(size_px, [p[0], p[1]], [p[2], p[3]], Distortion::from_opencv([p[4], p[5], p[6], p[7], p[8]]))
 }
 
-/// The focal length common to all images, px, if the principal point is in the middle. For the homography (h1 h2 h3) of each image, (h11 h12 + h21 h22) / f^2 =
-/// -h31 h32 and (h11^2 + h21^2 - h12^2 - h22^2) / f^2 = h32^2 - h31^2. `None` if the planes are not tilted.
+/// The focal length common to all images, px, if the principal point is in the middle. With the focal length f and the homography (h1 h2 h3) of each
+/// image, (h11 h12 + h21 h22) / f^2 = -h31 h32 and (h11^2 + h21^2 - h12^2 - h22^2) / f^2 = h32^2 - h31^2. `None` if the planes are not tilted.
 fn first_focal_px(views: &[Vec<(Vector, Pixel)>], middle: [f64; 2]) -> Option<f64> {
     let (mut top, mut bottom) = (0.0, 0.0);
     for view in views {
@@ -170,8 +170,8 @@ fn first_focal_px(views: &[Vec<(Vector, Pixel)>], middle: [f64; 2]) -> Option<f6
     focal.is_finite().then_some(focal)
 }
 
-/// Least-squares problem of the dots in several images; residuals are divided by the noise. The unknowns are the lens's parameters, then the motion of each
-/// pose.
+/// Least-squares problem of the dots in several images; residuals are divided by the noise. The unknowns are the lens's parameters, followed by six
+/// coordinates of a motion of the grid in each image.
 struct LensProblem<'v> {
     size_px: [u32; 2],
     views: &'v [Vec<(Vector, Pixel)>],
@@ -194,7 +194,8 @@ impl LensProblem<'_> {
         });
         let lens = [focal, focal, cx, cy, 0.0, 0.0, 0.0, 0.0, 0.0];
         let start = LensAndPoses { lens, poses: poses.collect::<Result<_, LensFitError>>()? };
-        // The distortion is fitted first, with the focal length held. Otherwise, rows of dots that the distortion bends would bias the focal length.
+        // The distortion is fitted first, with the focal length held. If the focal length were fitted at the same time, rows of dots that the
+        // distortion bends would bias it.
         let usual = self.usual;
         self.usual = UsualLens { focal, focal_sd: HELD_FOCAL_SD, ..usual };
         let held = self.fit(start);
@@ -255,7 +256,7 @@ impl LeastSquaresProblem for LensProblem<'_> {
     }
 }
 
-/// Derivatives of a pixel by the lens's parameters, at undistorted coordinates; [`Distortion`] has the formula.
+/// Derivatives of a pixel's coordinates by the lens's parameters, at undistorted coordinates; the formula stands at [`Distortion`].
 fn by_parameters(p: &[f64; PARAMETERS], at: &Vector2<f64>) -> [Vector2<f64>; PARAMETERS] {
     let (x, y, q) = (at.x, at.y, at.norm_squared());
     let f = 1.0 + q * (p[4] + q * (p[5] + q * p[8]));

@@ -7,16 +7,16 @@ use finray_model::finger::Plate;
 use image::{GrayImage, Luma};
 use imageproc::region_labelling::{Connectivity, connected_components};
 
-/// Number of grid cells per marker radius. The patch of a marker then has about 28 cells.
+/// Number of grid cells per marker radius. With this number, the patch of a marker has about 28 cells.
 const ACROSS_RADIUS: f64 = 3.0;
 /// Range of a patch's area relative to a marker's area. A smaller patch is more than half hidden or not a marker; a larger patch is not a single marker.
 const AREA: [f64; 2] = [0.3, 1.8];
-/// At most this number of patches is considered, the largest first. An image with more patches shows something else.
+/// At most this number of patches is considered, the largest first. An image with more patches shows something other than a finger's markers.
 const MOST_BLOBS: usize = 400;
 
 /// An image is rejected if its markers have a smaller radius than this, px, because every pixel of such a marker is blurred.
 pub(super) const LEAST_RADIUS_PX: f64 = 2.5;
-/// Patches may be equal markers at different distances only if the ratio of their radii is at most this.
+/// Patches can be markers of equal size at different distances from the camera only if the ratio of the patches' radii is at most this.
 const ALIKE: f64 = 1.4;
 
 /// A patch of a marker's colour.
@@ -32,7 +32,7 @@ pub(super) struct Blob {
 pub(super) fn blobs(image: &dyn RgbRows, colours: &Colours, radius_px: f64) -> Vec<Blob> {
     let stride = ((radius_px / ACROSS_RADIUS) as u32).max(1);
     let whole = std::f64::consts::PI * (radius_px / f64::from(stride)).powi(2);
-    // For small markers, one cell more or less changes the area considerably.
+    // One cell more or less changes the area of a small marker considerably, so a deviation of one cell is allowed.
     let fits = |patch: &Patch| {
         let cells = f64::from(patch.cells);
         cells + 1.0 >= AREA[0] * whole && cells - 1.0 <= AREA[1] * whole
@@ -51,7 +51,8 @@ pub(super) fn blobs(image: &dyn RgbRows, colours: &Colours, radius_px: f64) -> V
     blobs.into_iter().map(|(_, blob)| blob).collect()
 }
 
-/// Most common radius (px) of discs with the areas of the patches; and the number of patches with about this radius. `None` if no patch is large enough.
+/// Most common radius of the patches, px, where each patch counts as a disc of equal area; and the number of patches with about this radius. `None`
+/// if no patch is large enough.
 pub(super) fn commonest_radius(image: &dyn RgbRows, colours: &Colours) -> Option<(f64, usize)> {
     const STRIDE: u32 = 2;
     let radius = |patch: &Patch| (f64::from(patch.cells) / std::f64::consts::PI).sqrt() * f64::from(STRIDE);

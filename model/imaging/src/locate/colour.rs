@@ -8,8 +8,8 @@ use finray_model::scene::Rgb;
 const LEAST_SATURATION_DEG: f64 = 8.0;
 /// Two colours count as equal if the angle between them in RGB space is below this, degrees.
 const ALIKE_DEG: f64 = 6.0;
-/// Half angle of a colour's cone, as a share of a reference angle. The reference is the angle to grey or to the other marker's colour, whichever is
-/// smaller.
+/// Half angle of a colour's cone, as a share of a reference angle. The reference angle is the colour's angle to grey or to the other marker's colour,
+/// whichever is smaller.
 const SHARE: f64 = 0.5;
 /// Range of a marker's brightness relative to the colour that the scene states.
 const LIGHT: [f64; 2] = [0.2, 1.5];
@@ -26,13 +26,15 @@ pub struct GreyMarker {
     pub colour: Rgb,
 }
 
-/// One colour as a cone in RGB space about the colour's direction. Brightness scales red, green and blue by the same factor, so it does not leave the cone.
+/// One colour as a cone in RGB space about the colour's direction. A change of brightness scales red, green and blue by the same factor, so the
+/// colour stays in the cone.
 #[derive(Debug, Clone, Copy)]
 struct Cone {
     axis: [f32; 3],
     /// Squared cosine of the cone's half angle.
     cosine2: f32,
-    /// Range of a pixel's projection onto the cone's axis, grey levels. A darker or lighter pixel does not count as this colour.
+    /// Range of a pixel's projection onto the cone's axis, grey levels. A pixel whose projection is outside this range is too dark or too light to
+    /// count as this colour.
     length: [f32; 2],
 }
 

@@ -1,7 +1,8 @@
 //! Detection of a finger that is not where the scene's camera pose puts it: upside down, mirrored, displaced, rotated or scaled.
 //!
-//! First, flips of the image are tried. Then pairs of markers propose a placement and a scale of the finger. A pair consists of the two clamped markers, or of
-//! the ends of a rib near the base. The proposal with the least cost of naming its markers (assigning them to nodes) is chosen.
+//! First, flips of the image are tried. If no flip fits, pairs of markers propose a placement and a scale of the finger. A pair that proposes a
+//! placement consists of the two clamped markers, or of the markers at the ends of a rib near the base. The proposal with the least cost of naming
+//! its markers (assigning them to nodes) is chosen.
 
 use super::LocateError;
 use super::finger_placement::FingerPlacement;
@@ -10,17 +11,18 @@ use finray_model::camera::{Camera, Pixel};
 use finray_model::finger::Plate;
 use finray_model::{Finger, NodeId, Vector};
 
-/// Number of ribs, counted from the base, whose ends propose a placement if the clamped markers are hidden.
+/// Number of ribs, counted from the base, whose end markers propose a placement in addition to the clamped markers.
 const PROPOSING: usize = 2;
-/// Standard deviation of the base's position that a rib proposes, as a share of the plate's length up to the rib. Bending of the plate causes this deviation.
+/// Standard deviation of the base's position that a rib proposes, as a share of the plate's length up to the rib. The deviation arises because the
+/// plate bends.
 const BEND_SHARE: f64 = 0.2;
-/// A placement is considered only if at least half of the next nodes along the plates have a candidate within this distance of their predicted
+/// A placement is considered only if at least half of the other rib ends near the base have a candidate within this distance of their predicted
 /// positions. The distance is a share of the node's distance from the base.
 const BENT: f64 = 0.35;
-/// Another placement is accepted only if its cost is lower than the cost at the scene's camera pose by at least this value, which exceeds the cost of
-/// two hidden markers.
+/// Another placement is accepted only if its cost is lower by at least this value than the cost at the scene's camera pose. The value exceeds the
+/// cost of two hidden markers.
 const GAIN: f64 = 13.0;
-/// Another placement must assign at least this share of the finger's markers.
+/// A placement other than the scene's is accepted only if at least this share of the finger's markers is assigned.
 const LEAST_NAMED: f64 = 0.65;
 
 /// Possible flips of an image: description, and signs of u and v about the image's middle.
@@ -42,8 +44,8 @@ pub(super) struct Scenery<'a> {
 }
 
 impl Scenery<'_> {
-    /// The error for a finger at another placement, if the markers fit that placement significantly better than the scene's camera pose. `None` otherwise, or
-    /// if all clamped markers are at their stated positions.
+    /// The error for a finger at another placement, if the markers fit that placement significantly better than the scene's camera pose. `None` if no
+    /// other placement fits significantly better, or if all clamped markers are at their stated positions.
     pub fn elsewhere(&self, names: &Result<Names, NamingError>) -> Option<LocateError> {
         let finger = self.finger;
         let is_seen = |node: &NodeId| names.as_ref().is_ok_and(|names| names[node.0 - 1].is_some());
@@ -93,20 +95,20 @@ fn named(names: &Names) -> f64 {
     names.iter().flatten().count() as f64
 }
 
-/// Front and back nodes whose markers propose a placement, each pair with the standard deviation of the base, mm.
+/// Pairs of a front and a back node whose markers propose a placement, each with the standard deviation of the base's position, mm.
 fn proposing_ends(finger: &Finger) -> Vec<([NodeId; 2], f64)> {
     let clamped = [Plate::Front, Plate::Back].map(|plate| finger.plate_nodes(plate)[0]);
     let ends = std::iter::once((clamped, 0.0)).chain(ribs_near_base(finger));
     ends.filter(|(ends, _)| ends.iter().all(|node| finger.has_marker(*node))).collect()
 }
 
-/// End nodes of the ribs near the base, each pair with the standard deviation of the base that it proposes, mm.
+/// End nodes of the ribs near the base, each pair with the standard deviation of the base's position that the pair proposes, mm.
 pub(super) fn ribs_near_base(finger: &Finger) -> impl Iterator<Item = ([NodeId; 2], f64)> {
     let plate_mm = finger.plate_positions_mm(Plate::Front);
     (0..finger.rib_count().min(PROPOSING)).map(move |rib| (finger.rib_nodes(rib), BEND_SHARE * plate_mm[rib + 1]))
 }
 
-/// Placements that map two nodes to two candidates, and at least half of the next nodes along the plates to positions near candidates.
+/// Placements that map the two nodes `ends` to two candidates, and at least half of the other rib ends near the base to positions near candidates.
 fn places(finger: &Finger, candidates: &[Candidate], ends: [NodeId; 2]) -> Vec<FingerPlacement> {
     let at = ends.map(|node| finger.marker_position(node));
     let next = (0..finger.rib_count().min(PROPOSING)).flat_map(|rib| {

@@ -28,12 +28,13 @@ pub enum LocateError {
         /// Radius of the markers in the image, px.
         radius_px: f64,
     },
-    /// The middle of the finger has no pixel in the camera.
+    /// No pixel of the camera corresponds to the middle of the finger.
     #[error("the camera does not see the finger: the middle of the finger {0}")]
     View(#[from] ViewError),
     /// The finger lies outside the image.
     #[error(
-        "the camera does not see the finger: the middle of the finger is outside the image; check the pose in the table camera of the scene"
+        "the camera does not see the finger: the middle of the finger is outside the image; check the pose in \
+            [camera] of the scene"
     )]
     Outside,
     /// The image is out of focus: the blur covers whole markers, so that no pixel shows their undisturbed light.
@@ -53,12 +54,12 @@ pub enum LocateError {
          {radius_px:.1} px; use a shorter exposure"
     )]
     Moved {
-        /// Standard deviation of the blur along the motion, px.
+        /// Standard deviation of the motion blur in addition to the isotropic blur, px.
         blur_px: f64,
         /// Radius of the markers, px.
         radius_px: f64,
     },
-    /// The image is flipped. The field describes the flip in words.
+    /// The image is flipped. The field describes in words how the image is flipped.
     #[error("the image shows the finger {0}: correct the image (EXIF orientation), or the camera's pose in the scene")]
     Flipped(&'static str),
     /// The finger is not where the scene's camera pose puts it. The field contains the finger's placement.
@@ -69,8 +70,8 @@ pub enum LocateError {
     Elsewhere(FingerPlacement),
     /// The reference marks and the finger's markers show contradictory positions of the base.
     #[error(
-        "the marks that look like the references on the base are {away_mm:.0} mm from the base that the ribs show; check base.reference.radius_mm, \
-         inner_radius_mm and at_mm"
+        "the base position shown by the marks that look like references is {away_mm:.0} mm from the base position \
+            shown by the ribs; check base.reference.radius_mm, inner_radius_mm and at_mm"
     )]
     OtherReferences {
         /// Distance between the two positions of the base, mm.
@@ -78,8 +79,9 @@ pub enum LocateError {
     },
     /// The image shows markers, but no pair of marks with the distance between two references on the base.
     #[error(
-        "the references on the base were not found: {} marks look like references (one number per reference), but no two marks are as far apart as \
-         two references; {like_markers} rims look like markers; check base.reference.radius_mm, inner_radius_mm, shade and at_mm, lens and pose",
+        "the references on the base were not found: {} marks look like the references (one number for each \
+            reference), but no two of these marks are as far apart as two references; {like_markers} rims look like \
+            markers; check base.reference.radius_mm, inner_radius_mm, shade and at_mm, lens and pose",
         counts(like_references)
     )]
     NoReferences {
@@ -115,8 +117,8 @@ pub enum LocatorError {
     NotGrey,
     /// Ribs share a junction or end in a corner of the base, so that markers cannot be assigned to nodes by their ribs.
     #[error(
-        "finger.ribs.positions_mm: expected ribs that share no junction and do not end in a corner of the base, because markers are assigned to \
-         nodes by their ribs"
+        "finger.ribs.positions_mm: expected ribs that share no junction and do not end in a corner of the base, \
+            because the locator uses the ribs to assign markers to nodes"
     )]
     SharedJunctions,
     /// The colour of a marker is too close to grey.
@@ -138,5 +140,9 @@ fn counts(counts: &[usize]) -> String {
 
 /// A hint for an image whose width and height are exchanged; empty for other images.
 fn turned([width, height]: [u32; 2], found: [u32; 2]) -> &'static str {
-    if width != height && found == [height, width] { ": is it turned by 90 degrees (EXIF orientation)?" } else { "" }
+    if width != height && found == [height, width] {
+        ": is the image turned by 90 degrees (EXIF orientation)?"
+    } else {
+        ""
+    }
 }

@@ -5,11 +5,11 @@ use nalgebra::{Complex, Rotation2};
 
 /// Range of the finger's size in the image, relative to its size at the scene's camera pose. Outside this range, markers are not detected.
 const SCALES: std::ops::Range<f64> = 0.4..2.5;
-/// A rotation of the finger by less than this, degrees, counts as none.
+/// A rotation of the finger by less than this, degrees, counts as no rotation.
 const TURN_DEG: f64 = 1.0;
 /// A scale that deviates from 1 by less than this counts as 1.
 const SCALE: f64 = 0.01;
-/// A displacement of less than this, mm, counts as none.
+/// A displacement of less than this, mm, counts as no displacement.
 const SHIFT_MM: f64 = 1.0;
 
 /// Placement of the finger in an image, relative to where the scene's camera pose puts the finger.

@@ -47,7 +47,7 @@ const NEAR: f64 = 1.6;
 const FOUND_AGAIN: f64 = 0.8;
 /// Number of images after which the whole image is searched again if a marker is missing.
 const SEARCH_AGAIN: usize = 10;
-/// One in this number of markers is tested for motion blur.
+/// One of every [`FEW`] markers is tested for motion blur.
 const FEW: usize = 5;
 /// [`LocateError::OtherSize`] is reported if the most common radius of the patches differs from the expected radius of the markers by more than this factor.
 const OTHER_SIZE: f64 = 1.2;
@@ -61,8 +61,8 @@ pub struct Located {
     pub pixel: Pixel,
     /// Position of the marker's centre, mm, finger frame.
     pub position: Vector,
-    /// Standard deviation of one coordinate of the position, mm. It covers image noise, and errors of shading and edge model as found in rendered
-    /// images. It excludes errors of lens and pose.
+    /// Standard deviation of one coordinate of the position, mm. The standard deviation covers image noise, and the errors of shading and edge model
+    /// that occur in rendered images. The standard deviation excludes errors of lens and pose.
     pub sd_mm: f64,
 }
 
@@ -128,7 +128,8 @@ impl<'f> Locator<'f> {
         self.common.map(|common| common.outline.radius_mm)
     }
 
-    /// Locates the markers in an image. Returns them in the order of their nodes, without hidden ones. Makes no assumption about the shape of the finger.
+    /// Locates the markers in an image. Returns the located markers in the order of their nodes, without hidden markers. The search makes no
+    /// assumption about the shape of the finger.
     ///
     /// # Errors
     /// [`LocateError`] if the image does not show the finger, or the markers cannot be assigned to nodes uniquely.
@@ -136,7 +137,8 @@ impl<'f> Locator<'f> {
         self.locate_about(image, true)
     }
 
-    /// Same as [`locate`](Locator::locate). If `pose_holds`, the finger must be exactly where the camera's pose puts it, otherwise nearby.
+    /// Same as [`locate`](Locator::locate). If `pose_holds`, the finger must be exactly where the camera's pose puts it; otherwise, the finger may
+    /// also be nearby.
     fn locate_about(&mut self, image: &dyn RgbRows, pose_holds: bool) -> Result<Vec<Located>, LocateError> {
         require_size(&self.camera.lens, image)?;
         let mut buffers = std::mem::take(&mut self.buffers);
@@ -159,8 +161,8 @@ impl<'f> Locator<'f> {
     }
 
     /// Locates the markers in the next image of a stream. Each marker is searched for near its last position, with the outline and noise of the last
-    /// full search. If more than a fifth of the markers of that search is missing or does not fit a finger, the whole image is searched. While a
-    /// marker is missing, every tenth image is also searched completely.
+    /// full search. If more than a fifth of the markers of the last full search is missing or does not fit a finger, the whole image is searched.
+    /// While a marker is missing, every tenth image is also searched completely.
     ///
     /// # Errors
     /// [`LocateError`] as for [`Locator::locate`].
@@ -181,7 +183,7 @@ impl<'f> Locator<'f> {
             let side = if self.on_front.contains(&last.node) { Plate::Front } else { Plate::Back };
             let side = if self.colours.are_alike() { Plate::Front } else { side };
             let mut centre = middle_of_colour(image, &self.colours, side, &last.pixel, reach, &mut buffers.row)?;
-            // The window may cut off part of the marker, so the search is repeated about the new centre.
+            // The search window may cut off part of the marker, so the search is repeated about the new centre.
             if (centre - last.pixel).norm() > reach - self.radius_px {
                 centre = middle_of_colour(image, &self.colours, side, &centre, reach, &mut buffers.row)?;
             }
@@ -202,7 +204,8 @@ impl<'f> Locator<'f> {
         if (named.len() as f64) < FOUND_AGAIN * self.searched as f64 {
             return self.locate(image);
         }
-        // A few markers suffice to detect motion blur. A full search then measures the blur. The image after a blurred image is also searched fully.
+        // A few markers suffice to detect motion blur. If motion blur is detected, a full search measures it. The image after a blurred image is also
+        // searched fully.
         let few = named.iter().step_by(FEW).map(|(_, disc)| disc);
         let blur_px = motion_blur_px(image, few, self.radius_px, outline.blurs_px[0]);
         if blur_px.or(common.motion_px).is_some() {

@@ -41,7 +41,7 @@ pub(super) fn motion_blur_px<'d>(
         return None;
     }
     // If the normal of an edge has the angle a to the motion, the variance of the edge's blur is 1 + k cos^2 a times the variance of the isotropic
-    // blur.
+    // blur. The factor k is the variance of the motion blur divided by the variance of the isotropic blur.
     let ratio_of = |k: f64| {
         let (along, across) = (0..DIRECTIONS).fold((0.0, 0.0), |(along, across), i| {
             let cosine = (std::f64::consts::TAU * i as f64 / DIRECTIONS as f64).cos().powi(2);

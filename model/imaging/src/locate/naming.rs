@@ -14,7 +14,7 @@ use finray_model::{Finger, NodeId, Vector};
 /// A measured disc that may be a marker.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Candidate {
-    /// Whether the candidate may belong to the front plate, and whether it may belong to the back plate, by its colour.
+    /// Whether the candidate's colour allows the front plate, and whether it allows the back plate.
     pub sides: [bool; 2],
     /// Position of the candidate's centre, mm, finger frame.
     pub at: Vector,
@@ -95,9 +95,9 @@ pub(super) fn name_at_cost(marked: Marked, candidates: &[Candidate]) -> Option<(
     Some((names, cost))
 }
 
-/// Assigns both plates in turn. The cost of a plate includes the length errors of the ribs to markers that are assigned on the other plate. If a candidate may
-/// belong to either plate, the plate that is assigned first may take markers of the other plate. Three starting points are then tried, and the cheapest result
-/// is used.
+/// Assigns both plates in turn. The cost of a plate includes the length errors of the ribs whose other ends already have a marker on the other plate.
+/// If a candidate may belong to either plate, the plate that is assigned first may take markers of the other plate. If a candidate may belong to
+/// either plate, three starting points are tried, and the cheapest result is used.
 fn likely(marked: Marked, candidates: &[Candidate]) -> (Names, [Option<Named>; 2]) {
     const FRONT_FIRST: [Plate; 2] = [Plate::Front, Plate::Back];
     let none: Names = vec![None; marked.finger.key_node_count()];
@@ -139,7 +139,7 @@ pub(super) fn name(marked: Marked, candidates: &[Candidate]) -> Result<Names, Na
     for plate in [Plate::Front, Plate::Back] {
         let Some(best) = &chains[usize::from(plate == Plate::Back)] else { continue };
         let question = Chain::new(marked, plate, candidates, &names);
-        // The least cost with the final assignment of the other plate.
+        // The least cost is computed again, with the final assignment of the other plate.
         let best_cost = question.cheapest().map_or(best.cost, |found| found.cost);
         for (position, &candidate) in best.named.iter().enumerate().filter_map(|(k, c)| Some((k, c.as_ref()?))) {
             let Some(other) = question.cheapest_within(best_cost + ALIKE, Some((position, candidate))) else {
@@ -238,7 +238,7 @@ mod tests {
         let mut seen = markers(&finger, &mut ChaCha8Rng::seed_from_u64(1), 2.0).expect("a shape");
         seen.truncate(5);
         let candidates: Vec<Candidate> = seen.iter().map(|(_, candidate)| *candidate).collect();
-        // One of nodes 1 to 5 is clamped.
+        // The five markers are at nodes 1 to 5; one of these nodes is clamped and does not count.
         assert_eq!(
             name(Marked::at_base(&finger), &candidates),
             Err(NamingError::TooFew { found: 4, all: 23, least: 7 })
@@ -246,7 +246,7 @@ mod tests {
         assert!(matches!(name(Marked::at_base(&finger), &[]), Err(NamingError::TooFew { found: 0, .. })));
     }
 
-    /// Adds a copy beside every marker. The true markers are then ambiguous, so the assignment is refused.
+    /// Adds a copy beside every marker. The copies make the true markers ambiguous, so the assignment is refused.
     #[test]
     fn two_ways_to_name_are_refused() {
         let finger = Scene::from_toml(PAPER_SCENE).expect("a scene").finger;

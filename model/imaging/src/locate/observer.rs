@@ -1,4 +1,4 @@
-//! Conversion of images to observations, by a locator for the scene's markers and data that the images of a scene share.
+//! Conversion of images to observations. It uses a locator for the scene's markers, and the data that all images of a scene share.
 
 use super::{LocateError, Located, Locator, LocatorError, Rest, RestError, RimLocator, SeenBase, SeenRadii};
 use crate::RgbRows;
@@ -56,8 +56,8 @@ pub enum ObserverError {
 }
 
 impl<'f> Observer<'f> {
-    /// An observer for the finger, camera and markers of a scene. If an image of the unloaded finger is given, displacements are relative to its markers.
-    /// Coloured markers in that image also determine the camera's pose.
+    /// An observer for the finger, camera and markers of a scene. If an image of the unloaded finger is given, displacements are relative to the
+    /// marker positions in that image. Coloured markers in the image of the unloaded finger also determine the camera's pose.
     ///
     /// # Errors
     /// [`ObserverError`] for a scene without camera, pose or markers, or for an image that does not show the unloaded finger.
@@ -106,7 +106,8 @@ impl<'f> Observer<'f> {
         }
     }
 
-    /// Whether markers are searched for near their positions in the previous image. The order of the images then matters.
+    /// Whether markers are searched for near their positions in the previous image. If markers are tracked from image to image, the order of the
+    /// images matters.
     pub fn is_tracking(&self) -> bool {
         matches!(self.locator, AnyLocator::Coloured(_))
     }
@@ -140,7 +141,7 @@ impl<'f> Observer<'f> {
     /// Observes the finger in the next image of a stream, for [`WatchedFinger::evaluate`](finray_model::sensor::WatchedFinger::evaluate).
     ///
     /// # Errors
-    /// The state of the finger and the reason, if the image does not show the finger or has another size than the camera's images.
+    /// Returns the state of the finger and the reason if the image does not show the finger or has another size than the camera's images.
     pub fn observe_frame(&mut self, image: &impl RgbRows) -> Result<Observation, (FrameState, String)> {
         self.observe(image).map_err(|error| match error {
             LocateError::Size { .. } => (FrameState::Refused, error.to_string()),
@@ -168,8 +169,8 @@ impl<'f> Observer<'f> {
     }
 }
 
-/// Uncertainty of the base's pose at the origin of the finger frame. It follows from errors of the references' mean position and of the rotation about that
-/// position.
+/// Uncertainty of the base's pose at the origin of the finger frame. The uncertainty follows from errors of the references' mean position and of the
+/// rotation about that position.
 fn uncertainty_at_origin(base: &SeenBase) -> BaseUncertainty {
     let arm_mm = base.middle.norm() / std::f64::consts::SQRT_2;
     BaseUncertainty { sd_mm: base.sd_mm.hypot(base.sd_rad * arm_mm), sd_rad: base.sd_rad, ..BaseUncertainty::default() }

@@ -1,8 +1,8 @@
 //! Detection of the undeformed finger in an image. No initial pose is needed, because two rows of markers that meet at the tip identify the finger.
 //!
 //! After its lens distortion is removed, a camera maps straight lines to straight lines. Among the lines through two markers of one colour, the line
-//! that contains the most markers is taken as a plate. Two markers near the ends of each plate, matched to nodes near the plate's ends, define a
-//! homography. The homography that maps the most nodes onto markers decides which marker belongs to which node.
+//! that contains the most markers is taken as a plate. Four markers, two near the ends of each plate, are matched to nodes near the plates' ends and
+//! define a homography. The homography that maps the most nodes onto markers decides which marker belongs to which node.
 
 use super::blobs::Blob;
 use super::marker_count;
@@ -11,13 +11,14 @@ use finray_model::finger::Plate;
 use finray_model::{Finger, NodeId, Vector};
 use nalgebra::Matrix3;
 
-/// At most this number of patches is considered, the largest patches first.
+/// At most this number of patches of a marker's colour is considered, the largest patches first.
 const MOST_BLOBS: usize = 150;
 /// A marker belongs to a plate only within this distance of the line of that plate, in marker radii.
 const ON_LINE: f64 = 0.7;
 /// A marker belongs to a node only within this distance of the predicted position of that node, in marker radii.
 const ON_NODE: f64 = 1.2;
-/// Fewer than this number of markers at each end of a line may be false. Fewer than this number of nodes at each end of a plate may be hidden.
+/// At each end of a line, the search allows for fewer than this number of false markers. At each end of a plate, the search allows for fewer than
+/// this number of nodes whose markers are hidden.
 const DOUBTFUL: usize = 3;
 /// A finger is recognised only if the image shows at least this share of its markers.
 const LEAST_SHARE: f64 = 0.6;
@@ -25,7 +26,7 @@ const LEAST_SHARE: f64 = 0.6;
 /// A marker with its undistorted image position (dimensionless) and its pixel.
 #[derive(Debug, Clone, Copy)]
 struct Mark {
-    /// Whether the marker may belong to the front plate, and whether it may belong to the back plate, by its colour.
+    /// Whether, by its colour, the marker may belong to the front plate, and whether it may belong to the back plate.
     sides: [bool; 2],
     /// Undistorted image position of the marker, dimensionless.
     at: Vector,
@@ -62,8 +63,8 @@ pub(super) fn at_rest(
                 let pairs = [first[0], first[1], second[0], second[1]];
                 let positions = pairs.map(|(_, node)| finger.marker_position(node));
                 let Some(homography) = through(&positions, &pairs.map(|(mark, _)| marks[mark].at)) else { continue };
-                // Seen from above (from z > 0), the finger is mirrored in pixel coordinates, because v points down. If both plates have the same colour, only
-                // this handedness distinguishes them.
+                // Seen from above (from z > 0), the finger is mirrored in pixel coordinates, because the pixel coordinate `v` increases downwards. If
+                // both plates have the same colour, only the handedness of the homography (whether it mirrors the finger) distinguishes them.
                 if alike && !is_from_above(&homography, &positions[0]) {
                     continue;
                 }
@@ -87,8 +88,8 @@ struct Named {
     distance: f64,
 }
 
-/// Markers of a plate, in order along a line. The line contains the most markers among all lines through two markers. `None` for fewer than two
-/// markers. Markers in `taken` are excluded.
+/// Markers of a plate, in order along a line. Among all lines through two markers, the line that contains the most markers is chosen. `None` for
+/// fewer than two markers. Markers in `taken` are excluded.
 fn row(marks: &[Mark], side: Plate, radius: f64, taken: &[usize]) -> Option<Vec<usize>> {
     let of_side: Vec<usize> =
         (0..marks.len()).filter(|i| marks[*i].sides[side as usize] && !taken.contains(i)).collect();
@@ -112,7 +113,7 @@ fn ends(row: &[usize], nodes: &[NodeId]) -> Vec<[(usize, NodeId); 2]> {
     let mut ways = Vec::new();
     for (i, k) in (0..DOUBTFUL).flat_map(|i| (0..DOUBTFUL).map(move |k| (i, k))) {
         for (n, m) in (0..DOUBTFUL).flat_map(|n| (0..DOUBTFUL).map(move |m| (n, m))) {
-            // Skipped markers are assumed to be false; the markers of skipped nodes are assumed to be hidden.
+            // A skipped marker is assumed not to belong to the finger; the marker of a skipped node is assumed to be hidden.
             if i + k + 2 > row.len() || n + m + 2 > nodes.len() {
                 continue;
             }

@@ -4,8 +4,8 @@ use super::together::median;
 use finray_model::Scene;
 use std::fmt;
 
-/// Relative difference between measured and stated radius up to which the radii count as equal. Sharpened or slanted rims, and a nominal camera distance,
-/// cause such differences.
+/// Relative difference between measured and stated radius up to which the radii count as equal. The tolerance allows for sharpened or slanted rims,
+/// and for a camera distance that is only nominal.
 const SAME_RADIUS: f64 = 0.05;
 
 /// Radii measured in an image, mm.
@@ -13,7 +13,7 @@ const SAME_RADIUS: f64 = 0.05;
 pub struct SeenRadii {
     /// Median radius of the markers, mm; `None` if no radius was measured.
     pub markers_mm: Option<f64>,
-    /// Radius of each reference on the base, mm; `None` if it was not found.
+    /// Radius of each reference on the base, mm; `None` for a reference that was not found.
     pub references_mm: Vec<Option<f64>>,
 }
 
@@ -24,7 +24,7 @@ pub struct OtherRadius {
     pub reference: Option<usize>,
     /// Radius that the scene states, mm.
     pub stated_mm: f64,
-    /// Median over the images of the measured radius, mm.
+    /// Measured radius, mm: the median over the images.
     pub shown_mm: f64,
 }
 

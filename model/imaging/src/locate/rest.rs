@@ -12,7 +12,8 @@ use finray_model::camera::{Camera, Lens, Pose};
 use finray_model::scene::{MarkerLook, Markers};
 use image::RgbImage;
 
-/// An image is rejected if the residual standard deviation of the fitted pose exceeds this, px. The finger is then bent, or is not the scene's finger.
+/// An image is rejected if the residual standard deviation of the fitted pose exceeds this, px. A larger residual means that the finger is bent, or
+/// is not the scene's finger.
 const LARGEST_RESIDUAL_PX: f64 = 2.0;
 /// Number of rounds, each of which fits the pose and then locates the markers again. Several rounds are needed, because markers are measured as circles in the
 /// finger's plane, and this plane depends on the pose.
@@ -23,7 +24,7 @@ const ROUNDS: usize = 3;
 pub struct Rest {
     /// The camera with the fitted pose of the finger.
     pub camera: Camera,
-    /// The markers as located with this pose.
+    /// The markers as located with the fitted pose.
     pub located: Vec<Located>,
     /// Residual standard deviation of one pixel coordinate in the fit of the pose, px.
     pub residual_sd_px: f64,

@@ -1,8 +1,8 @@
 //! Locator of grey markers by their rims, in surroundings of similar shades, on a finger whose base may move.
 //!
-//! An image has many round rims. The rims whose positions fit one finger count as its markers. If the position of the base is unknown, pairs of rims
-//! propose it: two rims that may be references on the base, or the two ends of a rib. The proposal with the least cost of naming the markers
-//! (assigning them to nodes) is chosen.
+//! An image has many round rims. The rims whose positions fit one finger are taken as its markers. If the position of the base is unknown, pairs of
+//! rims propose positions. The two rims of a pair may be references on the base, or the two ends of a rib. The proposal with the least cost of
+//! assigning the markers to nodes (naming the markers) is chosen.
 
 use super::elsewhere::{Scenery, ribs_near_base};
 use super::error::require_own_junctions;
@@ -16,30 +16,32 @@ use finray_model::scene::{Base, MarkerLook, Markers, Reference};
 use finray_model::{Finger, NodeId, Vector};
 use nalgebra::{Isometry2, UnitComplex};
 
-/// Tolerance of the distance between two references, mm. It combines with [`REFERENCE_SHARE`] as a root sum of squares.
+/// Tolerance of the distance between two references, mm. The total tolerance is the root sum of squares of this length and of the share
+/// [`REFERENCE_SHARE`] of the distance.
 const REFERENCE_MM: f64 = 1.5;
 /// Tolerance of the distance between two references, as a share of that distance.
 const REFERENCE_SHARE: f64 = 0.03;
 /// Two rims may be the ends of a rib if their distance deviates from the rib's length by at most this share. The share is large, because the scene's geometry
 /// is nominal.
 const RIB_SHARE: f64 = 0.08;
-/// A rim has cost 1 if the standard deviation of its centre as found by rays is this share of the markers' stated radius. Markers are round, so a larger
-/// deviation costs more.
+/// A rim has cost 1 if the standard deviation of its centre as found by rays is this share of the markers' stated radius. Markers are round, so a rim
+/// whose centre has a larger standard deviation costs more.
 const ROUND: f64 = 0.02;
 /// A rim is rejected as a marker if its standard deviation, as found by rays, exceeds this multiple of the median over all assigned rims. All markers
-/// are equal, so their standard deviations should be similar.
+/// have the same shape, so their standard deviations should be similar.
 const LEAST_ROUND: f64 = 4.0;
 /// Another position of the base counts as equally good if its cost exceeds the least cost by at most this (dimensionless).
 const ALIKE: f64 = 4.0;
 /// References are rejected if ribs propose another position of the base whose cost is lower by more than this. The value exceeds the cost of two hidden
 /// markers.
 const CONTRADICTS: f64 = 13.0;
-/// Standard deviation of the position of a base without references, relative to the estimate from the ribs, mm. The value allows for bending of the
-/// finger.
+/// Standard deviation of the position of a base without references about the position estimated from the ribs, mm. The value allows for bending of
+/// the finger.
 const UNKNOWN_MM: f64 = 10.0;
-/// Standard deviation of the rotation of a base without references, relative to the estimate from the ribs, rad.
+/// Standard deviation of the rotation of a base without references about the rotation estimated from the ribs, rad.
 const UNKNOWN_RAD: f64 = 0.2;
-/// Equally good positions of the base may assign different rims to up to this number of nodes. At more nodes, the image is rejected as ambiguous.
+/// Largest number of nodes to which equally good positions of the base may assign different rims. If the assignments differ at more nodes, the image
+/// is rejected as ambiguous.
 const MOST_DOUBTFUL: usize = 1;
 
 /// A finger that was located in an image.
@@ -47,7 +49,8 @@ const MOST_DOUBTFUL: usize = 1;
 pub struct SeenFinger {
     /// Pose of the finger's base.
     pub base: SeenBase,
-    /// Markers in the order of their nodes, with positions in the finger frame. Their standard deviations include the uncertainty of the base.
+    /// Markers in the order of their nodes, with positions in the finger frame. The standard deviations of the positions include the uncertainty of
+    /// the base's pose.
     pub located: Vec<Located>,
     /// Measured radii of markers and references.
     pub radii: SeenRadii,
@@ -58,20 +61,20 @@ pub struct SeenFinger {
 pub struct SeenBase {
     /// Transform (rotation, and translation in mm) from the finger frame, which moves with the base, to the finger frame at the scene's camera pose.
     pub pose: Isometry2<f64>,
-    /// Whether the camera's pose or two references determine the pose of the base. Otherwise the markers determine it only roughly, and displacements relative
-    /// to the base are unknown.
+    /// Whether the camera's pose or two references determine the pose of the base. If the pose is not known, the markers determine it only roughly,
+    /// and displacements relative to the base are unknown.
     pub is_known: bool,
     /// Mean position of the references, mm, finger frame.
     pub middle: Vector,
-    /// Standard deviation of one coordinate of that mean position, mm. All markers of an image share this error.
+    /// Standard deviation of one coordinate of `middle`, mm. All markers of an image share the error of the base's position.
     pub sd_mm: f64,
-    /// Standard deviation of the rotation about that mean position, rad. All markers of an image share this error.
+    /// Standard deviation of the base's rotation about `middle`, rad. All markers of an image share the error of the base's rotation.
     pub sd_rad: f64,
 }
 
 impl SeenBase {
-    /// Standard deviation of one coordinate of a position in the finger frame, mm, due to the uncertainty of the base's pose. It is the root mean square of the
-    /// standard deviations in x and y.
+    /// Standard deviation of one coordinate of a position in the finger frame, mm, due to the uncertainty of the base's pose. The result is the root
+    /// mean square of the standard deviations in x and y.
     pub fn sd_at(&self, position: &Vector) -> f64 {
         self.sd_mm.hypot(self.sd_rad * (position - self.middle).norm() / std::f64::consts::SQRT_2)
     }
@@ -111,13 +114,13 @@ impl<'f> RimLocator<'f> {
         require_own_junctions(finger)?;
         let radius_px = match base {
             None => radius_px(finger, camera, markers)?,
-            // The finger may be anywhere in the image, so the middle of the image represents its position.
+            // The finger may be anywhere in the image, so the radius in px is computed at the middle of the image.
             Some(_) => radius_at(camera, &camera.lens.middle(), markers)?,
         };
         Ok(RimLocator { finger, camera: *camera, shape, radius_px, base: base.cloned() })
     }
 
-    /// Locates the markers in an image and omits hidden ones. Makes no assumption about the shape of the finger.
+    /// Locates the markers in an image; hidden markers are omitted. Makes no assumption about the shape of the finger.
     ///
     /// # Errors
     /// [`LocateError`] if the image does not show the finger, or the markers cannot be assigned to nodes uniquely.
@@ -133,7 +136,7 @@ impl<'f> RimLocator<'f> {
             if let Some(error) = (Scenery { finger, camera, height_mm, seen: &seen }).elsewhere(&names) {
                 return Err(error);
             }
-            // The base is exactly where the scene's camera pose puts it.
+            // A fixed base is exactly where the scene's camera pose puts it.
             let base = SeenBase { is_known: true, ..SeenBase::default() };
             let named = named(&rims, &names?);
             let radii = SeenRadii { markers_mm: middle_radius_mm(&named), references_mm: Vec::new() };
@@ -216,8 +219,8 @@ impl<'f> RimLocator<'f> {
         Ok((cost, proposal))
     }
 
-    /// Rejects the base's position from references if the ribs near the base fit another position far better. The supposed references are then other
-    /// marks.
+    /// Rejects the base's position from references if the ribs near the base fit another position far better. If another position fits far better,
+    /// the supposed references are other marks.
     fn require_base_of_finger(&self, rims: &[Rim], by_references: &Proposal, cost: f64) -> Result<(), LocateError> {
         // If the position from ribs is ambiguous, it does not contradict the references.
         let proposals = self.by_ribs(rims);
@@ -255,7 +258,8 @@ fn middle_radius_mm(named: &[(NodeId, Rim)]) -> Option<f64> {
 }
 
 /// Factor by which standard deviations of the markers, and of the marks on the base, exceed the values for independent pixel errors. Background that
-/// the edge model neglects correlates the errors of neighbouring pixels. The markers' residuals show the size of this effect.
+/// the edge model neglects makes the errors of neighbouring pixels correlated. The markers' residuals show how strongly the errors of neighbouring
+/// pixels are correlated.
 fn widening(named: &[(NodeId, Rim)]) -> f64 {
     wider(named.iter().filter_map(|(_, rim)| rim.excess_variances))
 }
@@ -293,7 +297,8 @@ fn seen_base(base: &Base, marks: &[Vec<Rim>], proposal: &Proposal, wider: f64) -
     }
 }
 
-/// Centres of pairs of rims whose distance equals `distance_mm` within `tolerance_mm`, in both orders.
+/// Centres of pairs of rims, one from `first` and one from `second`, whose distance equals `distance_mm` within `tolerance_mm`. Two rims that are in
+/// both lists form a pair in either order.
 fn pairs(first: &[Rim], second: &[Rim], distance_mm: f64, tolerance_mm: f64) -> impl Iterator<Item = [Vector; 2]> {
     let all = first.iter().flat_map(move |a| second.iter().map(move |b| [a.centre, b.centre]));
     all.filter(move |[a, b]| a != b && ((a - b).norm() - distance_mm).abs() <= tolerance_mm)
@@ -332,7 +337,7 @@ fn by_references(base: &Base, marks: &[Vec<Rim>]) -> Vec<Proposal> {
     proposals
 }
 
-/// Rigid motion that maps points onto others, by least squares over the pairs (Kabsch algorithm in the plane).
+/// Rigid motion that maps the first point of each pair onto the second point, by least squares over the pairs (Kabsch algorithm in the plane).
 fn fitted(pairs: &[(Vector, Vector)]) -> Isometry2<f64> {
     let count = pairs.len().max(1) as f64;
     let (from, to) = pairs.iter().fold((Vector::zeros(), Vector::zeros()), |(a, b), (from, to)| (a + from, b + to));

@@ -1,4 +1,4 @@
-//! Common properties of the markers in an image: outline, blur, noise, and displacement of colour by compression and lens.
+//! Common properties of the markers in an image: outline, blur, noise, and displacement of colour relative to brightness (by compression and lens).
 
 use super::disc::{Buffers, ColourShift, Disc, LARGEST_BLUR, Outline, View};
 use super::motion::{LARGEST_MOTION, motion_blur_px};
@@ -14,7 +14,8 @@ const UNEVEN: f64 = 3.0;
 
 /// A displacement of colour relative to brightness is corrected if it exceeds this number of standard deviations.
 const COLOUR_SIGMAS: f64 = 4.0;
-/// Largest number of corrections of the displacement of colour. Several corrections may be needed, because each correction is of first order.
+/// Largest number of rounds. Each round measures the centres and the displacement of colour; each round except the last corrects the displacement.
+/// Several corrections of the displacement may be needed, because each correction is of first order.
 const COLOUR_ROUNDS: usize = 4;
 /// Standard deviation of a coordinate due to motion blur, as a share of that blur. The error arises because the edge model assumes isotropic blur.
 const MOTION_SD: f64 = 0.1;
@@ -34,9 +35,9 @@ pub(super) struct Common {
     pub motion_sd_mm: f64,
 }
 
-/// Measures the centres again with a common outline. All markers have the same size and sharpness, so every marker gets the median radius and blurs of all
-/// markers. If colour is noisier than brightness, as after compression, colour gets less weight. `view` must give equal weights to brightness and colour.
-/// `radius_px` is the radius of a marker at the middle of the finger, px.
+/// Measures the centres of the discs again, with one common outline (radius and blurs) for all discs. All markers have the same size and sharpness,
+/// so every marker gets the median radius and blurs of all markers. If colour is noisier than brightness, as after compression, colour gets less
+/// weight. `view` must give equal weights to brightness and colour. `radius_px` is the radius of a marker at the middle of the finger, px.
 ///
 /// # Errors
 /// [`LocateError::Blurred`] or [`LocateError::Moved`] if the blur is too large for the markers' radius.
@@ -67,7 +68,7 @@ pub(super) fn measure_together(
         }
         let ColourShift { normal, gradient } = measure_centres(&view, outline, named, buffers);
         let shift: Vector = normal.try_inverse().map_or_else(Vector::zeros, |inverse| inverse * gradient);
-        // Correlated errors of neighbouring pixels make a displacement less significant.
+        // Correlated errors of neighbouring pixels make a measured displacement of colour less significant.
         let sigmas = shift.dot(&gradient).max(0.0).sqrt() / wider(named.iter().map(|(_, disc)| disc.excess_variances));
         rounds += 1;
         if rounds == COLOUR_ROUNDS || sigmas < COLOUR_SIGMAS {
@@ -108,7 +109,7 @@ fn mean(named: &[(NodeId, Disc)], of: impl Fn(&Disc) -> f64) -> f64 {
     named.iter().map(|(_, disc)| of(disc)).sum::<f64>() / named.len() as f64
 }
 
-/// Located markers from their discs. The markers of each plate share a colour, so they share a factor on their standard deviations.
+/// Located markers from their discs. The markers of each plate share a colour, so one factor multiplies the standard deviations of all of them.
 pub(super) fn located(named: &[(NodeId, Disc)], on_front: &[NodeId], common: &Common) -> Vec<Located> {
     let [front, back] = [true, false].map(|is_front| {
         let of_plate = named.iter().filter(|(node, _)| on_front.contains(node) == is_front);
@@ -123,11 +124,12 @@ pub(super) fn located(named: &[(NodeId, Disc)], on_front: &[NodeId], common: &Co
     named.iter().map(located).collect()
 }
 
-/// Factor by which standard deviations exceed the values for independent pixel errors. One marker determines this factor poorly; all markers of a
-/// colour together determine it well.
+/// Factor by which standard deviations exceed the values for independent pixel errors. The residuals of one marker determine the factor poorly; the
+/// residuals of all markers of a colour together determine it well.
 ///
-/// A centre absorbs the residuals that have one period around the edge, and longer periods have more power. The power of one period is therefore extrapolated
-/// from the powers of two and three periods, along a Gaussian S(n) = a exp(-c n^2). The factor is 1 without markers.
+/// The fitted centre absorbs the residuals with one period around the edge. Residuals with longer periods have more power. The power of the residuals
+/// with one period is extrapolated from the powers with two and three periods, along a Gaussian S(n) = a exp(-c n^2) of the number of periods n. The
+/// factor is 1 without markers.
 pub(super) fn wider(excess_variances: impl Iterator<Item = [f64; 2]>) -> f64 {
     let (count, [two, three]) =
         excess_variances.fold((0.0, [0.0; 2]), |(count, sums), of| (count + 1.0, [sums[0] + of[0], sums[1] + of[1]]));

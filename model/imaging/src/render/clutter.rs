@@ -11,7 +11,8 @@ use rand_chacha::ChaCha8Rng;
 
 /// Range of the random size of a piece of clutter, in marker radii: the radius of a disc, or half the side of a box.
 const SIZES: [f64; 2] = [0.5, 2.5];
-/// A piece of clutter keeps this gap, in marker radii, from the centre of every marker, in addition to its own half diagonal.
+/// Least gap, in marker radii, between the centre of any marker and a piece of clutter. Half the diagonal of the square around the piece counts as
+/// its radius.
 const CLEAR: f64 = 3.0;
 /// Painting of clutter stops after this number of successive random positions that are all too close to a marker.
 const MOST_DRAWS: usize = 1000;
@@ -57,7 +58,7 @@ pub(super) fn scatter(
     }
 }
 
-/// Paints a box that consists of whole pixels. `half` is half of its side, px.
+/// Paints a box that consists of whole pixels. `half` is half the side of the box, px.
 fn paint_box(canvas: &mut Rgb32FImage, at: &Pixel, half: f64, colour: [f32; 3]) {
     let (width, height) = canvas.dimensions();
     let side = |middle: f64, size: u32| {

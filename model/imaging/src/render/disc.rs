@@ -8,7 +8,8 @@ use image::Rgb32FImage;
 /// Number of subpixels along each side of a pixel. With this number, the painted centre of a disc of 12 px radius (75 edge pixels) is accurate to 0.001 px.
 const SUBPIXELS: u32 = 32;
 
-/// Paints a disc. Its centre is a point of the finger frame (mm), at a height above the finger's plane (mm). Parts that the camera does not see are omitted.
+/// Paints a disc. The disc's centre is a point of the finger frame (mm), at a height above the finger's plane (mm). Parts of the disc that the camera
+/// does not see are omitted.
 pub(super) fn paint_disc(
     canvas: &mut Rgb32FImage,
     camera: &Camera,
@@ -17,8 +18,8 @@ pub(super) fn paint_disc(
     colour: [f32; 3],
 ) {
     let Ok((pixel, by_point)) = camera.project_with_derivatives(&centre.push(height_mm)) else { return };
-    // Perspective enlarges the half of the disc that is nearer to the camera. A factor of 1.5 suffices if the disc's radius is at most a third of its distance
-    // from the camera.
+    // Perspective enlarges the half of the disc that is nearer to the camera. A factor of 1.5 on the disc's radius in px suffices if the radius is at
+    // most a third of the disc's distance from the camera.
     let px_a_mm = by_point.fixed_columns::<2>(0).singular_values().max();
     let reach = 1.5 * radius_mm * px_a_mm + 2.0;
     let (width, height) = canvas.dimensions();
@@ -45,7 +46,7 @@ pub(super) fn paint_disc(
     }
 }
 
-/// Columns and rows of the image within `reach` px of a pixel; `None` if the image contains none of them.
+/// Columns and rows of the image within `reach` px of a pixel; `None` if there are no such columns or no such rows.
 fn window(
     pixel: &Pixel,
     reach: f64,
@@ -64,7 +65,7 @@ mod tests {
     use super::*;
     use finray_model::camera::{Distortion, Lens, Pose};
 
-    /// Share of a unit pixel that a disc covers, computed from strips with exact ends.
+    /// Share of a unit pixel that a disc covers, summed over strips of the pixel. The covered length of each strip is exact.
     fn covered(pixel: [f64; 2], centre: &Pixel, radius: f64) -> f64 {
         const STRIPS: u32 = 400;
         let strip = |k: u32| {
@@ -76,8 +77,8 @@ mod tests {
         (0..STRIPS).map(strip).sum::<f64>() / f64::from(STRIPS)
     }
 
-    /// Checks that the light of each pixel equals the share of the pixel that the disc covers, for ten subpixel positions of the disc. The errors shift the
-    /// centre of the disc by less than 1e-3 px.
+    /// Checks that the light of each pixel equals the share of the pixel that the disc covers, for ten subpixel positions of the disc. Checks that
+    /// the errors of the pixels' light shift the disc's centre by less than 1e-3 px.
     #[test]
     fn light_is_that_of_the_disc() {
         let lens = Lens::new([80, 60], [400.0, 400.0], [39.5, 29.5], Distortion::default()).expect("a lens");

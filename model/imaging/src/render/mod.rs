@@ -1,8 +1,8 @@
 //! Rendering of the image that a camera takes of a deformed finger, with known true centres of the markers.
 //!
-//! Plates and ribs are painted as strips along curves. Each curve is the shape of a beam without load between its ends, whose positions and rotations are
-//! given. Markers are discs parallel to the finger's plane; their edge pixels are blended in proportion to the area that the disc covers. Light falloff, blur
-//! and noise follow, in this order.
+//! Plates and ribs are painted as strips along curves. Each curve has the shape of a beam with given positions and rotations of its two ends and no
+//! load between them. Markers are discs parallel to the finger's plane; their edge pixels are blended in proportion to the area that the disc covers.
+//! Light falloff, blur and noise are applied last, in this order.
 
 mod clutter;
 mod disc;
@@ -59,7 +59,8 @@ pub struct Disturbances {
     pub blur_px: f64,
     /// Standard deviation of the noise that is added to every channel of every pixel, grey levels (of 255).
     pub grey_noise: f64,
-    /// Number of discs and boxes in the background; fewer are painted if there is no space. Half of them have the colours of the markers.
+    /// Number of discs and boxes in the background; fewer are painted if there is no space. Half of the pieces of clutter have the colours of the
+    /// markers.
     pub clutter: usize,
     /// Seed of the random numbers for noise and clutter.
     pub seed: u64,
@@ -68,7 +69,7 @@ pub struct Disturbances {
 /// Error for a camera that does not see the finger.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum RenderError {
-    /// A key node has no pixel in the camera.
+    /// A key node cannot be projected to a pixel of the camera.
     #[error("the camera does not see the finger: node {node} {reason}")]
     NotSeen {
         /// The key node without a pixel.
@@ -147,8 +148,8 @@ fn paint_marker(canvas: &mut Rgb32FImage, camera: &Camera, markers: &Markers, ce
     }
 }
 
-/// Weights of a Gaussian filter with the standard deviation `sd_px` (px), cut off at four standard deviations. The filter of imageproc is cut off at two,
-/// which makes it too narrow.
+/// Weights of a Gaussian filter with the standard deviation `sd_px` (px), cut off at four standard deviations. The Gaussian filter of imageproc is
+/// cut off at two standard deviations, which makes it too narrow.
 fn gaussian(sd_px: f64) -> Vec<f32> {
     let reach = (4.0 * sd_px).ceil() as i32;
     let weight = |step: i32| (-0.5 * (f64::from(step) / sd_px).powi(2)).exp();

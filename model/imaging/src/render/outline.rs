@@ -11,7 +11,8 @@ const POINTS: usize = 24;
 /// Thickness of the base line and the brackets, and of ribs without a stated thickness, mm.
 const BASE_THICKNESS_MM: f64 = 3.0;
 
-/// Share of each pixel that the finger's body covers, 0 to 255; `None` for an empty image. Parts that the camera does not see are omitted.
+/// Share of each pixel that the finger's body covers, 0 to 255; `None` for an empty image. Parts of the body that the camera does not see are
+/// omitted.
 pub(super) fn finger_mask(camera: &Camera, finger: &Finger, shape: &FingerShape) -> Option<Mask> {
     let [width, height] = camera.lens.size_px();
     let mut mask = Mask::new(width, height)?;

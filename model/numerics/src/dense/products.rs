@@ -7,7 +7,8 @@ use pulp::Simd;
 /// latency of an addition is hidden.
 const WIDEST_PANEL: usize = 3;
 
-/// Function applied to a complete sum. It is a trait, because closures are not reliably inlined; without inlining, the product takes ten times as long.
+/// Function applied to a complete sum. The function is passed as a trait, because closures are not reliably inlined; without inlining, the product
+/// takes ten times as long.
 pub trait Finish<N: Number>: Copy {
     /// Applies the function in each lane of `sum`.
     fn finish<S: Simd>(self, simd: S, sum: N::Vector<S>) -> N::Vector<S>;
@@ -31,8 +32,8 @@ pub struct Weights<N: Number> {
     inputs: usize,
     /// Number of outputs, the length of y.
     outputs: usize,
-    /// Weights in the order of reading: one panel (one to three SIMD vectors of outputs) after the other, input by input within a panel. Zeros fill the last
-    /// vector.
+    /// Weights in the order in which the product reads them: panel by panel (a panel is one to three SIMD vectors of outputs), and input by input
+    /// within a panel. Zeros fill the last vector.
     panels: Aligned<N>,
 }
 
@@ -53,7 +54,7 @@ fn panel_width(vectors_left: usize) -> usize {
 }
 
 impl<N: Number> Weights<N> {
-    /// Stores a matrix in the order of reading for the machine's SIMD width; `weight(output, input)` returns its entries.
+    /// Stores a matrix in the order in which the product reads it with the machine's SIMD width; `weight(output, input)` returns its entries.
     pub fn new<S: Simd>(outputs: usize, inputs: usize, weight: impl Fn(usize, usize) -> N) -> Weights<N> {
         let lanes = N::lanes::<S>();
         let entry = |output: usize, input: usize| if output < outputs { weight(output, input) } else { N::ZERO };
@@ -75,8 +76,8 @@ impl<N: Number> Weights<N> {
         self.outputs
     }
 
-    /// Computes y = finish(y + W x); `y` has [`padded`] outputs. Fetching weights from memory takes most of the time, so `finish` runs after each
-    /// panel, while the weights of the next panel arrive.
+    /// Computes y = finish(y + W x); the length of `y` is the number of outputs, rounded up by [`padded`]. Fetching weights from memory takes most of
+    /// the time, so `finish` runs after each panel, while the weights of the next panel arrive.
     #[inline(always)]
     pub fn add_product<S: Simd>(&self, simd: S, x: &[N], y: &mut [N], finish: impl Finish<N>) {
         let x = &x[..self.inputs];

@@ -26,7 +26,7 @@ impl Finish<f32> for Tanh {
 #[inline(always)]
 fn tanh<S: Simd>(simd: S, x: S::f32s) -> S::f32s {
     if S::IS_SCALAR {
-        // Without fused multiply-add, f32 would round too much. For one number at a time, f64 is as fast.
+        // Without fused multiply-add, f32 would round too much. For one number at a time, f64 is as fast as f32.
         return simd.splat_f32s(tanh_alone(simd.reduce_sum_f32s(x)));
     }
     let clamped = simd.max_f32s(simd.min_f32s(x, simd.splat_f32s(CLAMP)), simd.splat_f32s(-CLAMP));

@@ -1,4 +1,4 @@
-//! SIMD vectors of f32 and f64 behind one trait, for kernels that support both.
+//! SIMD vectors of f32 and f64 behind one trait, for kernels that support both number types.
 
 use pulp::Simd;
 

@@ -28,8 +28,8 @@ impl Direction {
 
 /// The matrix [K, -f; c^T, d], with the factored tangent stiffness K, the forces f of the loads at multiple 1, and the constraint (c, d).
 ///
-/// At a limit point K is singular, and plain block elimination loses digits. Mixed block elimination (BEM) splits the load multiple into two parts, of which
-/// the second corrects the first. The method loses no digits even if K is nearly singular.
+/// At a limit point K is singular, and plain block elimination loses digits. Mixed block elimination (BEM) splits the load multiple into two parts,
+/// of which the second corrects the first. Mixed block elimination loses no digits even if K is nearly singular.
 ///
 /// # Requirements
 /// K is symmetric and has at most one eigenvalue near zero. The constraint is not orthogonal to the path.

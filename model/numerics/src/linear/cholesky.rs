@@ -30,14 +30,14 @@ impl Cholesky {
         self.numeric.is_some()
     }
 
-    /// Whether a factor exists: the last factorisation succeeded and was not dropped.
+    /// Whether a factor exists: there was a factorisation, and the last one succeeded.
     pub fn is_there(&self) -> bool {
         self.numeric.is_some()
     }
 
     /// Overwrites each column x of `columns` with K^-1 x; columns are stored one after the other and have `unknowns` entries each.
     ///
-    /// Returns `false` and leaves the columns unchanged if there is no factor or a result is not finite.
+    /// Returns `false` if there is no factor or a result is not finite. The columns stay unchanged only if there is no factor.
     pub fn solve_in_place(&self, columns: &mut [f64], unknowns: usize) -> bool {
         let Some(numeric) = &self.numeric else { return false };
         if unknowns == 0 {

@@ -16,7 +16,8 @@ use std::sync::Arc;
 /// The factors of K = L D L^T with diagonal D. The ordering of the unknowns is computed at the first factorisation.
 ///
 /// By Sylvester's law of inertia, K has as many negative eigenvalues as D has negative entries. The factorisation does not pivot, so a nearly
-/// singular matrix may cost digits. Newton's method recovers these digits through its residual.
+/// singular matrix may cost digits. Newton's method recovers the digits that the factorisation loses, because it computes the residual anew in each
+/// step.
 #[derive(Debug, Clone, Default)]
 pub struct IndefiniteFactor {
     symbolic: Option<Arc<SymbolicCholesky<usize>>>,

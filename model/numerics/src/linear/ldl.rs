@@ -68,7 +68,8 @@ impl<R: Number, const N: usize> Ldl<R, N> {
     /// Overwrites each of the M columns x with L^-1 x.
     #[inline(always)]
     pub fn forward<const M: usize>(&self, columns: &mut [[R; M]; N]) {
-        // For scalars, one instruction processes neighbours in a row. For lanes, one column fits into the registers.
+        // For scalars, all columns are processed together, so that one instruction processes neighbours in a row. For SIMD lanes, the columns are
+        // processed one by one, because one column fits into the registers.
         if R::LANES == 1 {
             self.forward_from::<M, M>(columns, 0);
         } else {
@@ -78,10 +79,10 @@ impl<R: Number, const N: usize> Ldl<R, N> {
         }
     }
 
-    /// Same as [`forward`](Ldl::forward), for the `COUNT` columns from `first`.
+    /// Same as [`forward`](Ldl::forward), for `COUNT` columns starting at index `first`.
     #[inline(always)]
     fn forward_from<const M: usize, const COUNT: usize>(&self, columns: &mut [[R; M]; N], first: usize) {
-        // Loops, because the compiler does not use the wide instructions for closures.
+        // Loops are used here, because the compiler does not generate wide SIMD instructions for closures.
         let mut x = [[columns[0][first].zero(); COUNT]; N];
         for i in 0..N {
             for k in 0..COUNT {
@@ -105,7 +106,7 @@ impl<R: Number, const N: usize> Ldl<R, N> {
         }
     }
 
-    /// Lanes in which each pivot exceeds its limit.
+    /// Lanes in which each pivot exceeds its limit; valid only in lanes in which all pivots are positive.
     #[inline(always)]
     pub fn pivots_exceed(&self, limits: &[R; N]) -> R::Mask {
         let one = limits[0].constant(1.0);

@@ -1,11 +1,12 @@
-//! Angle of a vector, with the same operations for one number and for lanes.
+//! Angle of a vector, with the same operations for one number and for SIMD lanes.
 
 use super::Number;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Slopes y / x up to this value need no range reduction.
 const SHALLOW: f64 = 0.66;
-/// tan(3 pi / 8). For larger slopes, the angle is measured from pi / 2. Between `SHALLOW` and this slope, the angle is measured from pi / 4.
+/// tan(3 pi / 8). For slopes above this value, the angle is measured from pi / 2. For slopes between `SHALLOW` and this value, the angle is measured
+/// from pi / 4.
 const STEEP: f64 = 2.414_213_562_373_095;
 /// pi / 2 minus its double-precision value. The remainders of pi / 4 and pi are half and twice as large.
 const REST_OF_FRAC_PI_2: f64 = 6.123_233_995_736_766e-17;

@@ -10,7 +10,7 @@ use std::slice;
 /// The sign bit of an f64.
 const SIGN: u64 = 1 << 63;
 
-/// As many numbers as a SIMD register holds: 4 with AVX2, 1 on a machine with unknown instructions.
+/// As many numbers as a SIMD register holds: 4 with AVX2, 1 on a machine whose SIMD instructions are not supported.
 #[derive(Clone, Copy)]
 pub struct Lanes<S: Simd> {
     /// Token for the SIMD instructions of the machine; it needs no memory.
@@ -93,7 +93,8 @@ impl<S: Simd> Neg for Lanes<S> {
 
     #[inline(always)]
     fn neg(self) -> Lanes<S> {
-        // `neg_f64s`, `abs_f64s` and `select_f64s` are compiled separately, without the machine's instructions, and would be called as functions.
+        // `neg_f64s`, `abs_f64s` and `select_f64s` are compiled separately, without the machine's SIMD instructions, so they would be called as
+        // functions instead of inlined.
         self.with(self.simd.xor_f64s(self.values, self.simd.splat_f64s(-0.0)))
     }
 }
@@ -119,7 +120,7 @@ impl<S: Simd> Number for Lanes<S> {
 
     #[inline(always)]
     fn larger(self, other: Lanes<S>) -> Lanes<S> {
-        // SIMD maximum instructions differ in their result for NaN; selections do not.
+        // The SIMD maximum instructions of different machines give different results for NaN; selections give the same result.
         let self_or_other = Lanes::select(self.exceeds(other), self, other);
         Lanes::select(other.or_above(other), self_or_other, self)
     }
@@ -187,7 +188,8 @@ impl<S: Simd> Number for Lanes<S> {
 }
 
 impl<S: Simd> Lanes<S> {
-    /// Lanes in which `self` is at least `other`; `false` if either is NaN. Comparing a number with itself thus detects NaN.
+    /// Lanes in which `self` is at least `other`; `false` if either is NaN. Comparing a number with itself by this function gives `false` only for
+    /// NaN.
     #[inline(always)]
     fn or_above(self, other: Lanes<S>) -> S::m64s {
         self.simd.greater_than_or_equal_f64s(self.values, other.values)

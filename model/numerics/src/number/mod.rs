@@ -1,7 +1,8 @@
 //! Number type of the equations: one number, or several SIMD lanes that run through the same instructions.
 //!
-//! Scalars and lanes give bitwise equal results. Sums, products, quotients and roots are rounded separately, without fused multiply-add, and other functions
-//! use the same operations. A lane of [`Lanes`] therefore holds the same bits as an `f64`, independent of its neighbours and of the machine.
+//! Scalars and lanes give bitwise equal results. Each sum, product, quotient and root is rounded separately, without fused multiply-add. All other
+//! functions use the same operations for scalars and lanes. A lane of [`Lanes`] therefore holds the same bits as the same calculation with an `f64`,
+//! independent of the neighbouring lanes and of the machine.
 
 mod arctangent;
 mod lanes;
@@ -15,7 +16,7 @@ use nalgebra::Scalar;
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
-/// A real number, or several: one per lane.
+/// A real number, or several real numbers: one per SIMD lane.
 pub trait Number:
     Scalar
     + Copy

@@ -1,4 +1,4 @@
-//! Sine and versine (1 - cosine) of an angle, with the same operations for one number and for lanes.
+//! Sine and versine (1 - cosine) of an angle, with the same operations for one number and for SIMD lanes.
 
 use super::Number;
 use std::f64::consts::FRAC_PI_4;

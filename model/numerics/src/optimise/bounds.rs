@@ -11,7 +11,7 @@ pub struct StepBounds {
 }
 
 impl StepBounds {
-    /// Bounds the change of each of `unknowns` unknowns to `largest` in magnitude.
+    /// Limits the change of every unknown to `largest` in magnitude; `unknowns` is the number of unknowns.
     pub fn within(unknowns: usize, largest: f64) -> StepBounds {
         StepBounds { bounds: (0..unknowns).map(|unknown| (unknown, [-largest, largest])).collect() }
     }
@@ -34,7 +34,7 @@ impl StepBounds {
     }
 }
 
-/// A bound that a line meets, and the share of the line's length before it.
+/// A bound that the line of a step meets, and the share of the line's length up to the bound.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct MetBound {
     pub unknown: usize,

@@ -1,6 +1,6 @@
 //! Convergence criteria of a search.
 
-/// Default limit of the relative decrease: at the end of the search, the unknowns are within 1e-6 standard deviations of the minimum.
+/// Default limit of the relative decrease. With this limit, the search ends within 1e-6 standard deviations of the minimum.
 const RELATIVE_DECREASE: f64 = 2e-13;
 
 /// Limits below which the next step counts as negligible. A search ends when the step is below either limit.

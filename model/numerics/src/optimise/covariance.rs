@@ -4,12 +4,13 @@ use nalgebra::{DMatrix, DVector};
 
 /// Covariance (J^T J)^-1 of the unknowns, for residuals of standard deviation 1; `None` if the inverse does not exist.
 ///
-/// Valid if the problem is linear within the standard deviations, and no unknown is at a bound.
+/// The covariance is valid if the problem is linear within the standard deviations of the unknowns, and no unknown is at a bound.
 pub fn covariance(jacobian: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     jacobian.tr_mul(jacobian).cholesky().map(|factor| factor.inverse())
 }
 
-/// Singular values and right singular vectors of the derivatives. They show which combinations of unknowns the residuals determine.
+/// Singular values and right singular vectors of the derivatives. Singular values and vectors show which combinations of unknowns the residuals
+/// determine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SingularParts {
     values: DVector<f64>,

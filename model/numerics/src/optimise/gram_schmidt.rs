@@ -1,6 +1,6 @@
 //! Small dense linear least squares, solved repeatedly in place without heap allocation.
 
-/// Minimises |A x - b|; the columns of A and then b are stored one after the other.
+/// Minimises |A x - b|. The columns of A are stored one after the other, followed by b.
 ///
 /// # Reference
 /// Modified Gram-Schmidt with b as the last column (Bjorck, Numerical Methods for Least Squares Problems, sec. 2.4).
@@ -31,7 +31,7 @@ impl GramSchmidt {
         }
     }
 
-    /// A column of A; b if `column` equals the number of unknowns.
+    /// Returns the column of A with index `column`, or b if `column` equals the number of unknowns.
     #[inline]
     pub fn column_mut(&mut self, column: usize) -> &mut [f64] {
         &mut self.columns[column * self.rows..][..self.rows]

@@ -10,21 +10,21 @@ const FIRST_DAMPING: f64 = 1e-3;
 const LOWERED: f64 = 0.1;
 /// Factor on the damping after a rejected step.
 const RAISED: f64 = 10.0;
-/// Smallest damping; a smaller one would change a step only by rounding.
+/// Smallest damping; a smaller damping would change a step by no more than rounding errors.
 const LEAST_DAMPING: f64 = 1e-14;
-/// Largest damping; with a larger one, no significant step remains, and the search ends.
+/// Largest damping; with a larger damping, no significant step remains, and the search ends.
 const MOST_DAMPING: f64 = 1e10;
-/// Default number of steps of a search, including rejected steps.
+/// Default limit of the number of steps of a search, including rejected steps.
 const MOST_STEPS: usize = 200;
 
 /// Damped least squares: Gauss-Newton steps, shortened if they do not reduce the sum of squares.
 ///
 /// # Requirements
-/// The problem has residuals at the start. The search finds a local minimum near the start, which need not be the global one.
+/// The residuals of the problem exist at the starting point. The search finds a local minimum near the start, which need not be the global one.
 ///
 /// # Reference
-/// Nocedal and Wright, Numerical Optimization, 2nd ed., sec. 10.3. The damping is scaled by the diagonal of the normal equations (Marquardt 1963), lowered
-/// after an accepted and raised after a rejected step (Transtrum and Sethna, arXiv:1201.5885, sec. 2).
+/// Nocedal and Wright, Numerical Optimization, 2nd ed., sec. 10.3. The damping is scaled by the diagonal of the normal equations (Marquardt 1963).
+/// The damping is lowered after an accepted step and raised after a rejected step (Transtrum and Sethna, arXiv:1201.5885, sec. 2).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LevenbergMarquardt {
     /// Convergence criteria.

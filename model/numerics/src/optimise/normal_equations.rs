@@ -60,7 +60,7 @@ pub(super) struct NormalEquations {
     pub squares: f64,
     /// Residuals r; the residuals of the priors come last.
     pub residual: DVector<f64>,
-    /// Derivatives J of the residuals by the unknowns.
+    /// Derivatives J of the residuals with respect to the unknowns.
     pub jacobian: DMatrix<f64>,
     /// Normal matrix J^T J.
     matrix: DMatrix<f64>,
@@ -69,8 +69,8 @@ pub(super) struct NormalEquations {
 }
 
 impl NormalEquations {
-    /// The best damped step within bounds. If a step meets a bound, that unknown stays at the bound and the others are solved for again. `None` if the damped
-    /// matrix is not positive definite.
+    /// The best damped step within bounds. If a step takes an unknown to its bound, this unknown stays at the bound, and the step is solved again for
+    /// the other unknowns. `None` if the damped matrix is not positive definite.
     pub(super) fn step(&self, damping: f64, bounds: &StepBounds) -> Option<DVector<f64>> {
         let mut damped = self.matrix.clone();
         for i in 0..damped.nrows() {
@@ -87,7 +87,7 @@ impl NormalEquations {
         }
     }
 
-    /// The best damped step in which each unknown held at a bound keeps its change in `step`.
+    /// The best damped step in which every unknown held at a bound changes as in `step`.
     fn best_of_free(&self, mut damped: DMatrix<f64>, step: &DVector<f64>, is_held: &[bool]) -> Option<DVector<f64>> {
         let mut right = -&self.gradient;
         for held in (0..is_held.len()).filter(|&k| is_held[k]) {

@@ -3,12 +3,12 @@
 use super::StepBounds;
 use nalgebra::{DMatrix, DVector};
 
-/// Residuals as functions of unknowns, each in units of its standard deviation.
+/// Residuals as functions of unknowns. Each residual is in units of its standard deviation.
 ///
 /// # Requirements
 /// Residuals are differentiable, and their number is the same at every point. A step of zero leaves a point unchanged.
 pub trait LeastSquaresProblem {
-    /// Values of the unknowns: numbers, or an object such as a pose that a step of numbers moves.
+    /// Values of the unknowns: numbers, or an object, for example a pose, that is moved by a step (a vector of numbers).
     type Point;
     /// Reason why a point has no residuals.
     type Error;
@@ -19,8 +19,8 @@ pub trait LeastSquaresProblem {
     /// [`Refusal`] for a point that has no residuals.
     fn residual(&mut self, point: &Self::Point) -> Result<DVector<f64>, Refusal<Self::Error>>;
 
-    /// Derivatives of the residuals by a step: one row per residual, one column per unknown. Called only for the point of the last call of
-    /// [`residual`](LeastSquaresProblem::residual), with the result of that call, so both functions may share a tangent.
+    /// Derivatives of the residuals with respect to a step: one row per residual, one column per unknown. Called only at the point of the last call
+    /// of [`residual`](LeastSquaresProblem::residual), with the result of that call. Both functions may therefore share a tangent matrix.
     ///
     /// # Errors
     /// [`Refusal`] for a point that has no derivatives.
@@ -59,17 +59,18 @@ impl<E> Refusal<E> {
     }
 }
 
-/// A residual that states prior knowledge; linear in the unknowns near a point.
+/// A residual that states prior knowledge. It is linear in the unknowns near a point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prior {
     /// Deviation from the expected value, divided by its standard deviation.
     pub residual: f64,
-    /// Derivatives of the residual, as pairs of an unknown's index and the derivative by it. All other derivatives are zero.
+    /// Derivatives of the residual: pairs of an unknown's index and the derivative with respect to this unknown. All other derivatives are zero.
     pub by: Vec<(usize, f64)>,
 }
 
 impl Prior {
-    /// The prior that one unknown, with the current value `value`, is expected at `expected` with the standard deviation `sd`; all in the unknown's unit.
+    /// A prior for one unknown: its current value is `value`, and its expected value is `expected` with the standard deviation `sd`. All are in the
+    /// unknown's unit.
     pub fn on(unknown: usize, value: f64, expected: f64, sd: f64) -> Prior {
         Prior { residual: (value - expected) / sd, by: vec![(unknown, 1.0 / sd)] }
     }

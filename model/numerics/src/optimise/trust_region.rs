@@ -8,13 +8,13 @@ const POOR: f64 = 0.25;
 const FURTHER: f64 = 3.0;
 /// Size to which the trust region shrinks after a poor step, as a multiple of the step's reach ([`Prediction::reach`]).
 const LESS_FAR: f64 = 0.5;
-/// If only a share of a step succeeded, the trust region shrinks to this share of the step, limited to this range.
+/// If a step succeeds only in part, the trust region shrinks to the succeeded share of the step's reach, limited to this range of shares.
 const AFTER_FAILURE: [f64; 2] = [0.1, 0.5];
 /// Share of the step's reach to which the trust region shrinks if the full step succeeded but increased the sum of squares.
 const AFTER_WORSE: f64 = 0.25;
 /// First size of the trust region, as a share of the norm of the residuals before any step.
 const FIRST_REACH: f64 = 0.5;
-/// Size of the trust region below which no step helps, as a share of the norm of the residuals before any step.
+/// Smallest useful size of the trust region, as a share of the norm of the residuals before any step. In a smaller region, no step helps.
 const SHORTEST: f64 = 1e-12;
 /// First damping that the search for the first step tries.
 const FIRST_DAMPING: f64 = 1e-3;
@@ -23,20 +23,20 @@ const DAMPINGS: [f64; 2] = [1e-10, 1e12];
 /// Factor between two successive trials of the damping.
 const DAMPING_FACTOR: f64 = 4.0;
 
-/// Effects of a step on the linearised problem.
+/// Decrease that the linearised problem predicts for a step, and length of the step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Prediction {
     /// Predicted decrease of the sum of squares, in the squared unit of the residuals.
     pub decrease: f64,
-    /// Length of the step in the unit of the residuals: root of the sum, over the unknowns, of the squared change of the residuals that the step of one unknown
-    /// alone causes.
+    /// Length of the step in the unit of the residuals: root of the sum of |dr_k|^2 over the unknowns k. dr_k is the change of the residual vector if
+    /// only unknown k takes the step.
     pub reach: f64,
 }
 
 /// The largest allowed reach of a step, adapted to the quality of the previous steps.
 ///
 /// # Reference
-/// Nocedal and Wright, Numerical Optimization, 2nd ed., algorithm 4.1; sec. 10.3 for the damping of a given reach.
+/// Nocedal and Wright, Numerical Optimization, 2nd ed.: algorithm 4.1 for the region, sec. 10.3 for the damping that leads to a given reach.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrustRegion {
     /// Largest reach that a step may have.
@@ -65,8 +65,8 @@ impl TrustRegion {
         prediction.reach <= self.longest
     }
 
-    /// A step that stays within the region. Its damping is within a factor of `DAMPING_FACTOR` of the smallest possible damping. The search for the
-    /// damping begins at the last damping; `solve` returns the step for a damping.
+    /// A step that stays within the region. The damping of the step is within a factor of `DAMPING_FACTOR` of the smallest damping that keeps the
+    /// step within the region. The search for the damping begins at the last damping; `solve` returns the step for a damping.
     ///
     /// # Errors
     /// The errors of `solve`.
@@ -84,8 +84,9 @@ impl TrustRegion {
         Ok(prediction)
     }
 
-    /// Adapts the region after an accepted step with its actual decrease. Returns whether the decrease was as good as predicted. The region shrinks only if
-    /// `is_comparable`, because only then the error of linearisation is the cause of a poor step.
+    /// Adapts the region after an accepted step that reduced the sum of squares by `decrease`. Returns whether the decrease was at least `GOOD` times
+    /// the predicted decrease. A poor step shrinks the region only if `is_comparable`, because only then the error of linearisation makes the step
+    /// poor.
     pub fn take(&mut self, prediction: Prediction, decrease: f64, is_comparable: bool) -> bool {
         let gain = decrease / prediction.decrease;
         if gain >= GOOD {

@@ -1,4 +1,4 @@
-//! Least-squares problem of modulus factors: computed equilibria against measurements.
+//! Least-squares problem of modulus factors: fits computed equilibria to measurements.
 
 use super::{FactorModel, Unknown};
 use crate::Vector;
@@ -11,7 +11,7 @@ use crate::optimise::{LeastSquaresProblem, Refusal, StepBounds};
 use crate::statics::{Statics, StaticsError, equilibria};
 use nalgebra::{DMatrix, DVector};
 
-/// A step changes ln(factor) by at most this dimensionless value, which is a factor of e.
+/// A step changes ln(factor) by at most this value, dimensionless. A change of 1 multiplies or divides the factor by e.
 const LARGEST_STEP: f64 = 1.0;
 
 /// Least-squares problem of the modulus factors. Residuals are weighted differences of displacements (computed minus measured), mm, in two rows (x, y) per
@@ -53,8 +53,8 @@ impl FactorProblem<'_> {
         Ok(DVector::from_vec(rows))
     }
 
-    /// Derivatives of the residuals with respect to the logarithms, mm, at the equilibria of the last `residual_at`. [`CalibrationError`] if an equilibrium is
-    /// unstable or the finger impossible.
+    /// Derivatives of the residuals with respect to the logarithms, mm, at the equilibria of the last `residual_at`. [`CalibrationError`] if an
+    /// equilibrium is unstable or the finger is impossible.
     pub fn jacobian_at(&self, logs: &DVector<f64>) -> Result<DMatrix<f64>, CalibrationError> {
         let mesh = self.mesh(logs)?;
         let shares: Vec<_> = self.unknowns.iter().map(|unknown| shares(&mesh, unknown)).collect();
@@ -101,7 +101,7 @@ impl LeastSquaresProblem for FactorProblem<'_> {
     }
 }
 
-/// Requests a shorter step if the finger has no equilibrium because it is too soft. Other errors end the search.
+/// Requests a shorter step if the statics have no solution, for example because the finger is too soft. Other errors end the search.
 fn refusal(error: CalibrationError) -> Refusal<CalibrationError> {
     match error {
         CalibrationError::Statics(_) => Refusal::Here(error),
@@ -109,7 +109,7 @@ fn refusal(error: CalibrationError) -> Refusal<CalibrationError> {
     }
 }
 
-/// Indices of members, each with the relative change of the member's stiffness per relative change of the unknown factor.
+/// Index of each affected member, and the relative change of the member's stiffness per relative change of the unknown factor.
 fn shares(mesh: &Mesh, unknown: &Unknown) -> Vec<(usize, f64)> {
     match unknown {
         Unknown::Modulus => (0..mesh.frame().members().len()).map(|member| (member, 1.0)).collect(),

@@ -1,4 +1,4 @@
-//! Compliance of the base, from views under measured forces.
+//! Estimates the compliance of the base from views with measured forces.
 
 use crate::calibration::CalibrationError;
 
@@ -12,7 +12,7 @@ pub struct BaseCompliance {
 }
 
 /// Fits the rotation of the base as a linear function of the force, by least squares. `turns` lists the force, N, and the rotation, degrees, of each
-/// view of one mounting.
+/// view. All views must show the same mounting of the finger.
 ///
 /// # Errors
 /// [`CalibrationError::TooFewViews`] for fewer than two views, [`CalibrationError::NotIdentifiable`] if all forces are equal.

@@ -1,5 +1,5 @@
-//! Refuses views that contradict the scene's finger or the other views so strongly that no change of the sought quantities explains it. Each view is
-//! tested before any fit.
+//! Refuses views that contradict the scene's finger or the other views so strongly that no change of the sought quantities explains the
+//! contradiction. Each view is tested before any fit.
 
 use super::problem::{Candidate, Problem, ViewUnknowns};
 use super::shape_motion::motion_of_shape;
@@ -13,7 +13,8 @@ use crate::{NodeId, Vector};
 const UNCALIBRATED_MM: f64 = 0.3;
 const SOUGHT_BASE: [f64; 2] = [5.0, 0.05];
 /// A view is refused if its ratio of measured force to marker force (force estimated from the markers) differs from the median by more than this
-/// factor. Marker forces of an uncalibrated finger are wrong by up to half. Beyond this limit, the measured force does not belong to its image.
+/// factor. Forces estimated from the markers of an uncalibrated finger are wrong by up to half. Beyond this limit, the measured force does not belong
+/// to its image.
 const LARGEST_TIMES: f64 = 2.0;
 /// A calibration is refused if the median ratio of measured force to marker force (force estimated from the markers), or its reciprocal, exceeds this
 /// limit. The scene's modulus may be a guess, but beyond this limit the search has no starting point.
@@ -24,7 +25,7 @@ const SURE: f64 = 3.0;
 /// A marker has a wrong node number if its distance to another node's computed position is below this share of its distance to its own node's position.
 const NEARER: f64 = 0.5;
 
-/// Force of a view, estimated from the view's markers alone, together with the other unknowns of the view.
+/// Force and other unknowns of a view, estimated from the view's markers alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct MarkerForce {
     pub own: ViewUnknowns,
@@ -58,7 +59,8 @@ impl Problem<'_> {
     /// Force that the markers of a view show along the measured direction, estimated with the scene's finger. `None` if no force was measured or the
     /// estimator returns no force.
     pub(super) fn marker_force(&self, stated: &Candidate, view: &View) -> Option<MarkerForce> {
-        // The estimated force points inwards along the line of the measured force, because the sign of the measured force may be wrong.
+        // The estimated force points inwards along the line of the measured force. The sign of the measured force is not used, because it may be
+        // wrong.
         let angle_deg = self.finger.angle_deg(view.force?);
         let outwards_deg: f64 = if angle_deg.abs() > 90.0 { 180.0 } else { 0.0 };
         let direction = Direction::Angle(angle_deg - outwards_deg.copysign(angle_deg));

@@ -1,4 +1,4 @@
-//! Presents the problem of the views to the optimiser: derivatives by differences, priors, and bounds of the positions.
+//! Supplies the optimiser with residuals and their derivatives by differences, priors, and bounds of the positions.
 
 use super::problem::{Point, Pressed, Problem, ViewUnknowns, free_part_mm};
 use super::{Quantity, View};
@@ -104,7 +104,7 @@ impl Problem<'_> {
         })
     }
 
-    /// Difference quotients of the residuals of one view for a step that leads to `after`.
+    /// Difference quotients of the residuals of one view: the change from `before` to `after`, divided by `step`.
     fn differences(
         after: Option<Vec<f64>>,
         before: &[f64],
@@ -119,7 +119,7 @@ impl Problem<'_> {
 }
 
 impl ViewUnknowns {
-    /// Step of an unknown (by index) for derivatives, in mm, rad, N or degrees.
+    /// Step of the difference quotients for an unknown, given by its index, in mm, rad, N or degrees.
     fn step(&self, unknown: usize) -> f64 {
         match unknown {
             0..=2 => LENGTH_STEP,

@@ -27,7 +27,7 @@ struct CoordinateResidual {
 }
 
 impl Problem<'_> {
-    /// Estimates the factor on the stated noise of the markers and the error of the model from the residuals of a fit with the given covariance.
+    /// Estimates the factor on the stated marker noise, and the model error, from the residuals of a fit. `covariance` is the covariance of the fit.
     pub(super) fn marker_errors(&self, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> MarkerErrors {
         let mut left = Vec::new();
         for (view, _, rows, _) in self.parts(&fitted.point) {
@@ -44,7 +44,7 @@ impl Problem<'_> {
             }
         }
         // A marker error that is equal in all images counts as geometry, so residuals do not show this error. Without measured forces, sensed forces
-        // depend on the geometry alone. The stated noise is then not reduced.
+        // depend on the geometry alone. Without measured forces, the stated noise is not reduced.
         likeliest(left, self.scatter.is_some())
     }
 
@@ -58,11 +58,12 @@ impl Problem<'_> {
     }
 }
 
-/// Errors that maximise the likelihood of the residuals, with the stated noise or, if `may_reduce_noise`, a smaller noise.
+/// Marker errors that maximise the likelihood of the residuals. The noise is the stated noise or, if `may_reduce_noise`, possibly smaller.
 ///
 /// # Reference
-/// The equations of restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971) for variances of independent rows. Squared residuals and the
-/// shares `free` stay fixed. Squared residuals are enlarged by the ratio of a variance's mean to its mode, which accounts for few degrees of freedom.
+/// Restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971) for the variances of independent rows. Squared residuals and the
+/// shares `free` stay fixed while the likelihood is maximised. Squared residuals are enlarged by the ratio of the mean of a variance to its most
+/// likely value, which matters for few degrees of freedom.
 fn likeliest(mut left: Vec<CoordinateResidual>, may_reduce_noise: bool) -> MarkerErrors {
     let free: f64 = left.iter().map(|it| it.free).sum();
     if free <= 2.0 {
@@ -96,7 +97,7 @@ fn likeliest(mut left: Vec<CoordinateResidual>, may_reduce_noise: bool) -> Marke
     if unlikely(&as_stated) <= unlikely(&found) + ALIKE { as_stated } else { found }
 }
 
-/// Position of the minimum of a function between two ends, by golden sections.
+/// Position of a function's minimum between `low` and `high`, by golden-section search.
 fn least(mut low: f64, mut high: f64, of: impl Fn(f64) -> f64) -> f64 {
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
     for _ in 0..SECTIONS {

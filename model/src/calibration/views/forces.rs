@@ -8,8 +8,9 @@ use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
 impl Problem<'_> {
-    /// Force of a view, relative to its measured value `force_n`, N, estimated from markers and base alone. `by` is the Jacobian of a fit. The rows
-    /// of the view start at `row`, and the unknowns of the view start at `column`. `None` if the force is not identifiable.
+    /// Derivatives and variance of the force of a view, estimated from markers and base alone. The force is relative to its measured value `force_n`,
+    /// N. `by` is the Jacobian of a fit. The rows of the view start at `row`, and the unknowns of the view start at `column`. `None` if the force is
+    /// not identifiable.
     pub(super) fn new_image(
         &self,
         by: &DMatrix<f64>,
@@ -17,7 +18,7 @@ impl Problem<'_> {
         view: &View,
         force_n: f64,
     ) -> Option<NewImage> {
-        // The last row of a view is its measured force. The last unknown of a view is the force, here as a relative value.
+        // The last row of a view is the residual of the measured force. The last unknown of a view is the force, here as a relative value.
         let rows = self.row_count(view) - 1;
         let own: Vec<usize> = (column..column + self.own_count(view)).collect();
         let (by_shared, covariance, alone) = self.force_alone(by, row..row + rows, &own, force_n)?;
@@ -26,9 +27,9 @@ impl Problem<'_> {
         Some(NewImage { by_shared, variance, of_markers: variance - by_base.norm_squared() })
     }
 
-    /// Estimates the force of one view, relative to `force_n`, N, from some rows of the view with the view's own unknowns. The force is the fifth of
-    /// these unknowns. Returns the derivative of the relative force with respect to each shared unknown, and covariance and Jacobian of the view's
-    /// own unknowns. `None` if the force is not identifiable.
+    /// Estimates the force of one view, relative to `force_n`, N, from the residual rows `rows` of the view. `own` lists the columns of the view's
+    /// own unknowns. The force is the fifth of the view's own unknowns. Returns the derivative of the relative force with respect to each shared
+    /// unknown, and covariance and Jacobian of the view's own unknowns. `None` if the force is not identifiable.
     pub(super) fn force_alone(
         &self,
         by: &DMatrix<f64>,

@@ -7,10 +7,10 @@ use crate::sensing::{Lean, Normal};
 /// Options for the estimate of friction between finger and objects.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FrictionQuestion {
-    /// Whether friction builds up as the force grows. The build-up force of friction is then estimated as well.
+    /// Whether friction builds up as the force grows. If friction builds up, the build-up force of friction is also estimated.
     pub builds_up: bool,
-    /// Standard deviation of the coefficient of friction from object to object, dimensionless. For a single object, this value is assumed. For
-    /// several objects, it sets the scale of the prior. Zero if this deviation is not stated.
+    /// Standard deviation of the coefficient of friction from object to object, dimensionless. For a single object, `between_objects` is the assumed
+    /// deviation. For several objects, `between_objects` sets the scale of the prior. Zero if this deviation is not stated.
     pub between_objects: f64,
 }
 
@@ -85,13 +85,14 @@ impl Fit {
         [mean, variance, 0.5 * (variance.ln() - off.sum::<f64>())]
     }
 
-    /// Three values in degrees: mean lean of a sliding force, most likely standard deviation of this lean from object to object, and standard
-    /// deviation of a new object's lean about the mean. The last value includes the uncertainty due to few objects; 1.96 times the last value is half
-    /// the width of a 95 % interval.
+    /// Returns three values in degrees. The first is the mean lean of a sliding force. The second is the most likely standard deviation of this lean
+    /// from object to object. The third is the standard deviation of a new object's lean about the mean. The third value, for a new object, includes
+    /// the uncertainty due to few objects; 1.96 times this value is half the width of a 95 % interval.
     ///
     /// # Reference
-    /// Restricted maximum likelihood; posterior predictive distribution of a new group (Gelman et al., Bayesian Data Analysis, 3rd ed., sec. 5.4) with the
-    /// half-Cauchy prior for few groups (Gelman, Bayesian Analysis 1, 2006). The scale of this prior is the assumed standard deviation between objects.
+    /// Restricted maximum likelihood, and the posterior predictive distribution of a new group (Gelman et al., Bayesian Data Analysis, 3rd ed., sec.
+    /// 5.4). The prior is the half-Cauchy prior for few groups (Gelman, Bayesian Analysis 1, 2006). The scale of the half-Cauchy prior is the assumed
+    /// standard deviation from object to object.
     fn over_objects(&self, assumed_deg: f64) -> [f64; 3] {
         let [least, most] = SDS_DEG;
         let tried: Vec<f64> = (0..=SDS).map(|i| least * (most / least).powf(i as f64 / SDS as f64)).collect();
@@ -106,8 +107,9 @@ impl Fit {
 }
 
 /// Fits the coefficient of friction to the leans of measured forces (angles between force and the normal `from`). If `question` states that friction
-/// builds up, also fits the build-up force. The stated standard deviation applies to a single force of a new object. This standard deviation combines
-/// the residual within objects with the difference between objects. For a single object, this difference is assumed.
+/// builds up, also fits the build-up force. The standard deviation of the returned lean applies to a single force of a new object. The standard
+/// deviation of the returned lean combines the residual within objects with the difference between objects. For a single object, the difference
+/// between objects is assumed.
 ///
 /// # Errors
 /// [`CalibrationError::TooFewViews`] if there are no more views than unknowns. [`CalibrationError::FrictionLimit`] if a sliding force leans by 90
@@ -144,7 +146,8 @@ fn of_objects(
         return Err(CalibrationError::TooFewViews { views, unknowns });
     }
     let largest_n = objects.concat().iter().fold(0.0_f64, |m, (_, force_n, _)| m.max(force_n.abs()));
-    // The tried build-up forces range from immediate friction to hardly any friction. The sum of squares is smooth between the tried values.
+    // With the smallest tried build-up force, friction acts almost immediately; with the largest, hardly any friction builds up. The sum of squares
+    // is smooth between the tried values.
     let tried = (0..=BUILD_UPS).map(|i| largest_n * 10f64.powf(-2.0 + 3.0 * i as f64 / BUILD_UPS as f64));
     let fits = tried.filter(|_| builds_up).chain([0.0]).map(|n| Fit::new(objects, n, views - unknowns));
     let fit = fits.min_by(|a, b| a.within_deg.total_cmp(&b.within_deg)).ok_or(CalibrationError::NoMinimum)?;

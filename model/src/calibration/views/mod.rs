@@ -40,7 +40,7 @@ use nalgebra::{DMatrix, Isometry2};
 use problem::{Candidate, OWN, Problem, ViewUnknowns};
 use scatter::{AddedForceError, Scatter};
 
-/// Parameters of finger and camera that the views do not change.
+/// Parameters of finger and camera that are the same in all views.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ViewModel {
     /// Beam elements per member.
@@ -62,7 +62,7 @@ pub struct ViewModel {
 pub struct FoundQuantity {
     /// The quantity and its prior.
     pub sought: Sought,
-    /// Value in the quantity's unit. For a modulus, it is the dimensionless factor on the scene's value.
+    /// Value in the quantity's unit. For a modulus, `value` is the dimensionless factor on the scene's modulus.
     pub value: f64,
     /// Standard deviation in the unit of `value`.
     pub sigma: f64,
@@ -131,12 +131,12 @@ pub struct ViewEstimate {
     pub outliers: Vec<Outlier>,
 }
 
-/// Relative standard deviations of one force, dimensionless, that the noise, the position and the base of a view do not explain.
+/// Relative standard deviations of one force, dimensionless. They cover errors that the noise, the position and the base of a view do not explain.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForceError {
     /// Relative scatter of the measured forces, dimensionless. A scatter of 1 % is assumed if there are too few forces to compare.
     pub scatter: f64,
-    /// Relative standard deviation of a force in a new image. It includes the uncertainty of the scatter and of fitted parameters that
+    /// Relative standard deviation of a force in a new image. `of_new` includes the uncertainty of the scatter and of fitted parameters that
     /// `new_marker_errors` does not cover.
     pub of_new: f64,
 }
@@ -167,12 +167,12 @@ fn have_settled(before: (MarkerErrors, Option<f64>), after: (MarkerErrors, Optio
 /// Estimates the shared quantities of a finger and its rig from several views.
 ///
 /// # Reference
-/// Nonlinear least squares over all views and their own unknowns at once, by the method of Levenberg and Marquardt. This is bundle adjustment (Triggs
-/// et al. 2000) with the co-rotational finger in place of points; derivatives are differences of equilibria. The variance of the residuals beyond the
-/// noise is estimated with the fit, so that priors have the right weight. The stated noise is reduced if residuals are smaller than this noise. If a
-/// modulus is sought, the relative variance of measured forces is also estimated. This variance covers errors of the force sensor, and errors of the
-/// model that markers do not show. All variances follow by restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971). Fits are
-/// repeated until the variances settle.
+/// Nonlinear least squares over all views at once, including each view's own unknowns, by the method of Levenberg and Marquardt. This is bundle
+/// adjustment (Triggs et al. 2000) with the co-rotational finger in place of points; derivatives are differences of equilibria. The variance of the
+/// residuals beyond the noise is estimated with the fit, so that priors have the right weight. The stated noise is reduced if residuals are smaller
+/// than this noise. If a modulus is sought, the relative variance of measured forces is also estimated. The relative variance of measured forces
+/// covers errors of the force sensor, and errors of the model that markers do not show. All variances follow by restricted maximum likelihood
+/// (Patterson and Thompson, Biometrika 58, 1971). Fits are repeated until the variances settle.
 ///
 /// # Errors
 /// [`CalibrationError`] if the scene's finger does not explain a view, a view contradicts the others, a quantity is not identifiable, or the
@@ -298,7 +298,7 @@ impl Problem<'_> {
     }
 
     /// Estimate of a sought quantity. `change` is the value of the quantity's unknown, and `sigma` the unknown's standard deviation. For a factor,
-    /// both refer to its logarithm. For any other quantity, both are in the quantity's unit.
+    /// `change` and `sigma` refer to the factor's logarithm. For any other quantity, `change` and `sigma` are in the quantity's unit.
     fn found_quantity(&self, sought: &Sought, change: f64, sigma: f64) -> FoundQuantity {
         let is_modulus = sought.quantity.is_modulus();
         let value = if is_modulus { change.exp() } else { self.stated(sought.quantity) + change };

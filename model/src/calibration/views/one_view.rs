@@ -12,19 +12,20 @@ use crate::sensing::{
 };
 use nalgebra::{DVector, Isometry2};
 
-/// Relative standard deviation of a force of unknown magnitude and known direction. The value is so large that it has no effect.
+/// Relative standard deviation assumed for a force of unknown magnitude and known direction. The value is so large that it has no effect.
 const UNKNOWN_SHARE: f64 = 1e3;
-/// Additional standard deviations of a coordinate, mm, in the first searches.
+/// Standard deviations of a marker coordinate, mm, that the first searches assume in addition to the stated noise.
 const FIRST_ERRORS_MM: [f64; 2] = [0.3, 0.02];
 /// Convergence of the first searches, which only provide a starting point.
 const FIRST_CONVERGENCE: Convergence = Convergence { relative_decrease: 1e-3, step: 0.0 };
-/// Starting point of the search without an earlier estimate: positions as shares of the plate's length (`STARTS`), and the force, N (`FIRST_FORCE_N`).
+/// Starting points of a search that has no earlier estimate. `STARTS` lists positions as shares of the plate's length; `FIRST_FORCE_N` is the force,
+/// N.
 const STARTS: [f64; 4] = [0.35, 0.5, 0.65, 0.8];
 const FIRST_FORCE_N: f64 = 1.0;
 /// The dependence of force on position counts as nonlinear if the position's standard deviation exceeds this share of the distance to the nearer end
 /// of the plate.
 const UNCERTAIN_POSITION: f64 = 0.1;
-/// Standard deviation of an unknown direction, degrees. The value is so large that it has no effect.
+/// Standard deviation assumed for an unknown direction, degrees. The value is so large that it has no effect.
 const UNKNOWN_DEG: f64 = 1e3;
 
 /// A view with the known and unknown parts of its contact.
@@ -58,7 +59,7 @@ pub struct ForceInView {
     pub angle_deg: f64,
     /// Force, N.
     pub force_n: f64,
-    /// Standard deviation of the force, N. It follows from the residual if the residual contradicts the noise of the view.
+    /// Standard deviation of the force, N. The standard deviation follows from the residual if the residual contradicts the noise of the view.
     pub sigma_n: f64,
     /// Sum of squared residuals divided by their variances, priors included, dimensionless.
     pub squares: f64,
@@ -73,8 +74,8 @@ pub struct ForceInView {
 ///
 /// # Errors
 /// [`SensingError::NoSuchFinger`] if the search finds no minimum or an unknown is not identifiable. [`SensingError::Undetermined`] for a force so
-/// uncertain that the markers do not respond linearly to a change of the force by one standard deviation. The same error reports a position that the
-/// markers do not confine to a part of the plate.
+/// uncertain that the markers do not respond linearly to a change of the force by one standard deviation. [`SensingError::Undetermined`] also for a
+/// position that the markers do not confine to a part of the plate.
 ///
 /// # Reference
 /// Nonlinear least squares with Gaussian priors, as in [`views`](super::views). The standard deviation belongs to the linearised posterior
@@ -120,8 +121,8 @@ pub fn force_in_view(
     if let (Some(sought), Direction::Leaning(lean)) = (sought, question.direction)
         && (sought.by_lean_n * sought.sd_deg).abs() > COUNTS * found.sigma_n
     {
-        // The force may depend nonlinearly on its lean (angle from the normal). Forces at two other leans therefore widen sigma, as in
-        // `NonlinearEstimator`.
+        // The force may depend nonlinearly on its lean (angle from the normal). Forces estimated at two other leans therefore increase `sigma_n`, as
+        // in `NonlinearEstimator`.
         let off_n2 = |reach: f64| {
             let angle_deg = sought.lean_deg + reach * sought.sd_deg;
             let direction = Direction::Leaning(Lean { angle_deg, sd_deg: 0.0, build_up_n: 0.0, ..lean });

@@ -16,10 +16,10 @@ const EXPECTED_TIMES: f64 = 1.1;
 const MOST_SIGMAS: f64 = 6.0;
 /// Ratio of the standard deviation of normal errors to their median absolute deviation.
 const SD_OF_MEDIAN: f64 = 1.4826;
-/// A marker is an outlier if its residual is improbable: normal errors would cause a largest residual of this size with less than this probability.
+/// The marker with the largest residual is an outlier if normal errors would cause a largest residual of that size with less than this probability.
 const CHANCE: f64 = 1e-4;
-/// A fit is too inaccurate for use if the relative standard deviation of a force reaches this value. The lower end of the force's 95 % interval is
-/// then about zero or below.
+/// A fit is too inaccurate for use if the relative standard deviation of a force reaches this value. From this value on, the lower end of the force's
+/// 95 % interval is about zero or below.
 const OF_NO_USE: f64 = 0.5;
 
 /// A measured force or marker of a view that deviates more than the scatter of the other forces or markers suggests.
@@ -45,7 +45,7 @@ pub enum OutlierKind {
         node: NodeId,
         /// Distance of the marker from its computed position, mm.
         away_mm: f64,
-        /// Root mean square of this distance over all markers, mm.
+        /// Root mean square distance of all markers from their computed positions, mm.
         rms_mm: f64,
     },
 }
@@ -56,8 +56,8 @@ impl fmt::Display for Outlier {
         match self.what {
             OutlierKind::Force { times } => write!(
                 f,
-                "{view}: the measured force is {times:.3} times the force that the markers show, relative to the other images: check its unit, frame \
-                 and row"
+                "{view}: the ratio of the measured force to the force that the markers show is {times:.3} times \
+                    the median ratio of all images; check unit, frame and row of the measured force"
             ),
             OutlierKind::Marker { node, away_mm, rms_mm } => write!(
                 f,
@@ -75,7 +75,7 @@ struct OffMarker<'p> {
     away_mm: f64,
     moved_mm: f64,
     /// Sum of the squares of the two residuals (x, y), each divided by its variance. `standardised` also divides each square by its degrees of
-    /// freedom. `free` is the sum of these degrees of freedom over x and y.
+    /// freedom. `free` is the sum of the degrees of freedom of the two residuals (x, y).
     squares: f64,
     standardised: f64,
     free: f64,
@@ -112,7 +112,8 @@ impl Problem<'_> {
             let alone =
                 measured_n.and_then(|n| Some((n, self.new_image(&fitted.jacobian, [rows.start, column], view, n)?)));
             if let Some((measured_n, alone)) = alone {
-                // The residual contains only part of the error. The fit has absorbed the rest as errors of markers and finger.
+                // The residual of a measured force shows only part of the force's error. The fit has absorbed the rest of the force's error as errors
+                // of markers and finger.
                 let of_both = alone.variance + scatter * scatter;
                 let of_finger = (alone.by_shared.transpose() * shared * &alone.by_shared)[0];
                 let free = (scatter * scatter / of_both * (1.0 - of_finger / of_both)).max(f64::MIN_POSITIVE);
@@ -150,8 +151,9 @@ impl Problem<'_> {
     /// Checks that a fit is accurate enough for use.
     ///
     /// # Errors
-    /// [`ViewError::MarkerErrors`] if markers deviate by at least half of their displacements (root mean squares). [`ViewError::ForceErrors`] if the relative
-    /// standard deviation of a new force is one half or more. Both errors name the view that deviates most.
+    /// [`ViewError::MarkerErrors`] if markers deviate by at least half of their displacements (root mean squares). [`ViewError::ForceErrors`] if the
+    /// relative standard deviation of a new force is one half or more. [`ViewError::MarkerErrors`] and [`ViewError::ForceErrors`] name the view that
+    /// deviates most.
     pub(super) fn check_use(
         &self,
         fitted: &Fit<Point>,
@@ -184,8 +186,9 @@ impl Problem<'_> {
 /// The marker that deviates most, if its deviation is improbable for normal errors.
 ///
 /// # Reference
-/// The sum of two of n squared independent normal residuals exceeds a share q of the total sum with probability (1 - q)^(n / 2 - 1). The share has a beta
-/// distribution, as for internally studentised residuals (Cook and Weisberg, Residuals and Influence in Regression, 1982, sec. 2.2).
+/// For n independent squared normal residuals, the sum of two exceeds a share q of the total sum with probability (1 - q)^(n / 2 - 1). The share of
+/// two residuals in the total sum has a beta distribution, as for internally studentised residuals (Cook and Weisberg, Residuals and Influence in
+/// Regression, 1982, sec. 2.2).
 fn marker_outlier(all: &[OffMarker]) -> Option<Outlier> {
     let worst = all.iter().max_by(|a, b| a.standardised.total_cmp(&b.standardised))?;
     let sum: f64 = all.iter().map(|marker| marker.squares).sum();

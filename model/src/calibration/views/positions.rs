@@ -1,18 +1,19 @@
 //! Distribution of a force whose position along the plate is uncertain.
 //!
-//! A force near the base bends the finger like a smaller force farther from the base. If the position is uncertain by a large share of its distance from an end
-//! of the plate, the force depends far from linearly on the position. A linearised standard deviation of the force is then too small.
+//! A force near the base bends the finger like a smaller force farther from the base. If the position's uncertainty is a large share of its distance
+//! from an end of the plate, the force is a strongly nonlinear function of the position. If the position is very uncertain, a linearised standard
+//! deviation of the force is too small.
 
 /// Step between the positions of a scan, in standard deviations of the position.
 const STEP_SDS: f64 = 0.75;
-/// Largest step of a scan, as a share of the plate's length, and largest number of steps on either side.
+/// Largest step of a scan, as a share of the plate's length, and largest number of steps on either side of the best position.
 const LARGEST_STEP: f64 = 0.1;
 const MOST_STEPS: usize = 12;
-/// A scan ends at a position at which the sum of squares exceeds the smallest sum by this value. For a linear finger, this position is three standard
-/// deviations from the best position.
+/// A scan ends at a position at which the sum of squared residuals exceeds the smallest sum by this value. For a linear finger, a scan therefore ends
+/// three standard deviations from the best position.
 const BEYOND: f64 = 9.0;
-/// The markers do not bound the position if the sum of squares grows by less than this value up to an end of the plate. For a linear finger, it grows
-/// by this value at one standard deviation.
+/// The markers do not bound the position if the sum of squared residuals grows by less than this value up to an end of the plate. For a linear
+/// finger, the sum of squared residuals grows by this value over one standard deviation of the position.
 const BOUNDED: f64 = 1.0;
 
 /// Estimate of a force at one position.
@@ -43,7 +44,8 @@ pub(super) struct Spread {
 /// result at a nearby position. `wider` is the factor by which the residual exceeds the noise.
 ///
 /// # Reference
-/// Mixture of normal distributions with the weights of the profile likelihood (Bates and Watts, Nonlinear Regression Analysis and Its Applications, ch. 6).
+/// The force has a mixture of normal distributions, weighted by the profile likelihood (Bates and Watts, Nonlinear Regression Analysis and Its
+/// Applications, ch. 6).
 pub(super) fn scan<N>(
     best: (ForceAt, &N),
     position_sd_mm: f64,
@@ -54,7 +56,7 @@ pub(super) fn scan<N>(
     let (found, near) = best;
     let step_mm = (STEP_SDS * position_sd_mm).min(LARGEST_STEP * length_mm);
     let growth = |other: &ForceAt| (other.squares - found.squares) / (wider * wider);
-    // Sum of the weights, and weighted squares of the deviations of force and position.
+    // Sum of the weights, and weighted sums of the squared deviations of force and position.
     let (mut weights, mut of_force_n2, mut of_position_mm2) = (0.0, 0.0, 0.0);
     let mut count = |other: &ForceAt, sigma_n: f64| {
         let weight = (-0.5 * growth(other)).exp();
@@ -82,8 +84,7 @@ pub(super) fn scan<N>(
             last = Some(next);
         }
     }
-    // If the position is known, the standard deviation of the force at the best position is close to the standard deviation at a neighbouring
-    // position.
+    // The standard deviation of the force for a known position hardly differs between the best position and a neighbouring position.
     count(&found, own_sigma_n.unwrap_or(found.sigma_n));
     Spread { sigma_n: (of_force_n2 / weights).sqrt(), position_sd_mm: (of_position_mm2 / weights).sqrt(), is_bounded }
 }

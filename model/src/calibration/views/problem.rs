@@ -11,18 +11,19 @@ use crate::statics::Statics;
 use crate::{Kinematics, Vector};
 use nalgebra::{Isometry2, Point2, UnitComplex};
 
-/// Number of unknowns that every view has: position, base x, base y, rotation of the base. The next unknown is the force, unless the force is exact.
-/// The lean (angle between force and normal) is the last unknown, unless the force was measured.
+/// Number of unknowns that every view has: position, base x, base y, rotation of the base. The fifth unknown of a view is the force, unless the force
+/// is exact. The last unknown of a view is the lean (angle between force and normal), unless the force was measured.
 pub(super) const OWN: usize = 4;
 /// Number of residuals for the prior of a view's base.
 pub(super) const BASE_ROWS: usize = 3;
 /// Contacts are not sought on this share of the plate at either end.
 const MARGIN: f64 = 0.02;
-/// Smallest standard deviation of a lean (angle between force and normal), degrees. An exact lean has this standard deviation.
+/// Smallest standard deviation of a lean (angle between force and normal), degrees. A lean that is stated as exact has this standard deviation.
 const SETTLED_DEG: f64 = 1e-3;
-/// All views may share a part of the lean (angle between force and normal). This value is then the standard deviation of a view's own part, as a
-/// share of the lean's standard deviation. The shared part has the whole standard deviation, because the friction of one object may be the same in
-/// all views. Views have own parts because friction may build up and objects may differ.
+/// All views may share a part of the lean (angle between force and normal). If views share a part of the lean, this value is the standard deviation
+/// of a view's own part, relative to the lean's standard deviation. The shared part has the whole standard deviation of the lean, because the
+/// friction of one object may be the same in all views. Each view also has its own part of the lean, because friction may build up and objects may
+/// differ.
 const OWN_LEAN: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// The normal has settled if its rotation changes by at most this angle in a step, rad. The iteration fails after `NORMAL_STEPS` steps.
 const SETTLED_RAD: f64 = 1e-9;
@@ -31,7 +32,7 @@ const NORMAL_STEPS: usize = 60;
 /// All unknowns, as one point of the search.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Point {
-    /// Changes of the quantities that all views share: logarithms of factors, or values in mm, degrees, N mm or standard deviations.
+    /// Changes of the quantities that all views share: the logarithm of a factor, or a change in mm, degrees, N mm or standard deviations.
     pub shared: Vec<f64>,
     /// Unknowns of each view.
     pub own: Vec<ViewUnknowns>,
@@ -57,7 +58,7 @@ pub(super) struct Candidate {
     pub marker_height_mm: f64,
     /// Transformation from the finger frame to the frame of a view, mm and rad, without the part that differs between views.
     pub base: Isometry2<f64>,
-    /// Moment that the plates exert on each other at the tip without load, N mm.
+    /// Moment that the plates of the unloaded finger exert on each other at the tip, N mm.
     pub preload_nmm: f64,
     /// Deviation of the lean (angle between force and normal) from the mean lean, degrees, common to all forces that were not measured.
     pub lean_deg: f64,
@@ -68,7 +69,7 @@ pub(super) struct Problem<'p> {
     pub finger: &'p Finger,
     pub views: &'p [View],
     pub sought: &'p [Sought],
-    /// Errors of the unloaded finger, each with the size of one standard deviation, that [`Quantity::Unloaded`] multiplies.
+    /// Errors of the unloaded finger that [`Quantity::Unloaded`] scales; each has the size of one standard deviation.
     pub unloaded: &'p [UnloadedError],
     /// Whether the contact positions are known.
     pub is_position_known: bool,
@@ -89,7 +90,7 @@ pub(super) struct Pressed {
     pub motion: FrameMotion,
     /// Rotation of the plate's normal at the contact, rad.
     pub normal_turn_rad: f64,
-    /// Equilibrium without the force. `None` unless displacements refer to this equilibrium.
+    /// Equilibrium without the force. `None` unless displacements refer to the equilibrium without the force.
     at_rest: Option<FrameMotion>,
     preload: Option<FrameLoad>,
     loads: Vec<FrameLoad>,
@@ -115,7 +116,7 @@ impl Problem<'_> {
         }
     }
 
-    /// Finger and rig with the changes `shared` of the sought quantities. `None` if such a finger is impossible.
+    /// Finger and rig with the changes `shared` of the sought quantities. `None` if the changed finger is impossible.
     pub(super) fn candidate(&self, shared: &[f64]) -> Option<Candidate> {
         let mut description = self.finger.description().clone();
         let (mut marker_height_mm, mut at, mut turn_deg) = (self.model.marker_height_mm, Vector::zeros(), 0.0);
@@ -168,7 +169,7 @@ impl Problem<'_> {
         view.measurement.coordinate_count() + BASE_ROWS + further
     }
 
-    /// Equilibrium under the force of a view. `None` if the finger has no equilibrium under this force.
+    /// Equilibrium under the force of a view. `None` if the finger has no equilibrium under the force of the view.
     pub(super) fn pressed(&self, candidate: &Candidate, view: &View, own: &ViewUnknowns) -> Option<Pressed> {
         self.pressed_from(None, candidate, view, own)
     }
@@ -192,7 +193,8 @@ impl Problem<'_> {
             .force
             .map(|force| (candidate.base * own.base).rotation.inverse() * force * (own.force_n / force.norm()));
         let lean_deg = self.model.lean.mean_deg(own.force_n) + candidate.lean_deg + own.further_lean_deg;
-        // The direction of a force and the load of a pad may depend on the normal, which rotates with the force. A few iterations settle this rotation.
+        // The direction of a force and the load of a pad may depend on the normal, which the force itself rotates. A few iterations settle this
+        // rotation.
         let preload = AssemblyErrors::load(finger, candidate.preload_nmm);
         let preload = candidate.mesh.frame_load(&preload).ok().filter(|_| candidate.preload_nmm != 0.0);
         let at_rest = match self.is_from_rest {
@@ -254,7 +256,7 @@ impl Problem<'_> {
                     let seen = stated.marker_position(marker.node) + marker.displacement;
                     (placed * Point2::from(bent)).coords - (view.eye + (seen - view.eye) * nearer)
                 }
-                // A motion of the finger that is common to both images cancels in the displacement.
+                // A motion of the finger that is common to the image under force and the image of the unloaded finger cancels in the displacement.
                 Some(rest) => {
                     let moved = (own.base * Point2::from(bent)).coords - (at + rest.displacements[node]);
                     candidate.base.rotation * moved - marker.displacement * nearer
@@ -293,7 +295,7 @@ impl Problem<'_> {
 }
 
 impl ViewUnknowns {
-    /// A force of mean lean on a finger whose base has the shared pose.
+    /// Unknowns of a view in which the force has the mean lean and the base has the shared pose.
     pub(super) fn at(s_mm: f64, force_n: f64) -> ViewUnknowns {
         ViewUnknowns { s_mm, base: Isometry2::identity(), force_n, further_lean_deg: 0.0 }
     }

@@ -28,10 +28,10 @@ pub enum Quantity {
     BaseY,
     /// Rotation of the finger frame in the frame of each view, degrees.
     BaseTurn,
-    /// Moment at the tip that the plates exert on each other without load, N mm.
+    /// Moment that the plates of the unloaded finger exert on each other at the tip, N mm.
     Preload,
-    /// Common deviation from the scene's mean lean (angle between force and normal) of all forces that were not measured, degrees. All these forces share the
-    /// deviation, because one object has one coefficient of friction.
+    /// Deviation of the lean (angle between force and normal) from the scene's mean lean, degrees, common to all forces that were not measured. All
+    /// forces that were not measured share the deviation, because one object has one coefficient of friction.
     Lean,
     /// Amplitude of one stated error of the unloaded finger, in standard deviations of this error. The field is the index of the error, from 0.
     Unloaded(usize),
@@ -61,8 +61,8 @@ impl fmt::Display for Quantity {
 }
 
 impl Quantity {
-    /// Whether the quantity is a factor on a modulus. Only measured forces determine such a factor, and the search varies the logarithm of the
-    /// factor. For any other quantity, the search varies the change of the quantity.
+    /// Whether the quantity is a factor on a modulus. Only measured forces determine a factor on a modulus, and the search varies the logarithm of
+    /// the factor. For a quantity that is not a factor on a modulus, the search varies the change of the quantity.
     pub fn is_modulus(&self) -> bool {
         matches!(self, Quantity::Modulus | Quantity::PlateModulus(_))
     }

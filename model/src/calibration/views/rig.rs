@@ -17,13 +17,13 @@ use toml::Value;
 /// Camera height, mm, for a scene without a camera: so large that the height of markers has no effect.
 const NO_CAMERA_MM: f64 = 1e12;
 
-/// Prior uncertainty of the base relative to its references, if the scene states none. This prior suits a compliant part that is mounted by hand.
-/// Images state only the accuracy of the located references, which is far higher.
+/// Prior uncertainty of the base relative to its references, if the scene states no uncertainty of the base. This prior suits a compliant part that
+/// is mounted by hand. Images state only the accuracy of the located references, which is far higher than the accuracy of a part mounted by hand.
 pub const UNSTATED_BASE: BaseUncertainty =
     BaseUncertainty { sd_mm: 1.0, sd_rad: std::f64::consts::PI / 180.0, turn_rad_per_n: 0.0, turn_sd_rad_per_n: 0.0 };
 
 /// If the relative scatter of measured forces exceeds this value, the calibration also tries forces mirrored about the normal. If the mirrored forces
-/// scatter less by more than the factor `FAR_LESS`, the sign of a component is wrong.
+/// scatter less by more than the factor `FAR_LESS`, the sign of a force component is wrong.
 const LARGE_SCATTER: f64 = 0.03;
 const FAR_LESS: f64 = 3.0;
 
@@ -36,7 +36,8 @@ pub struct RigQuestion {
     pub friction: Option<FrictionQuestion>,
     /// Whether the rotation of the base under force is estimated.
     pub base_compliance: bool,
-    /// Relative standard deviation of sensed forces from object to object, dimensionless. Images of one object do not show this deviation.
+    /// Relative standard deviation of sensed forces from object to object, dimensionless. Images of one object do not show how the forces deviate
+    /// from object to object.
     pub force_error_between_objects: f64,
 }
 
@@ -47,7 +48,7 @@ pub struct RigEstimate {
     pub views: ViewEstimate,
     /// Friction between finger and objects. `None` if friction was not sought.
     pub friction: Option<FrictionEstimate>,
-    /// Rotation of the base under force. `None` if this rotation was not sought.
+    /// Rotation of the base under force. `None` if the rotation of the base under force was not sought.
     pub compliance: Option<BaseCompliance>,
     /// Relative standard deviation of a force in a new image, including the variation from object to object, dimensionless. `None` if it is unknown.
     pub force_error: Option<f64>,
@@ -133,7 +134,7 @@ fn check_side(
 }
 
 impl Lean {
-    /// Coefficient of friction and its standard deviation for a single force, both dimensionless.
+    /// Coefficient of friction, and standard deviation of the coefficient for a single force, both dimensionless.
     pub fn coefficient(&self) -> [f64; 2] {
         let coefficient = self.angle_deg.to_radians().tan();
         [coefficient, self.sd_deg.to_radians() * (1.0 + coefficient * coefficient)]
@@ -141,7 +142,7 @@ impl Lean {
 }
 
 impl RigEstimate {
-    /// Values of the calibrated scene by key. They replace the values of the scene; `None` removes the key.
+    /// Values of the calibrated scene by key. The calibrated values replace the values of the scene; `None` removes the key.
     pub fn scene_values(&self, scene: &Scene) -> Vec<(String, Option<Value>)> {
         let mut values = self.finger_values();
         let mut put = |key: String, value: Value| values.push((key, Some(value)));
@@ -174,7 +175,8 @@ impl RigEstimate {
             values.push((CONTACT.friction_range.path(), None));
         }
         values.extend(self.base_values(scene));
-        // The assembly errors include the uncertainty of calibrated values. The keys for the standard deviations of these values are therefore removed.
+        // The assembly errors include the uncertainty of calibrated values. The keys for the standard deviations of calibrated values are therefore
+        // removed.
         let known = [
             (self.sought(|quantity| *quantity == Quantity::Preload), &ASSEMBLY.preload_sigma_nmm),
             (self.sought(|quantity| *quantity == Quantity::MarkerHeight), &ASSEMBLY.height_sigma_mm),

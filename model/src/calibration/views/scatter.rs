@@ -15,23 +15,23 @@ const TWO_SIDED_95: f64 = 1.959_964;
 const OUTSIDE: f64 = 0.05;
 /// The search covers standard deviations of a new force up to this multiple of [`LARGEST`].
 const FARTHEST: f64 = 10.0;
-/// Iterations of the search for two variances. They suffice for three digits if both variances matter. A variance that tends to zero decreases only
-/// as 1 / iterations.
+/// Iterations of the search for two variances. This number of iterations determines two variances to three digits if neither is negligible. A
+/// variance that tends to zero decreases only in proportion to 1 / (number of iterations).
 const ROUNDS: usize = 1000;
 
-/// An independent combination of the relative differences between forces estimated from images and measured forces.
+/// One of the statistically independent linear combinations of the relative differences between forces estimated from images and measured forces.
 #[derive(Debug, Clone, PartialEq)]
 struct Combination {
-    /// Inverse of the variance without scatter, dimensionless. Zero for the combination that is a common factor on all forces, if a modulus is
-    /// sought.
+    /// Inverse of the variance without scatter, dimensionless. If a modulus is sought, zero for the combination that represents a common factor on
+    /// all forces.
     precision: f64,
     /// Observed value of the combination, multiplied by the precision.
     seen: f64,
-    /// Square of the change in the relative force of each new image per unit of the combination.
+    /// Squared change of each new image's relative force per unit of the combination.
     carried: Vec<f64>,
 }
 
-/// Relative force estimated from one image alone, as if the image were new.
+/// Force estimated from one image alone as if the image were new, relative to the measured force.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct NewImage {
     /// Derivative of the relative force with respect to each unknown that all images share.
@@ -62,9 +62,9 @@ pub(super) struct Scatter {
 }
 
 impl Scatter {
-    /// Compares forces by the normal equations of a fit without its measured forces: matrix `normal` and vector `gradient`. The first `shared`
-    /// unknowns belong to all images. The last unknowns are relative forces, one for each entry of `off`. `off` lists each relative force minus its
-    /// measured value.
+    /// Compares estimated with measured forces by the normal equations of the fit without measured forces, given as matrix `normal` and vector
+    /// `gradient`. The first `shared` unknowns belong to all images. The last unknowns are relative forces, one for each entry of `off`. `off` lists
+    /// each relative force minus its measured value.
     ///
     /// `None` if even exact forces would not determine all unknowns.
     pub fn new(
@@ -121,11 +121,12 @@ impl Scatter {
         self.combinations.iter().filter(|it| it.precision * LARGEST * LARGEST > 1.0).count()
     }
 
-    /// Most likely relative standard deviation of the forces; zero if noise and base explain all differences between forces. `None` if the images show no
-    /// differences.
+    /// Most likely relative standard deviation of the forces; zero if noise and base explain all differences between forces. `None` if no difference
+    /// between forces is precise enough to show a scatter.
     ///
     /// # Reference
-    /// Restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971) of the variance of independent values with further known variances.
+    /// Restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971) estimates the variance that independent values have in addition to
+    /// their known variances.
     pub fn most_likely(&self) -> Option<f64> {
         if self.differences() == 0 {
             return None;
@@ -149,8 +150,8 @@ impl Scatter {
     /// `None` if there are no differences.
     ///
     /// # Reference
-    /// Posterior predictive distribution of a normal value with an unknown variance (Gelman et al., Bayesian Data Analysis, 3rd ed., sec. 3.2). This
-    /// distribution is Student's t if noise is small.
+    /// The result follows from the posterior predictive distribution of a normal value with an unknown variance (Gelman et al., Bayesian Data
+    /// Analysis, 3rd ed., sec. 3.2). If noise is small, the posterior predictive distribution is Student's t.
     fn of_new_force(&self) -> Option<f64> {
         if self.differences() == 0 {
             return None;
@@ -172,8 +173,8 @@ impl Scatter {
     /// of the finger with the scatter of measured forces. If the images do not show the scatter, `assumed` is used.
     ///
     /// An uncertain modulus changes every force by the same share. Uncertain geometry displaces markers like noise. The relative error due to
-    /// geometry is larger for a small force, or for a force whose position has little effect on the markers. The two parts can be separated if images
-    /// differ in the effect of noise. Otherwise each part gets half.
+    /// geometry is larger for a small force, or for a force whose position has little effect on the markers. The parts due to modulus and geometry
+    /// can be separated if images differ in the effect of noise. Otherwise each part gets half.
     pub fn of_new(&self, assumed: f64) -> AddedForceError {
         let scatter = self.of_new_force().unwrap_or(assumed);
         let of_finger: Vec<f64> = (0..self.of_markers.len()).map(|image| self.of_finger(image, scatter)).collect();
@@ -182,8 +183,8 @@ impl Scatter {
     }
 }
 
-/// Splits variances into a constant and a part proportional to `growing_with`. Returns the constant and the factor of proportionality. Both maximise the
-/// likelihood of normal errors with the given variances.
+/// Splits variances into a constant and a part proportional to `growing_with`. Returns the constant and the factor of proportionality. The constant
+/// and the factor maximise the likelihood of normal errors with the given variances.
 ///
 /// # Reference
 /// Zhou, Hu, Zhou and Lange, MM algorithms for variance components models, J. Comput. Graph. Stat. 28, 2019.

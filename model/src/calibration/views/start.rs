@@ -15,8 +15,8 @@ const PLACES: usize = 50;
 
 /// Starting point of the search in one view.
 struct Beginning {
-    /// Starting point with the measured force, or with the force from the markers if none was measured. `None` if the finger has no equilibrium under the
-    /// measured force.
+    /// Starting point with the measured force, or with the force from the markers if no force was measured. `None` if the finger has no equilibrium
+    /// under the measured force.
     own: Option<ViewUnknowns>,
     /// Force estimated from the markers, for comparison with the measured force. `None` if no force was measured or the markers do not determine the
     /// force.
@@ -24,7 +24,7 @@ struct Beginning {
 }
 
 impl Problem<'_> {
-    /// Starting point of the search. For each view, it contains the unknowns with which the scene's finger explains the view best.
+    /// Starting point of the search. For each view, the starting point contains the unknowns with which the scene's finger explains the view best.
     ///
     /// # Errors
     /// [`CalibrationError`] if the scene's finger does not explain a view, or a view contradicts the finger or the other views.
@@ -51,7 +51,8 @@ impl Problem<'_> {
             return self.wrong_name(stated, view, &own).map_or(Ok(Beginning { own: Some(own), of_markers: None }), Err);
         };
         let (own, of_markers) = (self.start_of_known(stated, view, force.norm()), self.marker_force(stated, view));
-        // Either the measured force or the force estimated from the markers may be wrong, so the search tries both forces.
+        // The measured force or the force from the markers may be wrong, so node numbers are refused only if they look wrong with each of the two
+        // forces.
         let explained = own.into_iter().chain(of_markers.map(|of_markers| of_markers.own));
         let names: Vec<Option<ViewError>> = explained.map(|own| self.wrong_name(stated, view, &own)).collect();
         match names.into_iter().reduce(|first, second| first.filter(|_| second.is_some())).flatten() {

@@ -12,8 +12,8 @@ const LEAST_SHARE: f64 = 1e-4;
 
 impl Problem<'_> {
     /// Independent errors of the sought quantities, each with the size of one standard deviation, linearised at a fit. An error counts only if it
-    /// changes the estimated force of at least one view without a measured force. This effect is tested with an unknown and with a known direction of
-    /// the force.
+    /// changes the estimated force of at least one view without a measured force. The effect of an error on the force is tested twice: with an
+    /// unknown and with a known direction of the force.
     pub(super) fn unloaded_errors(&self, fitted: &Fit<Point>, base: &Isometry2<f64>) -> Vec<UnloadedError> {
         let shared = self.sought.len();
         if shared == 0 {
@@ -29,7 +29,7 @@ impl Problem<'_> {
             for unknowns in [&all[..], known_direction] {
                 let found = self.force_alone(jacobian, rows.clone(), unknowns, own.force_n);
                 changes.extend(found.map(|(mut by_shared, ..)| {
-                    // The scene states the uncertainty of a new force's lean (angle from the normal), so the lean of this fit has no effect.
+                    // The scene states the uncertainty of a new force's lean (angle from the normal), so an error of the lean in this fit is ignored.
                     let leans = self.sought.iter().zip(by_shared.iter_mut());
                     leans.filter(|(sought, _)| sought.quantity == Quantity::Lean).for_each(|(_, by)| *by = 0.0);
                     by_shared.transpose()

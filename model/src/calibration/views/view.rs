@@ -50,7 +50,8 @@ impl LocatedView {
     ) -> Result<LocatedView, ObservationError> {
         let (measured, uncertainty) = observation.for_calibration(scene)?;
         let base = measured.frame;
-        // The camera stands above the reference frame of its pose. Without a camera the position is arbitrary.
+        // The camera's position is given in the reference frame of the camera's pose. If the scene states no pose of a camera, the camera's position
+        // may be arbitrary.
         let eye = scene.camera.and_then(|camera| camera.pose).map_or(Vector::zeros(), |pose| pose.eye().xy());
         let view = View {
             name: observation.image.clone(),
@@ -92,7 +93,7 @@ pub enum ViewError {
     Force {
         /// Ratio of measured force to the force that the markers show, dimensionless.
         times: f64,
-        /// Median of this ratio over all views, dimensionless.
+        /// Median over all views of the ratio of measured force to the force that the markers show, dimensionless.
         usual: f64,
     },
     /// A marker is at the computed position of another node.
@@ -105,14 +106,16 @@ pub enum ViewError {
         node: NodeId,
         /// Node with a computed position near the marker.
         other: NodeId,
-        /// Distance from the computed position of the named node, mm.
+        /// Distance of the marker from the computed position of the node `node`, mm.
         away_mm: f64,
     },
-    /// The calibrated finger would sense forces too inaccurately for use. The measured force of this view deviates most.
+    /// The calibrated finger would sense forces too inaccurately for use. The measured force of this view deviates most from the force that the
+    /// markers show.
     #[error(
-        "forces sensed with this calibration would have a relative standard deviation of {share:.2}, so that every 95 % interval would include zero. \
-         The measured force of this image deviates most, {times:.3} times the force that the markers show: check its sign, unit, frame and row, and \
-         the node numbers, or measure more forces"
+        "forces sensed with this calibration would have a relative standard deviation of {share:.2}, so that every \
+            95 % interval would include zero. The measured force of this image deviates most: it is {times:.3} times \
+            the force that the markers show; check its sign, unit, frame and row, and the node numbers, or measure \
+            more forces"
     )]
     ForceErrors {
         /// Relative standard deviation of a force in a new image, dimensionless.
@@ -120,7 +123,7 @@ pub enum ViewError {
         /// Ratio of measured force to the force that the markers show, dimensionless.
         times: f64,
     },
-    /// Markers deviate too far from the calibrated finger. A marker of this view deviates most.
+    /// Markers deviate too far from the calibrated finger. The marker with the largest deviation is in this view.
     #[error(
         "the calibrated finger deviates from the markers by {missed_mm:.2} mm rms, although the markers move by only {moved_mm:.2} mm rms: check the \
          finger of the scene and the node numbers. In this image node {node} deviates most, by {away_mm:.1} mm"
@@ -130,7 +133,7 @@ pub enum ViewError {
         node: NodeId,
         /// Distance of the marker from its computed position, mm.
         away_mm: f64,
-        /// Root mean square of this distance over all markers, mm.
+        /// Root mean square distance of all markers from their computed positions, mm.
         missed_mm: f64,
         /// Root mean square of all marker displacements, mm.
         moved_mm: f64,

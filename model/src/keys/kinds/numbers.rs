@@ -9,12 +9,12 @@ use toml::de::DeValue;
 pub struct Quantity(pub &'static str, pub &'static str);
 
 /// Range of valid numbers. Two ranges exclude subnormal numbers, which have too few digits: [`Positive`](Range::Positive), and
-/// [`Within`](Range::Within) from zero.
+/// [`Within`](Range::Within) with the lower limit 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Range {
     /// Any finite number.
     Finite,
-    /// A range that depends on other values, as the text states. The code that reads these values checks the range.
+    /// A range that depends on other values; the text describes the range. The code that reads the other values checks the range.
     ByOthers(&'static str),
     /// Above zero, up to and including this limit.
     Positive(f64),
@@ -235,7 +235,7 @@ impl Kind for RibNumbers {
     }
 
     fn described(&self) -> String {
-        format!("{}, or a list of one for each rib", self.0.described())
+        format!("{}, or a list with one value for each rib", self.0.described())
     }
 
     fn parse(&self, value: &DeValue) -> Result<OfRibs<f64>, Refused> {
@@ -269,7 +269,7 @@ impl Kind for RibLengths {
     }
 
     fn described(&self) -> String {
-        format!("{}, or a list of pairs [front, back], one for each rib", SideLengths().described())
+        format!("{}, or a list with one pair [front, back] for each rib", SideLengths().described())
     }
 
     fn parse(&self, value: &DeValue) -> Result<BracketLengths, Refused> {
@@ -290,8 +290,8 @@ impl Kind for RibLengths {
     }
 }
 
-/// A list of pairs of numbers. The first text names the pairs and their unit. The optional limit consists of another name for the pairs, and the
-/// largest valid magnitude of a number in a pair, mm.
+/// A list of pairs of numbers. The first text names the pairs and their unit. The optional second field contains a short name of the pairs, and the
+/// largest valid magnitude of the numbers in a pair, mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pairs(pub &'static str, pub Option<(&'static str, f64)>);
 

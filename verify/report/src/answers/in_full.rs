@@ -48,7 +48,8 @@ fn trusted(study: &Study, situations: &[Situation]) -> Option<String> {
         weak => format!("Weakest regions of the known finger: {}.", weak.join(", ")),
     };
     Some(format!(
-        "The mean error stays within {} under {} N in {} of the {} positions and directions{which}{}, with contact and finger known{missing}{}. {weakest}",
+        "The mean error stays within {} for forces of {} N in {} of the {} positions and directions{which}{}, with \
+            contact and finger known{missing}{}. {weakest}",
         percent(TRUSTED_ERROR),
         list(&known.map.request.forces_n, ", "),
         counts.trusted,
@@ -164,8 +165,8 @@ fn how_sure(study: &Study) -> Option<String> {
         covered_with_warning.map(|covered| format!(" and in {} of the answers with a warning", percent(covered)));
     let softer = coverage(study, TruthId::Twin).and_then(how_sure_if_softer);
     Some(format!(
-        "Contact and finger known: the 95 % intervals of the nonlinear estimator contain the force in {without} of the answers without a warning{} \
-         ({refused} of {samples} samples refused).{}",
+        "With contact and finger known, the 95 % intervals of the nonlinear estimator contain the force in \
+            {without} of the answers without a warning{} ({refused} of {samples} samples refused).{}",
         with.unwrap_or_default(),
         softer.unwrap_or_default()
     ))

@@ -109,7 +109,10 @@ impl Shares {
     pub(super) fn without(&self, of: &CauseShare) -> String {
         let left = format!("{} without it", percent(of.rms_without));
         if of.cells < self.answered {
-            return format!("{left} at the {} of {} positions that are then answered", of.cells, self.answered);
+            return format!(
+                "{left} at the {} of {} positions that are answered without this cause",
+                of.cells, self.answered
+            );
         }
         left
     }

@@ -8,10 +8,10 @@ use finray_studies::experiments::contact_scene::study::{SceneStudy, StrainOfScen
 
 /// How the scenes are computed and sensed.
 pub(super) const ABOUT: &str = "In simulation, an object is pressed onto a finger of rigid bodies and springs, in quasi-static equilibrium. The \
-                                contact forces of this finger are the true forces. The engine rapier, started in each equilibrium, must stay in this \
-                                equilibrium (page Checks). The nonlinear estimator models the finger with beams and receives the noisy displacements \
-                                of the key nodes and of points on both outlines. It also receives the touching parts, and the coefficient of \
-                                friction as a bound on the angle of the force.";
+    contact forces of this finger are the true forces. The engine rapier, started in each equilibrium, must stay in \
+    this equilibrium (page Checks). The nonlinear estimator models the finger with beams and receives the noisy \
+    displacements of the key nodes and of points on both outlines. The estimator also receives which parts touch, and \
+    the coefficient of friction as a bound on the angle of the force.";
 
 /// Sentence on the errors of the scenes without and with friction, and on the contact with the largest relative error.
 pub(super) fn verdict(scenes: &[SceneStudy]) -> Option<String> {
@@ -86,8 +86,13 @@ pub(super) fn by_scene(scenes: &[SceneStudy]) -> Table {
         })
         .page("contact covered", Format::Plain, move |scene| covered(scene, contacts))
         .page("total covered", Format::Plain, move |scene| covered(scene, total))
-        .table("Over all steps. Without noise: largest error of the total and largest imbalance of forces. With noise: answered samples, and \
-                coverage of the 95 % intervals (in brackets: the lowest coverage of a step). A refused sample counts as not covered", CSV, scenes)
+        .table(
+            "Values over all steps. Without noise: largest error of the total and largest imbalance of forces. With \
+            noise: answered samples, and coverage of the 95 % intervals (in brackets: the lowest coverage of a step). \
+            A refused sample counts as not covered",
+            CSV,
+            scenes,
+        )
 }
 
 fn samples(scene: &SceneStudy) -> impl Iterator<Item = &NoiseSamples> {

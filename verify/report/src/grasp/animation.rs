@@ -39,7 +39,7 @@ pub fn grasp_animation_svg(name: &str, scene: &GraspScene, steps: &[GraspStep]) 
     let at = steps.first().map_or([0.0; 2], |step| [step.object[0], -step.object[1]]);
     fixed.extend(keys(at));
     let title = format!("{name}: the whole grasp");
-    let alt = format!("{title} in {} moving pictures: fingers, object, true and sensed forces.", shown.len());
+    let alt = format!("{title} as an animation of {} frames: fingers, object, true and sensed forces.", shown.len());
     let frame = Frame::half(title, alt).with_plot_height(560.0);
     let shots = shown.iter().map(shot).collect();
     let labels = ["across the gripper, mm", "up, mm"];

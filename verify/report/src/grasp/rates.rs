@@ -55,12 +55,14 @@ fn about(LoopStudy { target_n, motor_deg_per_s, runs }: &LoopStudy) -> Option<St
     let steady = runs.iter().filter_map(|run| run.over(|of| of.steady_error.abs())).map(|errors| errors.most);
     let steady = percent(steady.fold(0.0, f64::max));
     Some(format!(
-        "A simulated closed loop: two of the paper's fingers (lattices of one segment per member) close on a disc until the mean of both sensed \
-         forces is {target_n} N, and hold this force for 30 frames. The motor turns at {motor_deg_per_s} degrees per second. In each frame the \
-         controller corrects half of the missing force, or less if sensing is delayed. All loops share steps of 22.5 degrees up to nine tenths of the \
-         target; from there each loop continues separately, with {realisations} realisations of {noise_mm} mm noise. The motor keeps turning between two \
-         frames. The overshoot can reach the force that the motor adds in one frame and in each frame of delay (dotted: from the mean rise). During \
-         the hold, the largest mean error of the force is {steady}. The motor's speed, not the frame rate, sets the rise time."
+        "A simulated closed loop: two of the paper's fingers (lattices of one segment per member) close on a disc \
+            until the mean of both sensed forces is {target_n} N, and hold this force for 30 frames. The motor turns \
+            at {motor_deg_per_s} degrees per second. In each frame the controller corrects half of the missing force, \
+            or less if sensing is delayed. All loops share steps of 22.5 degrees up to nine tenths of the target; from \
+            there each loop continues separately, with {realisations} realisations of {noise_mm} mm noise. The motor \
+            keeps turning between two frames. The overshoot can reach the force that the motor adds in one frame and \
+            in each frame of delay (dotted lines, computed from the mean rise time). During the hold, the largest mean \
+            error of the force is {steady}. The motor's speed, not the frame rate, sets the rise time."
     ))
 }
 

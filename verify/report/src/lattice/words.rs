@@ -48,12 +48,12 @@ fn agreement(rows: &[FinenessRow]) -> Option<String> {
     let [low, high] = Span::of(orders)?.ends();
     let [from, to] = [coarsest, finest].map(|row| percent_two_digits(largest(row)));
     let converges = match low >= COARSENESS_ORDER {
-        true => "at least with the square, as expected of a discretisation error.",
-        false => "more slowly than a discretisation error alone would fall: something else remains.",
+        true => "at least second order, as expected of a discretisation error.",
+        false => "lower than the order of a discretisation error alone, so another difference remains.",
     };
     Some(format!(
-        "From {coarse} to {fine} segments per plate member the difference from beams falls from {from} to {to}: with the power {low:.1} to {high:.1} of \
-         the segment length, {converges}"
+        "From {coarse} to {fine} segments per plate member, the difference from beams falls from {from} to {to}. \
+            The order of convergence in the segment length is {low:.1} to {high:.1}: {converges}"
     ))
 }
 
@@ -72,8 +72,9 @@ fn sensing(lattice: &LatticeStudy) -> String {
     let agrees = if sensing.checks().iter().all(Check::passes) { "agrees" } else { "DOES NOT AGREE" };
     let (cells, nonlinear) = (sensing.difference.cells, percent_two_digits(sensing.nonlinear_error()));
     format!(
-        "Sensing on the lattice {agrees} with the uniform finger over {cells} forces of the maps. The nonlinear estimator, whose model is the uniform \
-         finger, senses the lattice within {nonlinear}, so the errors of least squares come from linear theory."
+        "Sensing on the lattice {agrees} with the uniform finger over {cells} forces of the maps. The nonlinear \
+            estimator, whose model is the uniform finger, senses forces on the lattice within {nonlinear}, so the \
+            errors of least squares come from linear theory."
     )
 }
 

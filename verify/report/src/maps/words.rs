@@ -65,9 +65,10 @@ fn unknown_direction(study: &Study) -> Option<String> {
     let condition = median(cells().filter_map(|cell| cell.condition))?;
     let (force_n, share) = (study.explanations.force_n, percent(identifiable as f64 / cells().count() as f64));
     Some(format!(
-        "If the direction is unknown too, the bound of the force is {loss:.1} times as large in the median. The markers determine one component of the force \
-         {condition:.0} times better than the other. At {force_n} N the direction's bound is at most {LARGEST_ANGLE_SIGMA_DEG} deg in {share} of the cells; \
-         above this limit an answer is refused."
+        "If the direction is unknown, the bound of the force is {loss:.1} times as large in the median. The \
+            markers determine one component of the force {condition:.0} times better than the other. At {force_n} N \
+            the direction's bound is at most {LARGEST_ANGLE_SIGMA_DEG} deg in {share} of the cells; above this limit \
+            an answer is refused."
     ))
 }
 

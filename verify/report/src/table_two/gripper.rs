@@ -69,9 +69,11 @@ pub(super) fn blocks(modules: &ModuleStudy) -> Result<Vec<Block>, FigureError> {
 /// How the gripper closes, and how its forces are sensed.
 fn about(noise_mm: f64) -> String {
     format!(
-        "The same tests on a simulated closing gripper: the motor moves the finger's base by eqs (6) to (9), and the rods at the nodes press on fixed \
-         frictionless sensors in one plane, initially inclined to the plate by 12 degrees. Forces are sensed along the sensors' axis (by the network along \
-         the undeformed normal), with {noise_mm} mm noise; errors are averaged over 0.3 to 3 N. The linkage's lengths are assumed. Both fingers bend equally."
+        "The tests of Table II on a simulated closing gripper: the motor moves the finger's base by eqs (6) to \
+            (9). The rods at the nodes press on fixed frictionless sensors in one plane, which is initially inclined \
+            to the plate by 12 degrees. Forces are sensed along the sensors' axis (by the network along the undeformed \
+            normal), with {noise_mm} mm noise. Errors are averaged over 0.3 to 3 N. The lengths of the linkage are \
+            assumed. Both fingers bend equally."
     )
 }
 

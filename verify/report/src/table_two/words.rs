@@ -18,9 +18,11 @@ pub(super) fn about(cases: usize) -> String {
     let (groups, fits) = (list(CONTACT_GROUPS.map(of_group), ", "), cases.min(MOST_FITS));
     let forces_n = list(FORCES_N, " to ");
     format!(
-        "The paper's network senses its gripper; here a simulated finger is sensed at the same nodes, {groups}. Each group has {cases} cases ({fits} \
-         for the nonlinear estimator) of {forces_n} N along the normal; nodes and directions are known. \"Network of the paper\" is trained as in \
-         sec. IV-A on noise-free cases of the linear finger, with two scalings of displacements, because the paper publishes none."
+        "The paper's network senses forces on the paper's gripper; here forces are sensed on a simulated finger at \
+            the same nodes, {groups}. Each group has {cases} cases ({fits} for the nonlinear estimator) of {forces_n} \
+            N along the normal; nodes and directions are known. \"Network of the paper\" is trained as in sec. IV-A on \
+            noise-free cases of the linear finger, with two scalings of displacements, because the paper states no \
+            scaling."
     )
 }
 
@@ -33,8 +35,9 @@ pub(super) fn ours(two: &TableTwo, noise_mm: f64) -> Option<String> {
     let (refused, cases) = (nonlinear.refused, nonlinear.refused + nonlinear.answered);
     let [near, far, sum, nonlinear] = [near.force, far.force, near.sum?.max(far.sum?), nonlinear.force].map(percent);
     Some(format!(
-        "Least squares on the uniform finger errs by {near} for each of two neighbours, by {far} for each of two nodes apart, and by up to {sum} for \
-         a sum (means over pairs). The nonlinear estimator errs by {nonlinear} for neighbours ({refused} of {cases} cases refused)."
+        "Least squares on the uniform finger errs by {near} for each force at two neighbours, by {far} for each \
+            force at two nodes apart, and by up to {sum} for a sum (means over pairs). The nonlinear estimator errs by \
+            {nonlinear} for neighbours ({refused} of {cases} cases refused)."
     ))
 }
 
@@ -47,9 +50,11 @@ pub(super) fn linearisation(two: &TableTwo, noise_mm: f64) -> Option<String> {
         (two.condition_range(neighbours)?, two.condition_range(apart)?);
     (alone < MINOR * near).then(|| {
         format!(
-            "Noise causes the smaller part of the errors: on the linear finger the forces at neighbours err by {}. The rest is the error of \
-             linearisation, amplified by up to the condition number of the contacts ({near_least:.1} to {near_most:.1}; nodes apart: {far_least:.1} \
-             to {far_most:.1}), because forces at neighbours bend the finger almost equally.",
+            "Noise causes the smaller part of the errors: on the linear finger, which has no error of \
+                linearisation, the forces at neighbours err by {}. The rest is the error of linearisation. It is \
+                amplified by up to the condition number of the contacts (neighbours: {near_least:.1} to \
+                {near_most:.1}; nodes apart: {far_least:.1} to {far_most:.1}), because forces at neighbours bend the \
+                finger almost equally.",
             percent(alone)
         )
     })
@@ -68,7 +73,8 @@ pub fn papers(records: &[RecipeRow], noise_mm: f64) -> Option<String> {
     let reproduces = if figures().all(Figure::reproduced) { "reproduces" } else { "does not reproduce" };
     let seeds = figures().map(|figure| figure.recorded.seeds).min()?;
     Some(format!(
-        "In simulation, on the uniform finger with {noise_mm} mm noise, the network of the paper, as recorded, {reproduces} Table II: within a factor of \
-         {SAME_FACTOR} it meets {met} (mean of {seeds} seeds)."
+        "In simulation, on the uniform finger with {noise_mm} mm noise, the network of the paper, in its recorded \
+            trainings, {reproduces} Table II: within a factor of {SAME_FACTOR}, it meets {met} (mean of {seeds} \
+            seeds)."
     ))
 }

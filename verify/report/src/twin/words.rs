@@ -11,10 +11,10 @@ use finray_studies::experiments::twin::study::{LOADED, TwinStudy};
 const FITS: f64 = 1.0;
 
 /// Text on the paper's conjecture that motivates the fit, and on the limits of the fit.
-pub(super) const ABOUT: &str = "The paper infers from its errors that the modulus \"at the tip and base should be lower\". Here zones of both plates \
-                                are softened by assumption, so it is no finding that soft ends are the cause. The table does not show which plate or \
-                                ribs are soft, and no other cause was fitted. The errors at nodes 18 to 22 have no published signs, so zero is \
-                                fitted. Weights are assumed along the normal.";
+pub(super) const ABOUT: &str = "The paper infers from its errors that the modulus \"at the tip and base should be lower\". Here zones of both \
+    plates are softened by assumption, so the fit is no evidence that soft ends are the cause. The table does not show \
+    which plate or ribs are soft, and no other cause was fitted. The signs of the errors at nodes 18 to 22 are not \
+    published, so an error of zero is fitted there. Weights are assumed along the normal.";
 
 /// Sentence on the errors of the fitted finger, its number of parameters, and its moduli compared with the material's; `None` without a fit.
 pub(super) fn verdict(study: &TwinStudy) -> Option<String> {
@@ -25,8 +25,8 @@ pub(super) fn verdict(study: &TwinStudy) -> Option<String> {
     let (large, freedom) = (list(large, ", "), freedom_in_words(&study.fits)?);
     let moduli = moduli_in_words(&moduli_mpa(&study.finger));
     Some(format!(
-        "A fit, not a finding: in simulation the finger with softer ends errs as in Table I: {large}. {freedom} {moduli} Material, hysteresis and other \
-         unpublished properties are not modelled."
+        "This is a fit, not a finding: in simulation, the finger with softer ends errs as in Table I ({large}). \
+            {freedom} {moduli} Material, hysteresis and other unpublished properties are not modelled."
     ))
 }
 
@@ -67,8 +67,9 @@ pub(super) fn calibration(study: &TwinStudy) -> Option<String> {
     };
     let (noise_mm, loaded, repetitions) = (study.noise_mm, LOADED.len(), study.calibrations.len());
     Some(format!(
-        "finray calibrate --zones, simulated with {noise_mm} mm noise and six weights at each of {loaded} nodes: in {repetitions} repetitions the factors \
-         err by {:.2} stated sigma (root mean square; 1 is expected); {entangled}.",
+        "The command finray calibrate --zones was simulated with {noise_mm} mm noise and six weights at each of \
+            {loaded} nodes. In {repetitions} repetitions, the factors err by {:.2} stated sigma (root mean square; 1 \
+            is expected); {entangled}.",
         study.rms_over_sigma()
     ))
 }

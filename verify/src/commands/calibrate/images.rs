@@ -106,7 +106,9 @@ fn check(fit: &RigQuestion, scene: &Scene) -> Result<(), String> {
         return Err("ribs: expected positions_mm in the scene's table finger.ribs".to_owned());
     }
     if seeks(fit, |quantity| matches!(quantity, Quantity::RibPosition(..))) && scene.finger.has_shared_junctions() {
-        return Err("ribs: expected finger.ribs.positions_mm in which ribs share no junction".to_owned());
+        return Err(
+            "ribs: expected positions in finger.ribs.positions_mm at which no two ribs share a junction".to_owned()
+        );
     }
     let has_rig = scene.markers.is_some() && scene.camera.is_some_and(|camera| camera.pose.is_some());
     if seeks(fit, Quantity::is_of_rig) && !has_rig {

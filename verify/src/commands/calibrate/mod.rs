@@ -118,8 +118,9 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
             closer.filter(|other| other.residual_rms_mm < estimate.residual_rms_mm && estimate.differs_from(other))
         {
             print_message(format_args!(
-                "warning: the co-rotational finger is closer to the measured nodes ({:.3} mm rms) than the linear finger ({:.3} mm rms) and has \
-                 other factors: displacements are too large for --kinematics linear",
+                "warning: the co-rotational finger is closer to the measured nodes ({:.3} mm rms) than the linear \
+                    finger ({:.3} mm rms), and its fitted factors differ from the linear ones: displacements are too \
+                    large for --kinematics linear",
                 closer.residual_rms_mm, estimate.residual_rms_mm
             ));
         }
@@ -171,7 +172,10 @@ fn unknowns(groups: &str, zone_count: usize) -> Result<Vec<Unknown>, Failure> {
         let zone = |text: &str| {
             let number = text.trim().parse::<usize>().ok().filter(|number| (1..=zone_count).contains(number));
             number.map(|number| number - 1).ok_or_else(|| {
-                bad(format!("expected groups of zones, 1 to {zone_count}, for instance 1+2,3, found \"{text}\""))
+                bad(format!(
+                    "expected groups of zones, 1 to {zone_count}, where + joins the zones of a group and a comma \
+                    separates groups, for instance 1+2,3; found \"{text}\""
+                ))
             })
         };
         groups.split(',').map(|group| group.split('+').map(zone).collect()).collect::<Result<_, _>>()?

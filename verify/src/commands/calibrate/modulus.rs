@@ -38,16 +38,19 @@ pub fn run(
         match arguments.kinematics {
             Kinematics::Linear if distances_mm[1] < distances_mm[0] && difference > sigma => {
                 print_message(format_args!(
-                    "warning: the co-rotational finger is closer to the measured nodes (mean distance {:.3} mm) than the linear finger ({:.3} mm) \
-                     and has modulus_factor {:.4}: displacements are too large for --kinematics linear; sigma includes the difference",
+                    "warning: the co-rotational finger is closer to the measured nodes (mean distance {:.3} mm) \
+                        than the linear finger ({:.3} mm), and the co-rotational modulus_factor is {:.4}. \
+                        Displacements are too large for --kinematics linear; sigma includes the difference of the two \
+                        factors",
                     distances_mm[1], distances_mm[0], corotational.factor
                 ));
                 sigma = sigma.hypot(difference);
             }
             Kinematics::Corotational if distances_mm[0] < distances_mm[1] && difference > sigma => {
                 print_message(format_args!(
-                    "warning: the linear finger is closer to the measured nodes (mean distance {:.3} mm) than the co-rotational finger ({:.3} mm) \
-                     and has modulus_factor {:.4}: use --kinematics linear if the shapes were computed with linear kinematics",
+                    "warning: the linear finger is closer to the measured nodes (mean distance {:.3} mm) than the \
+                        co-rotational finger ({:.3} mm), and the linear modulus_factor is {:.4}. Use --kinematics \
+                        linear if the shapes were computed with linear kinematics",
                     distances_mm[0], distances_mm[1], linear.factor
                 ));
             }
@@ -64,8 +67,8 @@ fn warn_of_contradictions(found: &ModulusEstimate) {
     outliers.sort_by(|a, b| b.distance_mm.total_cmp(&a.distance_mm));
     for outlier in outliers.iter().take(MOST_NAMED) {
         print_message(format_args!(
-            "warning: case {} in the order of the file: node {} is {:.2} mm from its computed position, so this row gets little weight: check its \
-             node number and the load",
+            "warning: case {} in the order of the file: node {} is {:.2} mm from its computed position, so its row \
+                gets little weight; check the row's node number and the load",
             outlier.case + 1,
             outlier.node,
             outlier.distance_mm

@@ -63,8 +63,9 @@ fn print_friction(FrictionEstimate { lean, between_objects, left_out }: &Frictio
     }
     for LeftOutObject { object, predicted_deg, sigma_deg, measured_deg } in left_out {
         print_message(format_args!(
-            "note: object {object}, left out: predicted mean lean {predicted_deg:.1} degrees (standard deviation of one force: {sigma_deg:.1} \
-             degrees), measured {measured_deg:.1} degrees"
+            "note: object {object}, left out: predicted mean lean {predicted_deg:.1} degrees, from the other \
+                objects (standard deviation of one force: {sigma_deg:.1} degrees); measured mean lean \
+                {measured_deg:.1} degrees"
         ));
     }
 }

@@ -56,11 +56,12 @@ impl Streams {
         if let [(first, one), (second, other), ..] = files
             && (files.len() > 2 || first == second || one == other)
         {
-            return Err(bad_input("--stream: expected each finger once, and a file for each"));
+            return Err(bad_input("--stream: expected each finger once, and a file for each finger"));
         }
         if !files.is_empty() && grasp.camera_on_gripper {
             return Err(bad_input(
-                "--stream: expected a camera at rest relative to the finger, as live assumes, found grasp.camera_on_gripper = true",
+                "--stream: expected a camera at rest relative to the finger, as `finray live` assumes, found \
+                    grasp.camera_on_gripper = true",
             ));
         }
         let size_px = scene.camera.map_or([0; 2], |camera| camera.lens.size_px());

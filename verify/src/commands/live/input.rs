@@ -120,7 +120,7 @@ impl Source {
         match camera_px {
             Some(expected) if expected != found => {
                 let [expected, found] = [expected, found].map(|[width, height]| format!("{width} x {height} px"));
-                let message = format!("expected frames of {expected}, as the scene's camera has, found {found}");
+                let message = format!("expected frames of {expected}, the size of the scene's camera, found {found}");
                 Err(FileError::content(&self.path, message).into())
             }
             _ => Ok(()),

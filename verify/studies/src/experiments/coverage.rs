@@ -264,8 +264,10 @@ impl CoverageRow {
         );
         let check = |which: &str, covered: f64, answers: usize, reference: f64, tolerance: f64| {
             let chance = CHANCE * (NOMINAL * (1.0 - NOMINAL) / answers as f64).sqrt();
-            let quantity =
-                format!("share within 1.96 sigma, {answers} of {} answers {which}", self.samples - self.refused);
+            let quantity = format!(
+                "share within 1.96 sigma of the true force, among {answers} answers (of {}) {which}",
+                self.samples - self.refused
+            );
             new(quantity, reference, covered, tolerance + chance)
         };
         let plain = self
@@ -279,7 +281,7 @@ impl CoverageRow {
         // The rms of n independent normal errors has a relative standard deviation of 1 / sqrt(2 n).
         let chance = 1.0 + CHANCE / (2.0 * self.warned as f64).sqrt();
         let sharp = self.error_over_sigma_with_warning.map(|share| {
-            new("rms sigma / rms error with a warning".to_owned(), 0.0, 1.0 / share, LARGEST_SIGMA * chance)
+            new("rms sigma / rms error of answers with a warning".to_owned(), 0.0, 1.0 / share, LARGEST_SIGMA * chance)
         });
         std::iter::once(answered).chain(plain).chain(warned).chain(sharp).collect()
     }

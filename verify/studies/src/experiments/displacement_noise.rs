@@ -205,12 +205,18 @@ impl DisplacementNoiseStudy {
     pub fn checks(&self) -> Vec<Check> {
         let mut checks = Vec::new();
         for (name, kind, source, problem) in [
-            ("two images", Kind::Analytical, "closed form", "bound with two images against sqrt(2) times that of one"),
+            (
+                "two images",
+                Kind::Analytical,
+                "closed form",
+                "bound with two images against sqrt(2) times the bound with one image",
+            ),
             (
                 "motor angle",
                 Kind::Internal,
                 "base as unknown with a prior",
-                "bound with the motor angle: covariance inverted against the base's motion as unknowns",
+                "bound with the motor angle: by inverting the covariance, against the bound with the base's motion \
+                    as unknowns",
             ),
         ] {
             let rows = self.rows.iter().filter(|row| row.noise == name);

@@ -289,7 +289,7 @@ impl LatticeSensing {
         let MapDifference { cells, largest, in_one_alone, .. } = self.difference;
         // Without common cells the check must fail.
         let largest = if cells > 0 { largest } else { f64::NAN };
-        let map = name("map of least squares on the lattice against that on the co-rotational finger", cells);
+        let map = name("map of least squares on the lattice against the map on the co-rotational finger", cells);
         let map = Kind::Internal.on(map, NEWTON);
         let nonlinear = name("lattice sensed by the nonlinear estimator", self.nonlinear.cells.len());
         let nonlinear = Kind::Internal.on(nonlinear, NEWTON);

@@ -167,7 +167,7 @@ impl NoiseStudy {
             self.check(
                 &format!("node {node}"),
                 BOUND,
-                "mean error of a force / at the bound".to_owned(),
+                "mean error of a force / mean error at the Cramer-Rao bound".to_owned(),
                 figures,
                 &rows,
             )
@@ -198,7 +198,13 @@ impl NoiseStudy {
         let sum_figures = [1.0, sum.unwrap_or(f64::NAN), BOUND_TOLERANCE + chance];
         [
             self.check(&at, TRUE_FORCES, said(each), each_figures, &[pair]),
-            self.check(&at, BOUND, said("mean error of the sum / at the bound".to_owned()), sum_figures, &[pair]),
+            self.check(
+                &at,
+                BOUND,
+                said("mean error of the sum / mean error at the Cramer-Rao bound".to_owned()),
+                sum_figures,
+                &[pair],
+            ),
         ]
     }
 

@@ -64,7 +64,8 @@ pub const PROGRAM: Program = Program {
         },
     ],
     is_exported: has_drawing_of,
-    ignored: ". The continuum has the E and nu of its export; poissons_ratio, rod_arm_mm, shear_correction and a common factor on all moduli of the scene may differ",
+    ignored: ". The continuum keeps the E and nu with which it was exported; in the scene, poissons_ratio, rod_arm_mm, \
+        shear_correction and a common factor on all moduli may differ",
 };
 
 /// Tolerance of ratios of moduli, relative: a common factor is rounded in each modulus, and in a scene file to about fifteen digits.

@@ -48,7 +48,7 @@ impl Program {
     /// Beginning of a message, which lists the exported fingers.
     pub fn coverage(&self) -> String {
         let names = self.fingers.iter().map(|exported| exported.name).collect::<Vec<_>>().join(", ");
-        format!("{}'s shapes were exported for the fingers {names} only{}", self.name, self.ignored)
+        format!("{}'s shapes were exported only for the fingers {names}{}", self.name, self.ignored)
     }
 }
 

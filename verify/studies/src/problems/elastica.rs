@@ -65,7 +65,8 @@ pub fn checks() -> Result<Vec<Check>, ProblemError> {
     let mut checks = Vec::new();
     for row in rows {
         let ours = solve(row.load_pl2_ei, row.angle_deg, ELEMENTS, Kinematics::Corotational)?;
-        let problem = format!("cantilever, P L^2 / EI = {}, {} deg from the axis", row.load_pl2_ei, row.angle_deg);
+        let problem =
+            format!("cantilever, P L^2 / EI = {}, load at {} deg from the axis", row.load_pl2_ei, row.angle_deg);
         let theirs = [("w / L", row.w_over_l), ("u / L", row.u_over_l), ("tip rotation (rad)", row.theta_rad)];
         let row = Kind::Analytical.on(problem, "elastica");
         let quantities = theirs.into_iter().zip(ours);

@@ -45,7 +45,7 @@ pub fn checks(finger: &Finger, gripper: &Gripper) -> Result<Vec<Check>, ProblemE
         pose.map_or(f64::NAN, |pose| images_mm(finger, gripper, &pose, joint, &camera)) / size_mm
     });
     let rows = [
-        ("key nodes of both fingers in its frame", "eq. (10)", "difference", worst(of_frames)),
+        ("key nodes of both fingers in the camera's frame", "eq. (10)", "difference", worst(of_frames)),
         (
             "undeformed nodes in images of both fingers",
             "Newton's method on the loop, pinhole matrix",
@@ -54,7 +54,7 @@ pub fn checks(finger: &Finger, gripper: &Gripper) -> Result<Vec<Check>, ProblemE
         ),
     ];
     let check = |(what, source, quantity, ours): (&str, &str, &str, f64)| {
-        let problem = format!("camera on the gripper over its reach: {what}");
+        let problem = format!("camera on the gripper, over the gripper's range of motion: {what}");
         Kind::Analytical.on(problem, source).vanishes(format!("largest {quantity} / (rocker + link)"), ours, TOLERANCE)
     };
     Ok(rows.map(check).into())

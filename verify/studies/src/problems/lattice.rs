@@ -40,21 +40,23 @@ pub fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     let beams = beam_shapes(finger, &grid, Kinematics::Corotational)?;
     let errors = worst_by_force(&beams, &lattice_shapes(&lattice, &grid)?, grid.forces_n.len());
     for (force_n, error) in grid.forces_n.iter().zip(errors) {
-        let problem = name(&format!("lattice in equilibrium against beams, {force_n} N, every node, -60 to 60 deg"));
+        let problem = name(&format!(
+            "equilibrium of the lattice against equilibrium of beams, {force_n} N, every node, -60 to 60 deg"
+        ));
         checks.push(Check::new(Kind::Internal, problem, NEWTON, QUANTITY, 0.0, error, tolerance(*force_n)));
     }
 
     let tiny = LoadGrid { forces_n: vec![TINY_FORCE_N], ..grid };
     let linear = beam_shapes(finger, &tiny, Kinematics::Linear)?;
     let error = worst_by_force(&linear, &lattice_shapes(&lattice, &tiny)?, 1)[0];
-    let problem = name(&format!("lattice in equilibrium against linear beams, {TINY_FORCE_N} N"));
+    let problem = name(&format!("equilibrium of the lattice against linear beams, {TINY_FORCE_N} N"));
     checks.push(Check::new(Kind::Internal, problem, NEWTON, QUANTITY, 0.0, error, TINY_FORCE_TOLERANCE));
 
     let few = LoadGrid::few(finger);
     let (settled, ..) = settled_shapes(&lattice, &few)?;
     let equilibria = lattice_shapes(&lattice, &few)?;
     let error = worst(worst_by_force(&equilibria, &settled, few.forces_n.len()));
-    let problem = name("settled lattice against its own equilibrium, up to 5 N");
+    let problem = name("settled lattice against the equilibrium of the same lattice, up to 5 N");
     checks.push(Check::new(Kind::External, problem, SETTLED_LATTICE, QUANTITY, 0.0, error, SETTLING_TOLERANCE));
 
     let beams = beam_shapes(finger, &few, Kinematics::Corotational)?;

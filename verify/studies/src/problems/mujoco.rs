@@ -174,7 +174,7 @@ pub fn contact_checks() -> Result<Vec<Check>, ProblemError> {
         let of_steps: Vec<f64> =
             steps.par_iter().map(|step| contact_deviation(&mesh, step)).collect::<Result<_, _>>()?;
         let problem =
-            format!("finger paper, cylinder of push {}, contact forces of {} steps", steps[0].push, steps.len());
+            format!("paper finger, push {} with a cylinder, contact forces of {} steps", steps[0].push, steps.len());
         Ok(Check::new(Kind::External, problem, SOURCE, DISPLACEMENT, 0.0, worst(of_steps), CONTACT_TOLERANCE))
     };
     pushes.into_iter().map(check).collect()

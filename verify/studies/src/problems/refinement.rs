@@ -47,7 +47,7 @@ pub(crate) fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
         return Ok(Vec::new());
     }
     let [coarse, fine] = [finger.key_node_count(), fine_mesh(finger)?.node_count()];
-    let problem = format!("{coarse} against {fine} nodes, linear, loads along the front plate");
+    let problem = format!("mesh of {coarse} against mesh of {fine} nodes, linear, loads along the front plate");
     let quantity = "largest displacement difference / largest displacement";
     let exact = Kind::Internal.on(problem, "nodal exactness of linear frames");
     Ok(vec![exact.vanishes(quantity, linear_difference(finger)?, ROUNDING_TOLERANCE)])
@@ -64,7 +64,7 @@ pub(crate) fn comparisons(finger: &Finger, force_n: f64) -> Result<Vec<Compariso
             let Ok(ours) = refined(finger, [&coarse, &fine], (node, force_n), kinematics) else { continue };
             comparisons.push(Comparison {
                 problem: format!(
-                    "{} against {} nodes, co-rotational ({name}), {force_n} N at node {node}",
+                    "mesh of {} against mesh of {} nodes, co-rotational ({name}), {force_n} N at node {node}",
                     finger.key_node_count(),
                     fine.node_count()
                 ),

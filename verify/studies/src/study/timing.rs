@@ -13,18 +13,24 @@ impl Study {
         let folder = folder.display();
         if !self.is_paper {
             self.timing_notes
-                .push(format!("Criterion's results in {folder} are for the paper's finger and are ignored."));
+                .push(format!("Criterion's results in {folder} are ignored, because they are for the paper's finger."));
             return;
         }
         let taken = criterion::take_times(&mut self.speed_error, times);
         let all = self.speed_error.len();
         self.timing_notes.push(match taken {
-            0 => format!("Criterion's results in {folder} contain none of these points (cargo bench -p finray-bench --bench speed_error)."),
-            _ => format!("The times of {taken} of {all} points are criterion's medians, from {folder}."),
+            0 => format!(
+                "The results of the benchmark library criterion in {folder} contain none of these points; cargo bench \
+                -p finray-bench --bench speed_error measures the points."
+            ),
+            _ => format!(
+                "The times of {taken} of {all} points are medians of the benchmark library criterion, from {folder}."
+            ),
         });
         if let Some(first) = times.unreadable.first() {
             self.timing_notes.push(format!(
-                "{} of the files there are not in criterion's format and are ignored, the first of them {}.",
+                "{} of the files there are not in the format of the benchmark library criterion and are ignored, \
+                    the first of them {}.",
                 times.unreadable.len(),
                 first.display()
             ));
@@ -35,11 +41,11 @@ impl Study {
     pub fn take_peers(&mut self, peers: Peers) {
         if !self.is_paper {
             self.timing_notes
-                .push("The times of other programs are for the paper's finger and are ignored.".to_owned());
+                .push("The times of other programs are for the paper's finger only and are ignored.".to_owned());
             return;
         }
         let machine = match peers.machine.as_str() {
-            "" => "; the file does not say on which machine".to_owned(),
+            "" => ", on a machine that the file does not name".to_owned(),
             machine => format!(", on this machine: {machine}"),
         };
         // Only points for the same nodes and forces are comparable, because the time depends on them.
@@ -49,16 +55,16 @@ impl Study {
         if let Some(other) = others.first() {
             let Asked { nodes, forces_n } = &asked[other.task as usize];
             self.timing_notes.push(format!(
-                "{} points of other programs are for other nodes or forces than ours and are ignored, the first of them for {} N on nodes {} instead \
-                 of {forces_n} N on nodes {nodes}.",
+                "{} points of other programs are for other nodes or forces than ours and are ignored. The first of \
+                    them is for {} N on nodes {} instead of {forces_n} N on nodes {nodes}.",
                 others.len(),
                 other.asked.forces_n,
                 other.asked.nodes
             ));
         }
         self.timing_notes.push(format!(
-            "{} points are of other programs, timed by bench/peers{machine}, for the same nodes and forces as ours. The dotted line \
-             excludes these points.",
+            "{} points are of other programs, timed by bench/peers{machine}. Their nodes and forces are the same \
+                as ours. The dotted line of the best trade-off excludes these points.",
             same.len()
         ));
         self.speed_error.extend(same.into_iter().map(SpeedErrorPoint::from));

@@ -6,7 +6,8 @@ use finray_model::Kinematics;
 pub(super) const ROW: TruthRow = TruthRow {
     name: "corotational",
     label: "uniform finger",
-    help: "The finger with co-rotational statics, on 684 nodes or four elements per member if that is more",
+    help: "The finger with co-rotational statics, on a mesh of 684 nodes, or of four elements per member if that gives \
+        more nodes",
     kinematics: Some(Kinematics::Corotational),
     mesh: |finger| Ok(fine_mesh(finger)?),
     on: |mesh| Ok(Box::new(MeshTruth::new(TruthId::Corotational, mesh, Kinematics::Corotational)?)),

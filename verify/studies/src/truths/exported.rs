@@ -7,8 +7,8 @@ use crate::prelude::*;
 pub(super) const MUJOCO: TruthRow = TruthRow {
     name: "mujoco",
     label: "MuJoCo",
-    help: "The finger as solved by MuJoCo: exported shapes of three fingers, at their contact nodes, in the exported directions, under the \
-           exported forces; other positions and directions (--places, --step-deg) are not available",
+    help: "The finger as solved by MuJoCo: shapes of three fingers, exported for certain contact nodes, directions and \
+        forces; other positions and directions (--places, --step-deg) are not available",
     kinematics: None,
     mesh: |finger| Ok(Mesh::key_nodes(finger)),
     on: |mesh| exported(TruthId::Mujoco, &mujoco::PROGRAM, mesh.finger()),
@@ -17,9 +17,9 @@ pub(super) const MUJOCO: TruthRow = TruthRow {
 pub(super) const CONTINUUM: TruthRow = TruthRow {
     name: "continuum",
     label: "continuum",
-    help: "The finger as a plane continuum with stiff rods, solved by CalculiX: exported shapes of five fingers, as for mujoco. It has the \
-           material of its export (nu = 0.45); poissons_ratio, rod_arm_mm, shear_correction and a common factor on all moduli of the scene do not \
-           change it",
+    help: "The finger as a plane continuum with stiff rods, solved by CalculiX: exported shapes of five fingers, with \
+        the same limits as mujoco. The continuum has the material of its export (nu = 0.45); poissons_ratio, \
+        rod_arm_mm, shear_correction and a common factor on all moduli of the scene do not change the continuum",
     kinematics: None,
     mesh: |finger| Ok(Mesh::key_nodes(finger)),
     on: |mesh| exported(TruthId::Continuum, &calculix::PROGRAM, mesh.finger()),

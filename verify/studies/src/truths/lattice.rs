@@ -6,8 +6,8 @@ use crate::prelude::*;
 pub(super) const ROW: TruthRow = TruthRow {
     name: "lattice",
     label: "lattice",
-    help: "The finger as rigid bodies and springs, four segments between two key nodes, in the shape of least energy: the engine needs \
-           seconds to settle within 0.05 % of this shape, instead of milliseconds",
+    help: "The finger as rigid bodies and springs, four segments between two key nodes, in the shape of least energy, \
+        found in milliseconds; the physics engine would need seconds to settle within 0.05 % of this shape",
     kinematics: None,
     mesh: |finger| Ok(Mesh::key_nodes(finger)),
     on: |mesh| Ok(Box::new(Lattice::new(mesh.finger(), LATTICE_FINENESS)?)),

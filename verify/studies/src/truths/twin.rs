@@ -7,7 +7,8 @@ use crate::prelude::*;
 pub(super) const ROW: TruthRow = TruthRow {
     name: "twin",
     label: "softer ends",
-    help: "The paper's finger with a softer base and tip, one of several fits of its Table I, co-rotational; for the paper's scene alone",
+    help: "The paper's finger with a softer base and tip, co-rotational: one of several fits to the paper's Table I; for \
+        the paper's scene alone",
     kinematics: None,
     mesh: |finger| Ok(fine_mesh(&twin_of(finger)?)?),
     on: |mesh| Ok(Box::new(MeshTruth::new(TruthId::Twin, mesh, Kinematics::Corotational)?)),

@@ -40,14 +40,18 @@ fn checks_are_counted_by_whose_figures_they_are_against() {
             (
                 of_kind("external", true),
                 "against our lattice settled by a physics engine",
-                "external checks of our lattice settled by rapier2d",
+                "external checks against our lattice (settled by rapier2d)",
             ),
             (
                 of_kind("analytical", false),
                 "against closed forms and literature",
                 "analytical ones (closed forms, literature)",
             ),
-            (of_kind("internal", false), "of our own", "internal ones (our second formulation, a balance or a bound)"),
+            (
+                of_kind("internal", false),
+                "of our own",
+                "internal checks (our second formulation, a balance or a bound)",
+            ),
         ];
         assert_eq!(groups.iter().map(|(count, ..)| count).sum::<usize>(), checks.len(), "one source has two kinds");
         let head = report.read("index.html");

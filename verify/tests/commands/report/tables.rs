@@ -20,7 +20,7 @@ const SAMPLES: [Sample; 7] = [
         records: &[("estimator", "nonlinear")],
         numbers: &[
             ("time per frame", "seconds", 1e6),
-            ("of these: force in the 95 % interval", "covered_without_warning", 100.0),
+            ("of answers without a warning: force in the 95 % interval", "covered_without_warning", 100.0),
         ],
     },
     Sample {
@@ -131,6 +131,7 @@ fn failures_of_a_wrong_contact_are_those_of_the_files() {
     let entry = array(&summary, "trust").iter().find(|entry| entry["case"] == "contact assumed").expect("the case");
     assert_close(&[entry["failed_by_direction"].as_f64().expect("a share")], &[share], LINEAR_ROUNDING);
     assert!(failed > 20 && share > 0.0 && share < 1.0, "{by_direction} of {failed}");
-    let said = format!("Contact wrong: its direction ({:.0} % of the failing cells)", 100.0 * share);
+    let said =
+        format!("With a wrong contact, the main cause is its direction in {:.0} % of the failing cells", 100.0 * share);
     assert!(PAPERS.read("index.html").contains(&said), "{said}");
 }

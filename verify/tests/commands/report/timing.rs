@@ -72,7 +72,7 @@ fn times_say_who_took_them() {
         ">OpenSees 3.7.1.2<",
         ">OpenSees: corotational frame<",
         "2 points are of other programs",
-        "1 points of other programs are for other nodes or forces than ours and are ignored, the first of them for 3 N on nodes 14 18 22 \
+        "1 points of other programs are for other nodes or forces than ours and are ignored. The first of them is for 3 N on nodes 14 18 22 \
          instead of 3 N on nodes 14-24",
     ] {
         assert!(section.contains(said), "{said}");

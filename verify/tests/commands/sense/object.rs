@@ -64,7 +64,7 @@ fn objects_that_cannot_be_are_refused() {
         finray_reading(shape.as_bytes(), &all).refused()
     };
     let noise = ["--noise-mm", "0.01"];
-    assert_says(&refused("", &noise), &["expected a table contact.object in the scene"]);
+    assert_says(&refused("", &noise), &["expected a table [contact.object] in the scene"]);
     assert_says(&refused(OBJECT, &[]), &["noise of the displacements must be known"]);
     assert_says(&refused(OBJECT, &["--estimator", "ridge"]), &["`object` or `auto` needs --estimator nonlinear"]);
     for (from, to, expected) in [
@@ -96,7 +96,7 @@ fn objects_that_cannot_be_are_refused() {
         (
             "\"disc\"\nradius_mm = 20.0",
             "\"polygon\"\ncorners_mm = [[0, 0], [4, 0], [1, 1], [0, 4]]",
-            "line 30: contact.object.corners_mm: expected three or more corners of a convex polygon, in order round it",
+            "line 30: contact.object.corners_mm: expected three or more corners of a convex polygon, listed in order",
         ),
         ("\"disc\"\nradius_mm = 20.0", "\"ellipse\"\nsemi_axes_mm = [3, 0]", "line 30: contact.object.semi_axes_mm"),
     ] {

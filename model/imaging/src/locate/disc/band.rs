@@ -15,8 +15,8 @@ const CHANNELS: [f64; PARTS] = [1.0, 2.0];
 pub(super) struct Band {
     /// Signed distance of each pixel from the edge at which the pixels were gathered, px; positive outside the disc.
     outside: Vec<f32>,
-    /// Decrease of `outside` per displacement of the edge's centre along each axis of the map. `px` is the decrease of `outside` per increase of the edge's
-    /// radius. Both are in px per map unit.
+    /// Decrease of `outside` per displacement of the edge's centre along each axis of the map. `px` is the decrease of `outside` per increase of the
+    /// edge's radius. `nearer` and `px` are in px per map unit.
     nearer: [Vec<f32>; 2],
     px: Vec<f32>,
     sector: Vec<u32>,
@@ -85,7 +85,8 @@ impl Band {
         let [share_y, share_c] = self.share.each_ref().map(|lists| lists.each_ref().map(|list| &list[..count]));
         let [x, y] = self.nearer.each_ref().map(|list| &list[..count]);
         let (px, sector) = (&self.px[..count], &self.sector[..count]);
-        // Sums of the products xx, xy, yy, xr, yr, rr of centre and radius; then of x, y and r with each blur, and of each blur with itself.
+        // Sums of products of the derivatives by centre (x, y), radius (r) and blurs (b). `together` contains xx, xy, yy, xr, yr, rr; `with_blur`
+        // contains xb, yb, rb, bb for each blur.
         let mut together = [0.0_f64; 6];
         let mut with_blur = [[0.0_f64; 4]; PARTS];
         let mut pulls = [0.0_f64; 3 + PARTS];
@@ -166,7 +167,7 @@ impl Band {
     }
 }
 
-/// Normal matrix, from the products of centre and radius with each other, with the blurs, and of each blur with itself.
+/// Normal matrix of the edge's unknowns; `together` contains the entries of centre and radius, and `with_blur` contains the entries of each blur.
 fn normal_matrix(together: [f64; 6], with_blur: [[f64; 4]; PARTS]) -> SMatrix<f64, UNKNOWNS, UNKNOWNS> {
     let [xx, xy, yy, xr, yr, rr] = together;
     let [[xb, yb, rb, bb], [xc, yc, rc, cc]] = with_blur;
@@ -181,7 +182,8 @@ fn normal_matrix(together: [f64; 6], with_blur: [[f64; 4]; PARTS]) -> SMatrix<f6
     normal
 }
 
-/// Normal distribution function, accurate to 1e-6, and its density. Both are cut off at [`BAND`], where the edge ends.
+/// Normal distribution function, accurate to 1e-6, and its density. The distribution function and the density are cut off at [`BAND`], where the edge
+/// ends.
 ///
 /// # Reference
 /// Abramowitz and Stegun, Handbook of Mathematical Functions, 26.2.17.

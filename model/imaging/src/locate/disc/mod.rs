@@ -1,8 +1,8 @@
 //! Measurement of the centre of a disc from the light of the pixels about its edge. The light of a pixel consists of its brightness and two
 //! components of colour, in grey levels.
 //!
-//! A pixel at the distance d (px) outside the disc's edge is modelled as background + (disc - background) Phi(-d / b). This is an edge blurred by a
-//! Gaussian of standard deviation b, with Phi the normal distribution function. Brightness and colour have separate blurs b, because compressed
+//! A pixel at the distance d (px) outside the disc's edge is modelled as background + (disc - background) Phi(-d / b). The model is an edge blurred
+//! by a Gaussian of standard deviation b; Phi is the normal distribution function. Brightness and colour have separate blurs b, because compressed
 //! images store colour with fewer pixels. The disc's light varies linearly over its inside. The background may differ from sector to sector around
 //! the disc, because plates and ribs cross it; between the middles of two sectors, the background is interpolated. Centre, radius and both blurs
 //! follow from least squares over the pixels of the edge. Pixels are weighted by the squared contrast, because the noise is the same everywhere.
@@ -29,7 +29,7 @@ const UNKNOWNS: usize = 5;
 /// Number of parts of the light: brightness and colour.
 const PARTS: usize = 2;
 /// Prior standard deviation of the difference between the blurs of brightness and colour, px, for a noise of [`USUAL_NOISE`]. The prior constrains a
-/// blur that a marker hardly shows.
+/// blur that the pixels of a marker hardly determine.
 const BLURS_APART_PX: f64 = 0.15;
 /// Noise to which [`BLURS_APART_PX`] refers, grey levels.
 const USUAL_NOISE: f64 = 2.0;
@@ -62,10 +62,11 @@ const NEAR_PX: f64 = 1.0;
 const THERE_PX: f64 = 0.25;
 /// A disc is rejected if its centre still moves by more than this in the last step, px. The standard deviation of the centre includes the last step.
 const SETTLED_PX: f64 = 0.05;
-/// Lower bound of the standard deviation of a centre, px. It covers shading, rounding to grey levels, and errors of the edge model.
+/// Lower bound of the standard deviation of a centre, px. The bound covers shading, rounding to grey levels, and errors of the edge model.
 const LEAST_SD_PX: f64 = 0.005;
-/// Standard deviation of the centre of a small or blurred disc, px: this value times (blur / radius)^2. The edges of such discs are wide, so that fewer pixels
-/// show the surroundings alone. This value and [`LEAST_SD_PX`] come from rendered images of discs of 3 to 12 px with blurs of 0.8 to 3.2 px.
+/// Standard deviation of the centre of a small or blurred disc, px: this value times (blur / radius)^2. The edges of small or blurred discs are wide,
+/// so that fewer pixels show the surroundings alone. [`SMALL_SD_PX`] and [`LEAST_SD_PX`] come from rendered images of discs of 3 to 12 px with blurs
+/// of 0.8 to 3.2 px.
 const SMALL_SD_PX: f64 = 0.45;
 /// Additional standard deviation of the centre of a ring, px: this value times the share of neighbouring light in the middle of the ring's width. In
 /// narrow rings, every pixel also shows neighbouring light.
@@ -82,8 +83,9 @@ pub(super) struct Disc {
     pub sd_mm: f64,
     /// Radius and blurs of the disc, measured or given.
     pub outline: Outline,
-    /// Two estimates of the centre's variance, divided by the variance for independent pixel errors; dimensionless. They come from the power of the residuals'
-    /// components with two and with three periods around the edge. They exceed 1 if errors of neighbouring pixels are correlated, as after compression.
+    /// Two estimates of the centre's variance, divided by the variance for independent pixel errors; dimensionless. The two estimates come from the
+    /// power of the residuals' components with two and with three periods around the edge. The ratios exceed 1 if errors of neighbouring pixels are
+    /// correlated, as after compression.
     pub excess_variances: [f64; 2],
     /// Mean squared residual of brightness and of colour about the edge, in squared grey levels.
     pub noise: [f64; PARTS],
@@ -138,8 +140,8 @@ pub(super) struct View<'a> {
     /// Inner radius of a grey ring, mm, inside which any appearance is allowed; 0 for a whole grey disc; `None` for coloured discs. The surroundings of a grey
     /// mark may have as much contrast as the mark, so the edge is measured only where the background is even.
     pub grey_inner_mm: Option<f64>,
-    /// Weights of squared differences of brightness and of colour, dimensionless: inverse to their noise, and 1 for the less noisy of the two. Weight 0 omits
-    /// colour.
+    /// Weights of squared differences of brightness and of colour, dimensionless: inversely proportional to their noise variances, and 1 for the less
+    /// noisy of the two. Weight 0 omits colour.
     pub weights: [f64; PARTS],
     /// Displacement of colour relative to brightness along the finger's axes, px. Lenses, and encoders that subsample colour, cause this displacement.
     pub colour_shift_px: Vector,
@@ -187,7 +189,7 @@ struct Search<'a> {
     edge: Edge,
     /// The edge at the starting point of the search.
     expected: Edge,
-    /// Whether radius and blurs are also unknown.
+    /// Whether radius and blurs are unknown in addition to the centre.
     is_outline_open: bool,
     /// Inner radius as in [`View::grey_inner_mm`], in the units of the map.
     grey_inner: Option<f64>,
@@ -217,7 +219,7 @@ impl<'a> Search<'a> {
         let edge =
             Edge { centre: Vector::zeros(), radius, blurs: expected.blurs_px, colour_shift: view.colour_shift_px };
         let radius_px = map.radius_px(radius);
-        // The gathered pixels must suffice for a larger radius and a larger blur than expected, and for the background.
+        // The gathered pixels must suffice for the background, and for a radius and a blur that are larger than expected.
         let (wider, band) = match is_outline_open {
             true => (1.0 + RADIUS_TOLERANCE, (2.0 * edge.band()).max(BAND * LARGEST_BLUR * radius_px)),
             false => (1.0, edge.band()),
@@ -231,7 +233,7 @@ impl<'a> Search<'a> {
 
     fn found(&mut self) -> Option<Disc> {
         let weights = self.view.weights;
-        // If the outline is known, the centre is known approximately.
+        // A search with a known outline starts close to the disc's centre.
         let mut is_near = !self.is_outline_open;
         for round in 0..ROUNDS {
             // In the first round, sectors are judged only after one step, because a slightly displaced edge would look unlikely.
@@ -280,7 +282,7 @@ impl<'a> Search<'a> {
         if self.is_outline_open {
             let mut normal = sums.normal;
             let mut gradient = sums.gradient;
-            // The lens causes both blurs, so they are equal up to the effects of compression.
+            // The lens blurs brightness and colour equally, so their blurs differ only by the effects of compression.
             let tie = (USUAL_NOISE / BLURS_APART_PX).powi(2);
             for (part, other) in [(3, 4), (4, 3)] {
                 normal[(part, part)] += tie;
@@ -352,8 +354,8 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Two estimates of the centre's variance, divided by `variance_px2` (dimensionless): from the power of the residuals with two and with three periods around
-/// the edge.
+/// Two estimates of the centre's variance, divided by `variance_px2` (dimensionless). The estimates come from the power of the residuals' components
+/// with two and with three periods around the edge.
 fn excess_variances(sectors: &[SectorSums], inverse: &Matrix2<f64>, variance_px2: f64) -> [f64; 2] {
     let angle = std::f64::consts::TAU / sectors.len() as f64;
     let to_next = Complex::cis(angle);

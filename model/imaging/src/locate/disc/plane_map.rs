@@ -6,8 +6,8 @@ use finray_model::Vector;
 use finray_model::camera::{Camera, Pixel};
 use nalgebra::Matrix2;
 
-/// Brightness as in JPEG and television (0.299 R + 0.587 G + 0.114 B, ITU-R BT.601), and two orthogonal components of colour. The components are scaled so
-/// that equal noise in red, green and blue gives equal noise in all three.
+/// Brightness as in JPEG and television (0.299 R + 0.587 G + 0.114 B, ITU-R BT.601), and two orthogonal components of colour. The colour components
+/// are scaled so that equal noise in red, green and blue gives equal noise in brightness and in each colour component.
 fn light_of(pixel: &[u8]) -> [f32; 3] {
     let [r, g, b] = [f32::from(pixel[0]), f32::from(pixel[1]), f32::from(pixel[2])];
     // The rows are (0.299, 0.587, 0.114), (0.587, -0.299, 0) and their cross product, each scaled to length 1.
@@ -72,7 +72,7 @@ impl PlaneMap {
 
     /// Longest radius in the image, px, of a disc whose radius is given in the map's units.
     pub fn radius_px(&self, radius: f64) -> f64 {
-        // The scale is the largest singular value of `by_point`.
+        // The scale from map units to px is the largest singular value of `by_point`.
         let (squares, determinant) = (self.by_point.norm_squared(), self.by_point.determinant());
         let spread = (squares * squares - 4.0 * determinant * determinant).max(0.0).sqrt();
         radius * (0.5 * (squares + spread)).sqrt()
@@ -124,7 +124,7 @@ impl PlaneMap {
         }
     }
 
-    /// An edge with the slope of this map, for the geometry of points relative to the edge.
+    /// Combines an edge with the first derivatives of this map, for the geometry of points relative to the edge.
     pub fn about_edge(&self, edge: &Edge) -> AboutEdge {
         AboutEdge {
             centre: [edge.centre.x as f32, edge.centre.y as f32],
@@ -171,8 +171,8 @@ impl AboutEdge {
     }
 }
 
-/// Angle of a direction as a share of a full turn, accurate to 6e-4. This suffices for sectors, and the exact arctangent would take half of the computing
-/// time.
+/// Angle of a direction as a share of a full turn, accurate to 6e-4. This accuracy suffices to assign pixels to sectors, and the exact arctangent
+/// would take half of the computing time.
 ///
 /// # Reference
 /// S. Rajan et al., Efficient approximations for the arctangent function, IEEE Signal Processing Magazine 23 (2006), eq. (7).

@@ -17,8 +17,8 @@ const EVEN_SECTORS: f64 = 0.3;
 const SHADING: f32 = 2.0;
 /// A pixel inside the disc belongs to an occluder if a component of its light differs from the median by more than this, grey levels.
 const ALIKE: f32 = 40.0;
-/// The background of a grey disc is uneven if its step between neighbouring sectors, or its scatter within a sector, exceeds a limit. The limit is the root
-/// sum of squares of this share of the contrast and [`UNEVEN_NOISE`].
+/// The background of a grey disc is uneven if its step between neighbouring sectors, or its scatter within a sector, exceeds a limit. The limit of an
+/// uneven background is the root sum of squares of two parts: this share of the contrast, and [`UNEVEN_NOISE`] times the noise.
 const UNEVEN_SHARE: f32 = 0.1;
 /// Part of the limit of an uneven background that comes from noise, in standard deviations of the noise.
 const UNEVEN_NOISE: f32 = 3.0;
@@ -32,12 +32,13 @@ const MEDIAN_PIXELS: usize = 48;
 const SLOPE_PIXELS: usize = 12;
 /// A sector is omitted if its contrast over all components of light is below this, grey levels.
 const LEAST_CONTRAST: f32 = 12.0;
-/// A sector does not show the disc's edge if its mean squared residual exceeds the value of even sectors by more than this number of standard
-/// deviations.
+/// A sector does not show the disc's edge if its mean squared residual is too far above the value of even sectors. The largest accepted excess is
+/// this number of standard deviations.
 const UNLIKELY: f32 = 4.0;
 /// Lower bound of the assumed variance of a grey level, in squared grey levels. Rounding alone causes 1/12.
 const LEAST_VARIANCE: f32 = 0.5;
-/// This share of the sectors, the least disturbed ones, is kept in any case if these sectors have contrast. A disc is rejected if a smaller share is kept.
+/// This share of the sectors, the least disturbed ones, is kept in any case if these sectors have contrast. A disc is rejected if a smaller share of
+/// its sectors is kept.
 pub(super) const KEPT_SECTORS: f64 = 0.4;
 
 /// Light of the disc and of its background.
@@ -47,8 +48,8 @@ pub(super) struct Shades {
     inside: [Vector3<f32>; 3],
     /// Light of the background in each sector: brightness and two components of colour, grey levels.
     outside: Vec<Vector3<f32>>,
-    /// Weight of each sector's pixels, 0..1. It is below 1 if the background varies within the sector, for instance because the edge of a plate or rib crosses
-    /// the background.
+    /// Weight of each sector's pixels, 0..1. The weight is below 1 if the background varies within the sector, for instance because the edge of a
+    /// plate or rib crosses the background.
     pub trust: Vec<f32>,
     /// Sums of the background's light in each sector.
     sectors: Vec<Background>,
@@ -63,9 +64,9 @@ pub(super) struct Shades {
 struct Background {
     /// Number of background pixels.
     count: f32,
-    /// Sum of their light: brightness and two components of colour, grey levels.
+    /// Sum of the light of the sector's background pixels: brightness and two components of colour, grey levels.
     light: Vector3<f32>,
-    /// Sum of their squared light over all components, in squared grey levels.
+    /// Sum of the squared light of the sector's background pixels over all components, in squared grey levels.
     squares: f32,
 }
 
@@ -139,7 +140,8 @@ impl Shades {
         Some(())
     }
 
-    /// Noise variance, in squared grey levels: the largest variance among the share [`EVEN_SECTORS`] of the sectors whose backgrounds vary least.
+    /// Noise variance, in squared grey levels: the largest variance among the sectors with the most even backgrounds, whose share is
+    /// [`EVEN_SECTORS`].
     fn noise(&mut self) -> f32 {
         self.sorted.clear();
         self.sorted.extend(self.sectors.iter().map(Background::variance));
@@ -155,9 +157,9 @@ impl Shades {
         self.trust.extend(self.sectors.iter().map(|sector| even(sector).powi(2)));
     }
 
-    /// Computes the weights for grey discs: 1 only where the background is even, both within sectors and between neighbouring sectors. If a strip crosses the
-    /// edge at a slant, or ends outside the edge, the background at the edge differs from the background farther out. The blurred edge of the strip also
-    /// affects the neighbouring sectors.
+    /// Computes the weights for grey discs: 1 only where the background is even, both within sectors and between neighbouring sectors. If a strip of
+    /// the background crosses the edge at a slant, or ends outside the edge, the background at the edge differs from the background farther out. The
+    /// blurred edge of a strip in the background also affects the neighbouring sectors.
     fn trust_even(&mut self) {
         let (count, noise) = (self.sectors.len(), self.noise());
         self.sorted.clear();
@@ -220,7 +222,8 @@ impl Shades {
         let [n, x, y, xx, xy, yy] = moments;
         let normal = nalgebra::Matrix3::new(n, x, y, x, xx, xy, y, xy, yy).cholesky()?;
         let plane = normal.solve(&Vector3::from(brightness));
-        // Illumination scales all channels equally, and compression degrades colour more. Colour therefore gets the relative slope of brightness.
+        // Illumination scales all channels equally, and compression degrades colour more than brightness. The relative slope of brightness is also
+        // used for colour.
         let relative = [plane[1], plane[2]].map(|slope| slope / plane[0].max(1.0));
         let mean = [x / n, y / n];
         let falls_to = 1.0 + relative[0] * mean[0] + relative[1] * mean[1];
@@ -273,7 +276,8 @@ impl Shades {
         self.sorted.clear();
         self.sorted.extend(sums.by_sector.iter().map(excess));
         let at = (self.sorted.len() as f64 * KEPT_SECTORS) as usize;
-        // If most sectors are disturbed, the least disturbed ones are kept. Their residual then increases the standard deviation.
+        // If most sectors are disturbed, the least disturbed ones are kept. The residual of disturbed sectors that are kept increases the standard
+        // deviation of the disc's centre.
         let limit = self.sorted.select_nth_unstable_by(at, f32::total_cmp).1.clamp(1.0, f32::MAX);
         let mut kept = 0;
         for (trust, of) in self.trust.iter_mut().zip(&sums.by_sector) {

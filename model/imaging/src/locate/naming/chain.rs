@@ -12,7 +12,7 @@ pub(super) const MOST_SKIPPED: usize = 4;
 const CHORDS: [f64; 2] = [0.75, 1.05];
 /// A chord that is longer than the plate between its nodes by this share has cost 1.
 const LONGER: f64 = 0.015;
-/// A chord that is shorter than the plate between its nodes by this share per segment has cost 1.
+/// A chord has cost 1 if it is shorter than the plate between its nodes by this share times the number of segments between them.
 const SHORTER: f64 = 0.06;
 /// A bend between two steps by this angle, degrees, has cost 1 if the steps are a whole plate length apart. For closer steps, the angle is proportionally
 /// smaller.
@@ -23,7 +23,8 @@ const LARGEST_TURN: f64 = 4.3;
 const LARGEST_TURN_DEG: f64 = 120.0;
 /// A rib whose length deviates by this share has cost 1.
 const RIB: f64 = 0.05;
-/// An undeformable rib whose length deviates by this share has cost 1. Only noise and errors of the pose cause such a deviation.
+/// An undeformable rib whose length deviates by this share has cost 1. The length of an undeformable rib deviates only because of noise and errors of
+/// the pose.
 const RIGID_RIB: f64 = 0.01;
 /// Upper limit of the cost of a rib, so that one rib that buckles or ends at a false marker does not break a chain.
 const RIB_MOST: f64 = 12.0;
@@ -96,7 +97,7 @@ impl<'a> Chain<'a> {
             ribs_mm[nodes.len() - 1] = (marked.position(before) - finger.position(finger.tip())).norm();
             ribs[nodes.len() - 1] = at(before);
         }
-        // Candidates that are assigned to the other plate are excluded, except the tip.
+        // Candidates that are assigned to the other plate are excluded, except the tip's candidate.
         let other = finger.plate_nodes(if plate == Plate::Front { Plate::Back } else { Plate::Front });
         let taken: Vec<usize> =
             other.iter().filter(|node| **node != finger.tip()).filter_map(|node| names[node.0 - 1]).collect();
@@ -202,7 +203,7 @@ impl<'a> Chain<'a> {
             }
         }
         let last = self.nodes.len() - 1;
-        // A node without a marker cannot be hidden, so it adds no cost.
+        // A node that carries no marker cannot be hidden, so it adds no cost.
         let hidden = |from: usize| (from + 1..=last).filter(|k| finger.has_marker(self.nodes[*k])).count();
         let whole = |link: &Link| link.cost + HIDDEN * hidden(link.position) as f64;
         let best = (0..links.len()).min_by(|&a, &b| whole(&links[a]).total_cmp(&whole(&links[b])))?;
@@ -226,7 +227,8 @@ impl<'a> Chain<'a> {
     pub(super) fn step_cost(&self, from: usize, to: usize, step: &Vector) -> Option<f64> {
         let length_mm = self.lengths_mm[to] - self.lengths_mm[from];
         let ratio = step.norm() / length_mm;
-        // Hinges lie beside the plate, and the position of the base may be uncertain. Both widen the range of possible step lengths.
+        // Hinges lie beside the plate, and the position of the base may be uncertain. Both the hinges' offset and an uncertain position of the base
+        // widen the range of possible step lengths.
         let turn_rad = TURN_DEG.to_radians() * length_mm / self.lengths_mm[self.nodes.len() - 1];
         let brackets_mm = self.marked.finger.marker_offset(self.nodes[to]).norm() * turn_rad;
         let base_mm = if from == 0 { self.marked.base_sd_mm } else { 0.0 };

@@ -1,11 +1,12 @@
 //! Measurement of bright or dark discs and rings in grey images. A mark is measured by its outer rim; a ring also by its inner edge, if that edge is a circle.
 //!
-//! The inside of a ring (a screw's head, a hole) and its surroundings may have any appearance. The rim is where the light changes most along a ray from the
-//! centre. Rays are cast in the plane of the markers, where the rim is a circle, independent of perspective and lens distortion.
+//! The inside of a ring (such as a screw's head or a hole) and the surroundings of the ring may have any appearance. The rim is where the light
+//! changes most along a ray from the centre. Rays are cast in the plane of the markers, where the rim is a circle, independent of perspective and
+//! lens distortion.
 //!
-//! Strips that cross a rim at a slant (a rib, a bracket) systematically shift the edges that rays find, by some hundredths of a pixel. The centre is
-//! therefore taken from the model of a blurred edge (`disc`), fitted where the background is even. If the model does not fit, as for a screw that is lit from
-//! one side, the centre is taken from the rays.
+//! A strip (a rib or a bracket) that crosses a rim at a slant systematically shifts the edges that rays find, by some hundredths of a pixel. Instead
+//! of the rays, the model of a blurred edge (module `disc`) gives the centre; the model is fitted where the background is even. If the edge model
+//! does not fit, as for a screw that is lit from one side, the rays give the centre.
 
 mod votes;
 
@@ -34,16 +35,17 @@ const LEAST_SHARE: f64 = 0.6;
 const OUTLIER: f64 = 3.0;
 /// Lower bound of the standard deviation in the test for outliers, px.
 const LEAST_SPREAD_PX: f64 = 0.15;
-/// A rim is rejected if its radius deviates from the stated radius by more than this share. The share is large, because the sharpest edge may lie beside the
-/// rim.
+/// A rim is rejected if its radius deviates from the stated radius by more than this share. The tolerance is wide, because the sharpest edge in the
+/// image may lie beside the rim.
 const RADIUS_TOLERANCE: f64 = 0.2;
-/// There is no rim if the edges scatter about the circle with a larger standard deviation than this, as a share of the radius.
+/// A rim is rejected if the standard deviation of the edges about the circle exceeds this share of the radius.
 const LARGEST_SPREAD: f64 = 0.1;
 /// Two rims are both kept only if their centres are at least this far apart, in radii, because markers do not overlap.
 const APART: f64 = 1.8;
 /// Number of times that rays are cast, each time from the current centre; also the number of rounds of each circle fit.
 const ROUNDS: usize = 4;
-/// A circle is first fitted to all rays. Each of this number of further fits uses only the required share of the rays: those closest to the last circle.
+/// A circle is first fitted to all rays. Each of this number of further fits uses only the share [`LEAST_SHARE`] of the rays, those closest to the
+/// previous circle.
 const TRIMMED_ROUNDS: usize = 2;
 /// Lower bound of the standard deviation of a centre found by rays, px. For a centre by the edge model, the bound is half of this value.
 const LEAST_SD_PX: f64 = 0.01;
@@ -80,15 +82,15 @@ impl Rim {
 pub(super) struct RimShape {
     /// Outer radius, mm.
     pub radius_mm: f64,
-    /// Inner radius, mm, inside which any appearance is allowed; 0 for a disc.
+    /// Inner radius, mm; 0 for a disc. Inside this radius, the mark may have any appearance.
     pub inner_radius_mm: f64,
-    /// Brightness of the mark relative to its surroundings.
+    /// Whether the mark is brighter or darker than its surroundings.
     pub shade: Shade,
     /// Height of the rims above the finger's plane, mm.
     pub height_mm: f64,
 }
 
-/// A grey image with its camera and the slopes of its light.
+/// A grey image with its camera and the slopes of the brightness at its pixels.
 pub(super) struct GreyView<'a> {
     camera: &'a Camera,
     image: &'a dyn RgbRows,
@@ -115,7 +117,8 @@ fn grey_of(image: &dyn RgbRows) -> GrayImage {
     grey
 }
 
-/// Rims of a given shape that do not overlap; those with the most votes come first. `radius_px` is their approximate radius in the image, px.
+/// Rims of a given shape that do not overlap, in descending order of the votes for their centres. `radius_px` is the approximate radius of the rims
+/// in the image, px.
 pub(super) fn rims(view: &GreyView, shape: &RimShape, radius_px: f64) -> Vec<Rim> {
     let centres = votes::centres(&view.slopes, radius_px, shape.shade);
     let mut buffers = Buffers::default();
@@ -128,7 +131,7 @@ pub(super) fn rims(view: &GreyView, shape: &RimShape, radius_px: f64) -> Vec<Rim
     found
 }
 
-/// Distance from the centre to the edge that each ray finds, mm; `None` for a ray that finds none.
+/// Distance from the centre to the edge that each ray finds, mm; `None` for a ray that finds no edge.
 type Edges = [Option<f64>; RAYS];
 
 fn direction(ray: usize) -> Vector {
@@ -147,8 +150,8 @@ fn measured(view: &GreyView, shape: &RimShape, about: &Pixel, buffers: &mut Buff
     Some(with_inner_edge(view, shape, rim).unwrap_or(rim))
 }
 
-/// Circle through the edges that rays from about `centre` find, in mm, finger frame at the scene's camera pose; and the length of one px at the circle, mm.
-/// `None` if there is no rim.
+/// Returns the circle (mm, in the finger frame at the scene's camera pose) through the edges that rays from near `centre` find. Also returns the
+/// length of one px at the circle, mm. `None` if there is no rim.
 fn circle(view: &GreyView, shape: &RimShape, mut centre: Vector) -> Option<(Circle, f64)> {
     let camera = view.camera;
     let mut last = None;
@@ -172,9 +175,9 @@ fn circle(view: &GreyView, shape: &RimShape, mut centre: Vector) -> Option<(Circ
     last.filter(is_rim)
 }
 
-/// The rim of a ring, with the weighted mean of the centres of its outer and inner edge. `None` for a disc, or if the inner edge is not a circle.
-/// Strips behind a ring shift its outer edge but not its inner edge. If the two centres contradict each other, the variance of the outer centre is
-/// therefore raised until the centres agree.
+/// The rim of a ring; its centre is the weighted mean of the centres of the outer and the inner edge. `None` for a disc, or if the inner edge is not
+/// a circle. Strips behind a ring shift its outer edge but not its inner edge. If the centres of the outer and the inner edge contradict each other,
+/// the variance of the outer centre is raised until they agree.
 fn with_inner_edge(view: &GreyView, shape: &RimShape, rim: Rim) -> Option<Rim> {
     let shade = match shape.shade {
         Shade::Bright => Shade::Dark,
@@ -256,11 +259,12 @@ fn edges(grey: &GrayImage, camera: &Camera, shape: &RimShape, centre: &Vector, m
 /// A circle through the edges that rays found.
 #[derive(Debug, Clone, Copy)]
 struct Circle {
-    /// Centre of the circle relative to the origin of the rays, or of the plane's frame, mm.
+    /// Centre of the circle, mm, relative to the origin of the rays; in the result of the function `circle`, relative to the origin of the finger
+    /// frame.
     centre: Vector,
     /// Radius of the circle, mm.
     radius_mm: f64,
-    /// Share of the rays on which the circle is based.
+    /// Share of the rays to which the circle is fitted.
     share: f64,
     /// Standard deviation of the edges about the circle, mm.
     spread_mm: f64,
@@ -269,11 +273,11 @@ struct Circle {
 }
 
 impl Circle {
-    /// Fits a circle by least squares without outliers, to first order about the origin of the rays.
+    /// Fits a circle by least squares and omits outliers. The fit is of first order in the offset of the circle's centre from the origin of the rays.
     ///
-    /// A plate beside a rim affects a quarter of the rays. These rays shift the circle, so that half of the unaffected rays become outliers. After a
-    /// fit to all rays, the next fits therefore use only the required share of the rays, those closest to the circle (least trimmed squares:
-    /// Rousseeuw, Van Driessen, Data Mining and Knowledge Discovery 12, 2006). Later fits omit outliers.
+    /// A plate beside a rim affects a quarter of the rays. The rays that a plate beside the rim affects shift the circle so far that half of the
+    /// other rays become outliers. The first fit uses all rays. The next fits use only the required share of the rays, those closest to the circle
+    /// (least trimmed squares: Rousseeuw, Van Driessen, Data Mining and Knowledge Discovery 12, 2006). Later fits omit outliers.
     fn through(edges: &Edges, least_spread_mm: f64) -> Option<Circle> {
         let mut counts: [bool; RAYS] = std::array::from_fn(|ray| edges[ray].is_some());
         let mut circle = None;
@@ -320,8 +324,8 @@ impl Circle {
     }
 }
 
-/// Standard deviation of one coordinate of the centre, mm. Errors of neighbouring rays are correlated. The centre absorbs errors with one period around the
-/// rim, so their power is estimated from the residuals with two to four periods.
+/// Standard deviation of one coordinate of the centre, mm. Errors of neighbouring rays are correlated. The fitted centre absorbs errors with one
+/// period around the rim, so the residuals do not show these errors. Their power is estimated from the residuals with two to four periods.
 fn centre_sd_mm(residuals: &[f64; RAYS], inverse: &Matrix2<f64>) -> f64 {
     let power = |periods: usize| {
         let turn = |ray: usize| Complex::cis(std::f64::consts::TAU * (periods * ray) as f64 / RAYS as f64);

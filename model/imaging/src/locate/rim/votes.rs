@@ -1,7 +1,8 @@
 //! Candidates for round rims of one size: every edge pixel votes for the centre of the circle to which it may belong.
 //!
-//! Across the rim of a bright disc, the light decreases outwards. The centre therefore lies one radius from each edge pixel along the gradient of the light
-//! (for a dark disc, against it). Only circles of that radius collect votes along the whole rim, independent of their inside and surroundings.
+//! Across the rim of a bright disc, the light decreases outwards. From each edge pixel, the centre of a bright disc lies one radius along the
+//! gradient of the light; the centre of a dark disc lies one radius against it. Only circles of the expected radius collect votes along their whole
+//! rim, whatever their inside and surroundings look like.
 //!
 //! Reference: Loy, Zelinsky, Fast radial symmetry for detecting points of interest (IEEE PAMI 2003).
 
@@ -9,29 +10,29 @@ use finray_model::camera::Pixel;
 use finray_model::scene::Shade;
 use image::{GrayImage, ImageBuffer, Luma};
 
-/// A pixel votes only if the slope of its light is at least this, grey levels/px.
+/// Least slope of the light at a pixel that votes, grey levels/px.
 const LEAST_SLOPE: f32 = 5.0;
 /// Ratio of the result of Sobel's filter to the slope of the light.
 const SOBEL: f32 = 8.0;
-/// Range of radii for which edge pixels vote, relative to the expected radius. The range allows for other distances and slants of the finger, and for rims
-/// whose sharpest edge lies beside the rim.
+/// Range of radii for which edge pixels vote, relative to the expected radius. The range allows for a finger at another distance or slant, and for
+/// rims whose sharpest edge lies beside the rim.
 const RADII: [f64; 2] = [0.85, 1.18];
-/// A rim needs at least this number of votes, as a share of its circumference in pixels.
+/// Least number of votes for a rim, as a share of the rim's circumference in px.
 const LEAST_SHARE: f32 = 0.5;
-/// Smallest distance between two centres, in radii. Of two closer centres, only the one with more votes is kept.
+/// Smallest distance between two centres, in radii. If two centres are closer, only the centre with more votes is kept.
 const APART: f64 = 0.5;
 /// At most this number of centres is considered, those with the most votes first.
 const MOST: usize = 200;
 
 type Votes = ImageBuffer<Luma<f32>, Vec<f32>>;
 
-/// Slopes of an image's light along u and v by the Sobel filter, row by row: eight times the slope, grey levels/px.
+/// Results of the Sobel filter along u and v for the pixels of an image, row by row: eight times the slope of the light in grey levels/px.
 ///
-/// This implementation is faster than the general filters of imageproc, with which slopes and sums of votes took half of the time for an image.
+/// The general filters of imageproc are slower: with them, slopes and sums of votes took half of the time for an image.
 pub(super) struct Slopes {
     /// Width of the image, px.
     width: usize,
-    /// Slope of each pixel along u and along v, row by row: eight times grey levels/px.
+    /// Eight times the slope of the light at each pixel, along u and along v, grey levels/px; row by row.
     along: Vec<[i16; 2]>,
 }
 
@@ -41,7 +42,7 @@ impl Slopes {
         let [width, height] = [grey.width() as usize, grey.height() as usize];
         let row = |v: usize| &grey.as_raw()[v * width..(v + 1) * width];
         let mut along = Vec::with_capacity(width * height);
-        // For each column: light smoothed along v, and its change along v. One extra column on each side repeats the border.
+        // For each column: the light smoothed along v, and the change of the light along v. One extra column on each side repeats the border.
         let (mut smoothed, mut changes) = (vec![0_i16; width + 2], vec![0_i16; width + 2]);
         for v in 0..height {
             let rows = row(v.saturating_sub(1)).iter().zip(row(v)).zip(row((v + 1).min(height - 1)));
@@ -122,7 +123,8 @@ fn cast(slopes: &Slopes, radius_px: f64, shade: Shade) -> Votes {
     votes
 }
 
-/// Sums of the votes for each pixel and its eight neighbours. Zero at the image border, where no rim has its centre.
+/// For each pixel, the sum of the votes for the pixel and its eight neighbours. The sums at the image border are zero, because no rim is assumed to
+/// have its centre there.
 fn summed(votes: &Votes) -> Votes {
     let [width, height] = [votes.width().max(1) as usize, votes.height() as usize];
     let mut sums = Votes::new(votes.width(), votes.height());

@@ -24,7 +24,8 @@ pub enum OutlineError {
     Crossed,
     /// The object is free: the scene prescribes no motion of a hand that moves it.
     #[error(
-        "the object is free (mass_g): use `finray grasp`, or state its path: at_mm with travel_mm or force_n, or path_mm"
+        "the object is free (mass_g): use `finray grasp`, or state its path, either by at_mm with travel_mm or \
+            force_n, or by path_mm"
     )]
     Free,
     /// A corner is too far from the object's reference point.

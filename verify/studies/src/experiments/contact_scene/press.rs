@@ -57,7 +57,8 @@ fn notes(number: usize, step: &SceneStep, refusal: Option<&finray_model::sensor:
     let imbalance = step.pressed.imbalance().filter(|imbalance| *imbalance > BALANCE_TOLERANCE);
     let imbalance = imbalance.map(|imbalance| {
         format!(
-            "note: step {number}: contact forces and the reaction at the base differ by {imbalance:.1e} of the contact forces"
+            "note: step {number}: contact forces and the reaction at the base differ by {imbalance:.1e} times the \
+                contact forces"
         )
     });
     let stopped = (step.stopped_mm > STOPPED_MM).then(|| {

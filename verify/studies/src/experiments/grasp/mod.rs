@@ -55,14 +55,15 @@ pub enum GraspError {
     },
     /// The scene states the motion of a hand that moves the object, but a grasped object must be free.
     #[error(
-        "object.mass_g is missing: expected a free object with mass_g and centre_mm, found one on a prescribed path"
+        "object.mass_g is missing: expected a free object with mass_g and centre_mm, found an object on a \
+            prescribed path"
     )]
     NotFree,
     /// The outline of the object is invalid.
     #[error(transparent)]
     Outline(#[from] OutlineError),
     /// A corner of the path is below the support.
-    #[error("grasp.path_mm: point {corner} leads through the support, {depth_mm:.3} mm deep")]
+    #[error("grasp.path_mm: point {corner} leads {depth_mm:.3} mm below the surface of the support")]
     ThroughSupport {
         /// Number of the corner, from 1.
         corner: usize,
@@ -70,7 +71,7 @@ pub enum GraspError {
         depth_mm: f64,
     },
     /// The object is inside a finger, or overlaps a finger behind the front plate.
-    #[error("the object lies across the {finger} finger at the start: check centre_mm")]
+    #[error("the object overlaps the {finger} finger at the start: check centre_mm")]
     AcrossFinger {
         /// Name of the finger: left or right.
         finger: &'static str,

@@ -185,7 +185,8 @@ impl LoopStudy {
             Kind::Internal,
             format!("{} N held by the closed loop at {CHECKED_PER_S} frames per second", self.target_n),
             "target",
-            "largest difference once held / target, over levels of noise, delays and realisations",
+            "largest difference from the target once the force is held / target, over levels of noise, delays and \
+                realisations",
             0.0,
             largest,
             HELD_TOLERANCE,

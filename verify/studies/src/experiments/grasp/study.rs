@@ -113,7 +113,7 @@ impl Evidence for GraspStudy {
                 BALANCE_TOLERANCE,
             ),
             zero(
-                "totals of the two fingers while they alone hold the object",
+                "total forces of the two fingers while only the fingers hold the object",
                 "force balance",
                 "largest difference / force",
                 self.noisy.left_right_difference.unwrap_or(f64::NAN),
@@ -122,7 +122,7 @@ impl Evidence for GraspStudy {
             zero(
                 "energy that closing and opening creates",
                 "energy balance",
-                "largest fall of the motor's work less what is stored / largest elastic energy",
+                "largest decrease of (work of the motor - stored energy) / largest elastic energy",
                 self.noisy.energy.created_nmm / self.noisy.largest_elastic_nmm,
                 ENERGY_TOLERANCE,
             ),
@@ -139,7 +139,7 @@ impl Evidence for GraspStudy {
         checks.extend([
             Check::new(
                 Kind::Internal,
-                problem("work of the motor over a grasp, which leaves no energy in the fingers"),
+                problem("work of the motor over a grasp that leaves no energy in the fingers"),
                 "work of friction",
                 "work / work of friction",
                 1.0,
@@ -149,7 +149,7 @@ impl Evidence for GraspStudy {
             zero(
                 "sensed totals without noise",
                 "lattice",
-                "largest error / true total, of totals above a tenth of the largest",
+                "largest (error / true total), over totals above a tenth of the largest total",
                 worst(clean.sensed.worst_total_error),
                 TOTAL_TOLERANCE,
             ),

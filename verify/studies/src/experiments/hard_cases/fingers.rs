@@ -22,38 +22,40 @@ pub(super) const QUESTIONS: &[Question] = &[
     },
     Question {
         case: "modulus 1e-3 to 1e6 MPa",
-        difficulty: "energies differ by eighteen powers of ten: no tolerance may have a unit",
+        difficulty: "energies differ by eighteen powers of ten, so no tolerance may be an absolute value",
         expectation: "the shape depends on load / modulus alone",
         answer: modulus,
     },
     Question {
         case: "modulus ratio 1e6 between zones",
         difficulty: "stiffness of neighbours differs by six powers of ten, also within one element",
-        expectation: "sound equilibrium; a zone 1e6 times stiffer is rigid, and 1e7 times gives the same shape",
+        expectation: "sound equilibrium; a zone that is 1e6 times stiffer acts as rigid, so a zone that is 1e7 times stiffer \
+            gives the same shape",
         answer: zones,
     },
     Question {
         case: "200 ribs",
-        difficulty: "403 key nodes; ribs shorter than they are thick near the tip",
+        difficulty: "403 key nodes; near the tip, ribs are shorter than they are thick",
         expectation: "sound equilibrium; two elements per member do not change the linear solution",
         answer: many_ribs,
     },
     Question {
         case: "ribs 0.01 mm and 1e-6 mm apart",
-        difficulty: "a plate member 1e10 (1e22) times stiffer than its neighbours",
-        expectation: "0.01 mm: sound equilibrium; 1e-6 mm: refused as beyond double precision",
+        difficulty: "a plate member is 1e10 times stiffer than its neighbours (1e22 times for 1e-6 mm)",
+        expectation: "for 0.01 mm, a sound equilibrium; for 1e-6 mm, a refusal because the solution is beyond double precision",
         answer: close_ribs,
     },
     Question {
         case: "needle-thin and very obtuse triangles",
-        difficulty: "the tip's position cancels; plates nearly in line with each other",
-        expectation: "sides as given; sound equilibrium, or a clear refusal that states a carried load",
+        difficulty: "rounding by cancellation in the tip's position; plates nearly in line with each other",
+        expectation: "plates have the given lengths; sound equilibrium, or a clear refusal that states a carried load",
         answer: triangles,
     },
     Question {
         case: "100 000 nodes",
         difficulty: "rounding grows about as the fourth power of the node count: a plain sparse solution is 10 % off",
-        expectation: "linear: the 25 key nodes move as on the coarsest mesh (exact there); co-rotational: as on 684 nodes",
+        expectation: "linear: the 25 key nodes move as on the coarsest mesh, which is exact at nodes; co-rotational: they move \
+            as on 684 nodes",
         answer: large_mesh,
     },
 ];
@@ -210,7 +212,10 @@ fn triangles(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), 
         let mesh = Mesh::key_nodes(&finger);
         let share = sound.add_or_refused(&mesh, middle(&finger), finger.direction(0.0) * SMALL_FORCE_N)?;
         if share < 1.0 {
-            findings.note(format!("Base {base} mm carries {:.2e} N of {SMALL_FORCE_N} N.", share * SMALL_FORCE_N));
+            findings.note(format!(
+                "The finger with a base of {base} mm carries {:.2e} N of {SMALL_FORCE_N} N.",
+                share * SMALL_FORCE_N
+            ));
         }
     }
     sound.report(findings);

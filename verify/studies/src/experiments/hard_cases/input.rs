@@ -10,12 +10,13 @@ pub(super) const QUESTIONS: &[Question] = &[
     Question {
         case: "denormal, infinite and not-a-number loads",
         difficulty: "energies underflow and overflow long before displacements do",
-        expectation: "infinite or not a number: refused; tiny loads give proportional displacements, down to the smallest normal number",
+        expectation: "loads that are infinite or not a number are refused; tiny loads, down to the smallest normal number, give \
+            proportional displacements",
         answer: loads,
     },
     Question {
         case: "denormal, infinite and not-a-number scene values",
-        difficulty: "one such value invalidates every result computed from it",
+        difficulty: "one invalid value invalidates every result computed from it",
         expectation: "each refused with its line and key",
         answer: scene_values,
     },
@@ -27,8 +28,9 @@ pub(super) const QUESTIONS: &[Question] = &[
     },
     Question {
         case: "denormal, infinite and not-a-number displacements",
-        difficulty: "files may contain them, although no camera measures them",
-        expectation: "infinite or not a number: refused; finite displacements give proportional forces, or are refused",
+        difficulty: "files may contain non-finite and denormal values, although no camera measures them",
+        expectation: "displacements that are infinite or not a number are refused; finite displacements give proportional \
+            forces, or are refused",
         answer: displacements,
     },
 ];
@@ -82,7 +84,7 @@ fn loads(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unex
     }
     findings.vanishes(
         "linear limit",
-        "displacement / (load x compliance) - 1, 1e-300 to 1e-20 N",
+        "displacement / (load x compliance) - 1, for loads of 1e-300 to 1e-20 N",
         worst(off),
         PROPORTIONAL,
     );
@@ -182,6 +184,11 @@ fn displacements(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<
         findings.note(format!("From 1e{exponent} mm on: {error}."));
     }
     findings.vanishes("proportionality", "force / (displacement x stiffness) - 1", worst(off), PROPORTIONAL);
-    findings.counts("no finger moves so far", "forces that claim to explain 1e20 mm and more", 0, wrong);
+    findings.counts(
+        "no finger moves so far",
+        "sensed forces whose shapes seem to fit displacements of 1e20 mm and more",
+        0,
+        wrong,
+    );
     Ok(())
 }

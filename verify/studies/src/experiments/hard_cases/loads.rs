@@ -8,18 +8,19 @@ use finray_model::statics::Equilibrium;
 pub(super) const QUESTIONS: &[Question] = &[
     Question {
         case: "loads from 1e-9 N on",
-        difficulty: "the finger hardly moves: stopping rules with a unit stop too early or never",
-        expectation: "the geometrically nonlinear change is proportional to the load",
+        difficulty: "the finger hardly moves, so stopping rules with an absolute tolerance stop too early or never",
+        expectation: "the relative change by geometric nonlinearity is proportional to the load",
         answer: tiny,
     },
     Question {
         case: "buckling and beyond",
-        difficulty: "no equilibrium, or one far away that an iteration might jump to",
-        expectation: "for every requested load, a clear refusal that states the carried load; a slightly smaller load is carried",
+        difficulty: "no equilibrium, or a distant equilibrium to which an iteration might jump",
+        expectation: "for every load beyond the limit load, a clear refusal that states the carried load; a slightly smaller \
+            load is carried",
         answer: buckling,
     },
     Question {
-        case: "load at the tip, along the plate, pulling",
+        case: "loads at the tip, along the plate, and pulling",
         difficulty: "directions in which the finger is stiffest, softest, or unstable",
         expectation: "sound equilibrium, or a clear refusal that states a load that is carried",
         answer: directions,
@@ -79,7 +80,12 @@ fn buckling(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), U
     let resolution = LAST_STEP * BUCKLING_N[3] / limit;
     findings.check("asking for 1e6 N", "carried load / limit load", 1.0, far_beyond / limit, resolution + LIMIT);
     let said = carries(far_beyond * (1.0 - LIMIT)).is_ok();
-    findings.counts("asking for 1e6 N", "0.999 of the load said to be carried is carried", 1, usize::from(said));
+    findings.counts(
+        "asking for 1e6 N",
+        "carried loads of 0.999 times the load that the refusal states",
+        1,
+        usize::from(said),
+    );
     let load = mesh.frame_load(&Load::at_node(tip, towards_base * BUCKLING_N[1]))?;
     match Statics::sparse(mesh.frame(), Kinematics::Corotational).equilibrium(&[load]) {
         Err(StaticsError::NoEquilibrium { converged_fraction }) => {

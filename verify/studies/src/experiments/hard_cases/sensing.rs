@@ -14,13 +14,13 @@ pub(super) const QUESTIONS: &[Question] = &[
     },
     Question {
         case: "two contacts on one node",
-        difficulty: "two components of one force; at the same angle they are one",
-        expectation: "two angles: as for neighbours; the same angle: refused",
+        difficulty: "two components of one force; at equal angles, the two contacts are identical",
+        expectation: "at two angles, as for neighbours; at equal angles, refused",
         answer: twice_on_one_node,
     },
     Question {
         case: "all contact nodes at once",
-        difficulty: "as many forces as the front plate has nodes: the worst condition of all",
+        difficulty: "as many forces as the front plate has nodes: the worst-conditioned of all cases",
         expectation: "exact without noise; with noise, within five stated sigma of the true force",
         answer: everywhere,
     },
@@ -39,7 +39,8 @@ pub(super) const QUESTIONS: &[Question] = &[
     Question {
         case: "one marker off by 20 mm",
         difficulty: "in least squares, a misidentified marker outweighs all other markers",
-        expectation: "co-rotational: the force moves by less than 2 %; linear: the residual shows that something is wrong",
+        expectation: "co-rotational: the sensed force changes by less than 2 %; linear: the residual shows that something is \
+            wrong",
         answer: wild_marker,
     },
 ];
@@ -237,7 +238,7 @@ fn wild_marker(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<()
     }
     findings.vanishes("true force", "largest error / force", worst(changes), WILD_CHANGE);
     let least = residuals.into_iter().fold(f64::INFINITY, f64::min);
-    findings.note(format!("The linear residual is {least:.0} times the noise at least."));
+    findings.note(format!("With linear kinematics, the residual is at least {least:.0} times the noise."));
     let seen = usize::from(least >= CONSPICUOUS);
     findings.counts("the noise", "linear residual always over ten times the noise", 1, seen);
     Ok(())

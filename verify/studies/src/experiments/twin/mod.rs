@@ -37,15 +37,15 @@ pub const TWIN: ZoneSet =
 /// Alternative sets of zones; some of them fit as well.
 pub const OTHERS: [ZoneSet; 6] = [
     ZoneSet {
-        name: "base of the front plate alone, before the tip, tip",
+        name: "base of the front plate alone, members before the tip, tip",
         groups: &[(&[(Part::Front, 0.0, 1.0)], 0.55), (NEXT, 0.155), (TIP, 0.062)],
     },
     ZoneSet {
-        name: "base of the back plate alone, before the tip, tip",
+        name: "base of the back plate alone, members before the tip, tip",
         groups: &[(&[(Part::Back, 0.0, 1.0)], 0.35), (NEXT, 0.165), (TIP, 0.062)],
     },
     ZoneSet {
-        name: "two members of base, before the tip, tip",
+        name: "two members at the base, members before the tip, tip",
         groups: &[(&[(Part::Front, 0.0, 2.0), (Part::Back, 0.0, 2.0)], 0.71), (NEXT, 0.153), (TIP, 0.064)],
     },
     ZoneSet {

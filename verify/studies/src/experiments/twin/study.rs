@@ -120,7 +120,7 @@ impl TwinStudy {
         let comparison = |row: &TableOneRow| Comparison {
             problem: "digital twin of Table I: residual of its fit".to_owned(),
             source: "paper, Table I".to_owned(),
-            quantity: format!("mean error sensed with the uniform model, node {}", row.node),
+            quantity: format!("mean error of forces sensed with the uniform model, node {}", row.node),
             reference: row.paper_mean_error,
             ours: row.mean_error,
         };
@@ -142,7 +142,7 @@ impl TwinStudy {
         let counts = Counts::of(nonlinear());
         let quantity = "worst mean error of the nonlinear estimator with calibrated zones, nodes 14 to 24";
         let sensed = Kind::Internal.on(problem, "true forces").vanishes(quantity, worst, SENSED);
-        let quantity = "error over stated sigma of calibrated zones, root mean square";
+        let quantity = "root mean square of error / stated sigma, over the calibrated factors";
         let covered = Kind::Internal.on(problem, "true factors").is(quantity, 1.0, self.rms_over_sigma(), COVERED);
         vec![sensed.with_refused(counts.refused, counts.drawn), covered]
     }

@@ -38,7 +38,10 @@ impl Partial {
         match file.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
-                return Err(FileError::content(&path, "another run is writing it: wait for it, or give another --out"));
+                return Err(FileError::content(
+                    &path,
+                    "another run is writing this file: wait until that run ends, or give another --out",
+                ));
             }
             Err(TryLockError::Error(reason)) => return Err(unwritable(reason)),
         }
