@@ -1,7 +1,8 @@
 //! Observations of a finger in an image, a table or a simulation, and their conversion to measurements.
 //!
 //! An [`Observation`] is independent of the scene: it contains positions or displacements of markers, the standard deviations of the markers, and the
-//! pose of the base. [`Observation::for_sensing`] and [`Observation::for_calibration`] convert it to a [`Measurement`] of a scene's finger.
+//! pose of the base. [`Observation::for_sensing`] and [`Observation::for_calibration`] convert an observation to a [`Measurement`] of a scene's
+//! finger.
 
 mod clamped;
 
@@ -26,7 +27,7 @@ pub struct Observation {
     pub base: Option<ObservedBase>,
 }
 
-/// One observed marker. Its vectors are in the finger frame of the image, which moves with the base.
+/// One observed marker. The marker's vectors are expressed in the finger frame at the time of the image. This frame moves with the base.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObservedMarker {
     /// Node of the marker.
@@ -50,7 +51,7 @@ pub struct ObservedBase {
     pub pose: Isometry2<f64>,
     /// Standard deviations of the pose at the origin of the finger frame. `None` if unknown.
     pub uncertainty: Option<BaseUncertainty>,
-    /// Whether base references or the camera's pose determine the pose of the base. Otherwise the pose is approximate and follows from the markers.
+    /// Whether base references or the camera's pose determine the pose of the base. If `false`, the pose is approximate and follows from the markers.
     pub is_known: bool,
 }
 
@@ -59,9 +60,9 @@ pub struct ObservedBase {
 pub struct ObservedMeasurement {
     /// The displacements. Weights follow from the markers' standard deviations.
     pub measurement: Measurement,
-    /// Standard deviation of a coordinate of weight 1, mm, if the observation states it.
+    /// Standard deviation of a coordinate of weight 1, mm; `None` unless the observation states a standard deviation for each marker.
     pub noise_mm: Option<f64>,
-    /// Transformation from the frame of the displacements to the reference frame of the camera's pose, mm and rad.
+    /// Transformation from the frame in which displacements are expressed to the reference frame of the camera's pose, mm and rad.
     pub frame: Isometry2<f64>,
 }
 
@@ -121,7 +122,7 @@ pub enum MarkerError {
     },
 }
 
-/// Standard deviations of position (mm) and rotation (rad) for a base that counts as exact: far below the accuracy of an image.
+/// Standard deviations of position (mm) and rotation (rad) of a base that counts as exact. These values are far below the accuracy of an image.
 const EXACT: (f64, f64) = (1e-4, 1e-6);
 
 impl ObservedMarker {
@@ -151,9 +152,9 @@ impl Observation {
         Observation { markers, ..Observation::default() }
     }
 
-    /// Converts the observation to a measurement for sensing forces. If the observation states no standard deviations, the largest accepted motion of
-    /// clamped markers follows from `noise_mm`, in mm. `base_is_sought` states whether the base is estimated with the forces; the uncertainty of the
-    /// base is then separate from the uncertainty of the markers.
+    /// Converts the observation to a measurement for sensing forces. If a marker has no stated standard deviation, its largest accepted motion on a
+    /// clamped node follows from `noise_mm`, in mm. `base_is_sought` states whether the base is estimated together with the forces. If it is, the
+    /// uncertainty of the base is separate from the uncertainty of the markers.
     ///
     /// # Errors
     /// [`ObservationError`] for the first marker that does not fit the finger, or for a base with negative standard deviations.
@@ -166,9 +167,9 @@ impl Observation {
         Reading { errors: scene.marker_errors, base_is_sought, by_position: false, noise_mm }.of(self, scene)
     }
 
-    /// Converts the observation to a measurement for calibrating the scene. Uses the stated standard deviations and the positions of the markers,
-    /// because positions do not depend on the scene with which markers were located. Also returns the uncertainty of the base relative to its pose in
-    /// the image.
+    /// Converts the observation to a measurement for calibrating the scene. Uses the stated standard deviations and the positions of the markers.
+    /// Positions do not depend on the scene that was used to locate the markers. Also returns the uncertainty of the base relative to its pose in the
+    /// image.
     ///
     /// # Errors
     /// [`ObservationError`] for the first marker that does not fit the finger, or if no standard deviation is known.
@@ -181,8 +182,8 @@ impl Observation {
         Ok((ObservedMeasurement { noise_mm: Some(noise_mm), ..found }, base))
     }
 
-    /// Whether displacements refer to an image of the unloaded finger: their reference positions then differ from the unloaded marker positions of
-    /// `finger`.
+    /// Whether displacements refer to an image of the unloaded finger. If they do, their reference positions differ from the unloaded marker
+    /// positions of `finger`.
     pub(crate) fn counts_from_rest(&self, finger: &Finger) -> bool {
         let from = |marker: &ObservedMarker| Some(marker.position? - marker.displacement?);
         let is_elsewhere = |marker: &ObservedMarker| {
@@ -193,8 +194,8 @@ impl Observation {
     }
 
     /// Transformation from the frame in which forces are sensed to the reference frame of the camera's pose, mm and rad. The transformation is the
-    /// observed pose of the base. If the scene states an uncertainty but no reference marks for the base, the base is near the reference frame, and
-    /// the transformation is the identity.
+    /// observed pose of the base. If the scene states an uncertainty of the base but no reference marks, the transformation is the identity, because
+    /// the base is near the reference frame.
     pub fn frame(&self, scene: &Scene) -> Isometry2<f64> {
         match scene.base.as_ref().is_some_and(Base::is_of_pose) {
             true => Isometry2::identity(),
@@ -210,9 +211,9 @@ impl Observation {
 
 /// Options for the conversion of an observation.
 struct Reading {
-    /// Errors of the markers relative to their stated standard deviations.
+    /// Factor on the stated standard deviations of the markers, and error of the finger model at a marker.
     errors: MarkerErrors,
-    /// Whether the base is estimated. The errors of the markers then exclude the error of the base, which all markers share.
+    /// Whether the base is estimated. If the base is estimated, the errors of the markers exclude the error of the base, which all markers share.
     base_is_sought: bool,
     /// Whether positions have priority over displacements.
     by_position: bool,
@@ -256,7 +257,7 @@ impl Reading {
 
     /// Displacement of a marker, mm.
     fn displacement(&self, finger: &Finger, marker: &ObservedMarker) -> Result<Vector, MarkerError> {
-        // The value for a node that does not exist is arbitrary, because the measurement refuses such a node.
+        // If the node does not exist, the returned displacement is arbitrary, because the measurement refuses this node later.
         let from_scene = |position: Vector| match exists(finger, marker.node) {
             true => position - finger.marker_position(marker.node),
             false => position,
@@ -304,7 +305,7 @@ impl Reading {
         }
         let of_scene = scene.base.as_ref().and_then(|base| base.uncertainty);
         let base = match (stated.filter(|base| base.sd_mm > 0.0 || base.sd_rad > 0.0), of_scene) {
-            // The base references show the rotation of the base under force, so the expected rotation is zero.
+            // The pose from the base references already includes the rotation of the base under force, so no further rotation is expected.
             (Some(one), Some(other)) => Some(BaseUncertainty {
                 sd_mm: one.sd_mm.hypot(other.sd_mm),
                 sd_rad: one.sd_rad.hypot(other.sd_rad),

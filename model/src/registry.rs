@@ -1,6 +1,6 @@
-//! Registries: enums of named items. Each variant has one row of constant properties.
+//! Registries: enums of named items. Each variant of a registry enum has one row of constant properties.
 
-/// Declares the enum `$id` with one variant per row. Lists, help texts and figures show the variants in this order.
+/// Declares the enum `$id` with one variant per row. Lists, help texts and figures show the variants in the order of the rows.
 ///
 /// A row is a constant of type `$row` with the fields `name` (command line, files), `label` (report) and `help` (command line). Serde writes a
 /// variant as its identifier in kebab case. A new item needs its own file and one line in the macro call.

@@ -1,10 +1,10 @@
 //! Distribution of elements over the lines of a mesh: plate members, ribs and base line.
 
-/// Distributes `total` elements over lines in proportion to their lengths, by largest remainder (Hamilton's method), at least one element per line. Equal
-/// remainders favour the earlier line. `total` must be at least the number of lines.
+/// Distributes `total` elements over lines in proportion to their lengths by largest remainder (Hamilton's method). Each line gets at least one
+/// element. Equal remainders favour the earlier line. `total` must be at least the number of lines.
 pub(super) fn by_largest_remainder(total: usize, lengths: &[f64]) -> Vec<usize> {
-    // A line with a quota below one element gets one element. The other lines share the remaining elements, so the quotas of further lines may fall
-    // below one.
+    // A line whose proportional share (its quota) is below one element gets one element. The lines with larger quotas share the remaining elements.
+    // Some of their new quotas may fall below one, so the loop repeats.
     let mut shares = vec![1; lengths.len()];
     let mut sharing: Vec<usize> = (0..lengths.len()).collect();
     loop {
@@ -17,7 +17,7 @@ pub(super) fn by_largest_remainder(total: usize, lengths: &[f64]) -> Vec<usize> 
                 shares[i] = (quota(i).floor() as usize).max(1);
             }
             let mut by_remainder = sharing.clone();
-            // Rounding may make equal plates differ in length, so remainders are compared to nine decimal places.
+            // Rounding may give equal plates slightly different lengths, so remainders are compared to nine decimal places.
             let remainder = |i: usize| (quota(i).fract() * 1e9).round() as i64;
             by_remainder.sort_by_key(|&i| (-remainder(i), i));
             let given: usize = sharing.iter().map(|&i| shares[i]).sum();

@@ -4,11 +4,11 @@ use super::Mesh;
 use std::any::Any;
 use std::sync::{Arc, OnceLock};
 
-/// A cached value that depends only on the mesh. The mesh does not depend on the type of the value.
+/// A cached value that depends only on the mesh. The value can have any type, so the mesh does not depend on that type.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Prepared(OnceLock<Arc<dyn Any + Send + Sync>>);
 
-/// Two meshes are equal even if their caches differ.
+/// All caches compare as equal, so a difference between caches does not make two meshes unequal.
 impl PartialEq for Prepared {
     fn eq(&self, _: &Prepared) -> bool {
         true

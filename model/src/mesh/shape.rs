@@ -13,7 +13,7 @@ pub struct NodeMotion {
     pub position: Vector,
     /// Displacement of the node, mm, finger frame.
     pub displacement: Vector,
-    /// Rotation of the node, rad. At a hinged rib, this is the rotation of the plate.
+    /// Rotation of the node, rad. At a hinged rib, the rotation of the plate, not of the rib.
     pub rotation: f64,
     /// Undeformed position of the joint between rib and bracket, mm, finger frame. Equals the node's position if the node has no bracket.
     pub hinge_position: Vector,
@@ -38,8 +38,8 @@ pub struct FingerShape {
 }
 
 impl FingerShape {
-    /// Makes a shape from `motion`, a function that returns the displacement (mm) and rotation (rad) of a key node. If `linear`, brackets rotate to
-    /// first order.
+    /// Makes a shape from `motion`, a function that returns the displacement (mm) and rotation (rad) of a key node. If `linear`, the displacements of
+    /// bracket ends are of first order in the rotation.
     pub fn new(finger: &Finger, linear: bool, mut motion: impl FnMut(NodeId) -> (Vector, f64)) -> FingerShape {
         let motions = (1..=finger.key_node_count()).map(NodeId).map(|node| {
             let (displacement, rotation) = motion(node);
@@ -64,7 +64,7 @@ impl FingerShape {
     /// Motion of one key node.
     ///
     /// # Panics
-    /// If the finger does not have this node.
+    /// Panics if the finger does not have this node.
     pub fn motion(&self, node: NodeId) -> &NodeMotion {
         &self.motions[node.0 - 1]
     }

@@ -11,8 +11,8 @@ pub(super) fn element_start([from, to]: [f64; 2], elements: usize, i: usize) -> 
 }
 
 impl Finger {
-    /// Section with the mean compliances of a plate segment, including the effect of zones. Shear and axial compliance have the same mean, because both
-    /// rigidities are proportional to modulus times thickness.
+    /// Section with the mean compliances of a plate segment, including the effect of zones. The mean shear compliance and the mean axial compliance,
+    /// relative to the base section, are equal, because both rigidities are proportional to modulus times thickness.
     pub(super) fn plate_section(&self, plate: Plate, from_mm: f64, to_mm: f64) -> Section {
         let d = self.description();
         let zones: Vec<Zone> = d.zones.iter().filter(|zone| zone.part == Part::from(plate)).copied().collect();
@@ -48,9 +48,9 @@ impl Finger {
     }
 }
 
-/// Integral over a plate segment of the compliance relative to the base section, mm. `relative` is the mean relative compliance between two positions
-/// without zones; it is divided by the product of the zones' factors. Ends of zones divide the segment into parts. Only parts with a midpoint that
-/// satisfies `counted` contribute.
+/// Integral of the compliance, relative to the base section, over the length of a plate segment, mm. `relative` returns the mean relative compliance
+/// between two positions, without the effect of zones. This mean is divided by the product of the modulus factors of the zones. Ends of zones divide
+/// the segment into parts. Only parts with a midpoint that satisfies `counted` contribute.
 fn compliance(
     zones: &[Zone],
     from_mm: f64,
@@ -78,9 +78,9 @@ fn covers(zone: &Zone, position_mm: f64) -> bool {
 }
 
 impl Mesh {
-    /// Sensitivity of the frame members' stiffness to the modulus factor of a zone; zones are numbered from 0. Returns pairs of a member's index and its
-    /// sensitivity d ln(stiffness) / d ln(factor), 0..1. The sensitivity equals the zone's share of the member's compliance (in bending, if the plate is
-    /// tapered). Members outside the zone are omitted.
+    /// Sensitivity of the frame members' stiffness to the modulus factor of a zone; zones are numbered from 0. Returns pairs of a member's index and
+    /// its sensitivity d ln(stiffness) / d ln(factor), 0..1. The sensitivity equals the zone's share of the member's compliance. In a tapered plate,
+    /// it is the share of the bending compliance. Members outside the zone are omitted.
     pub fn zone_shares(&self, zone: usize) -> Vec<(usize, f64)> {
         let description = self.finger.description();
         let Some(chosen) = description.zones.get(zone) else { return Vec::new() };
@@ -89,7 +89,7 @@ impl Mesh {
         let positions = self.finger.plate_positions_mm(plate);
         let lines = self.lines.iter().filter(|line| line.part == chosen.part).enumerate();
         let shares = lines.flat_map(|(nth, line)| {
-            // Arms along a plate have no effect on the share for a rib.
+            // The share for a rib does not depend on the rigid arms along a plate, so these arms are set to zero.
             let arms_mm = if chosen.part == Part::Ribs { [0.0; 2] } else { self.finger.member_arms_mm(plate, nth) };
             let free = [positions[nth] + arms_mm[0], positions[nth + 1] - arms_mm[1]];
             let share = |i: usize| match chosen.part {

@@ -25,7 +25,7 @@ pub type Rgb = [u8; 3];
 pub struct Markers {
     /// Radius of the markers, mm; for rings, the outer radius.
     pub radius_mm: f64,
-    /// Height of the markers above the plane of the beams, mm, along z = x cross y of the finger frame.
+    /// Height of the markers above the plane of the beams, mm, measured along the z axis (x cross y) of the finger frame.
     pub height_mm: f64,
     /// Appearance that distinguishes the markers from the background.
     pub look: MarkerLook,
@@ -41,7 +41,7 @@ pub enum MarkerLook {
         /// Colour of the markers on the back plate.
         back_rgb: Rgb,
     },
-    /// A rim between a bright marker and dark surroundings, or between a dark marker and bright surroundings.
+    /// The markers have a visible rim: they are bright in dark surroundings, or dark in bright surroundings.
     Grey {
         /// Brightness of the marker relative to its surroundings.
         shade: Shade,
@@ -59,7 +59,8 @@ pub enum Shade {
     Dark,
 }
 
-/// Reads the standard deviation of a measured marker coordinate (mm) and the camera. Either is `None` if the scene does not state it.
+/// Reads the standard deviation of a measured marker coordinate (mm) and the camera. Each of the two results is `None` if the scene does not state
+/// it.
 pub(super) fn read_camera(table: &TableReader) -> Result<(Option<f64>, Option<CameraDescription>), SceneError> {
     let noise_mm = table.optional(&CAMERA.noise_mm)?;
     let pose = [CAMERA.rotation_vector_rad.name, CAMERA.translation_mm.name];
@@ -85,7 +86,8 @@ pub(super) fn read_camera(table: &TableReader) -> Result<(Option<f64>, Option<Ca
     Ok((noise_mm, Some(CameraDescription { lens, pose })))
 }
 
-/// Contents of `[markers]`: positions, errors and, if the markers are seen in images, their appearance.
+/// Contents of the table `[markers]`: the points of the finger that carry markers, the errors of the markers and, if described, their appearance in
+/// images.
 #[derive(Default)]
 pub(super) struct MarkersRead {
     pub on: MarkerPoints,
@@ -97,7 +99,8 @@ pub(super) fn read_markers(table: &TableReader) -> Result<MarkersRead, SceneErro
     let on = table.word(&MARKERS.on, [MarkerPoints::Junctions, MarkerPoints::Hinges])?;
     let errors =
         MarkerErrors { noise_factor: table.get(&MARKERS.noise_factor)?, model_mm: table.get(&MARKERS.model_error_mm)? };
-    // An empty table counts as a description of the appearance. It is therefore rejected for its missing keys.
+    // An empty table `[markers]` counts as a description of the markers' appearance. An empty table is therefore rejected, because the required keys
+    // of the appearance are missing.
     let lookless = [MARKERS.on.name, MARKERS.noise_factor.name, MARKERS.model_error_mm.name];
     let of_look: Vec<_> =
         MARKERS.entries().iter().map(|entry| entry.name).filter(|name| !lookless.contains(name)).collect();
@@ -157,7 +160,8 @@ pub struct Base {
 }
 
 impl Base {
-    /// Whether the base has an uncertainty but no reference marks. The uncertainty is then relative to the camera's pose.
+    /// Whether the base has an uncertainty but no reference marks. Without reference marks, the uncertainty of the base is relative to the camera's
+    /// pose.
     pub fn is_of_pose(&self) -> bool {
         self.references.is_empty() && self.uncertainty.is_some()
     }

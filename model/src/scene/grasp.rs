@@ -18,17 +18,18 @@ pub enum Support {
 /// Settings of a grasp of a free object by a gripper.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GraspDescription {
-    /// Motor angles at the start and at the last possible stop, degrees.
+    /// Motor angle at the start, and the motor angle at which closing stops at the latest, degrees.
     pub motor_deg: [f64; 2],
-    /// Motor angle between two steps of the simulation, degrees, above zero. The simulation settles each step to equilibrium.
+    /// Motor angle between two steps of the simulation, degrees, above zero. In each step, the simulation brings object and fingers to equilibrium.
     pub step_deg: f64,
-    /// Sensed total force of a finger at which closing stops, N. `None` if the gripper closes until the last motor angle.
+    /// Sensed force at which the gripper stops closing, N: the mean over both fingers of the total force on each finger. `None` if the gripper closes
+    /// until the last motor angle.
     pub until_force_n: Option<f64>,
     /// Whether the motor keeps the sensed force at `until_force_n` along the path.
     pub holds: bool,
-    /// Corners of the path of the gripper relative to its start, mm, in the gripper's frame at the start.
+    /// Corner points of the gripper's path relative to the gripper's initial position, mm, in the gripper's initial frame.
     pub path_mm: Vec<Vector>,
-    /// Number of steps along the path. The simulation settles each step to equilibrium.
+    /// Number of steps along the path. In each step, the simulation brings object and fingers to equilibrium.
     pub path_steps: usize,
     /// Whether the gripper opens at the end.
     pub opens: bool,
@@ -38,12 +39,12 @@ pub struct GraspDescription {
     pub gravity_m_s2: Vector,
     /// Speed of the motor, degrees/s.
     pub motor_deg_per_s: f64,
-    /// Frame rate of the camera, 1/s, if each frame is a step. `None` if motor angles determine the steps.
+    /// Frame rate of the camera, 1/s, if the simulation makes one step per camera frame. `None` if motor angles determine the steps.
     pub frames_per_s: Option<f64>,
     /// Delay between an image and the force sensed from it, in frames.
     pub delay_frames: usize,
-    /// Whether the scene's camera is fixed to the gripper. The pose of a camera on the gripper refers to the gripper's frame. The pose of any other
-    /// camera refers to each finger's frame.
+    /// Whether the scene's camera is fixed to the gripper. The pose of a camera on the gripper refers to the gripper's frame. If the camera is not
+    /// fixed to the gripper, the camera's pose refers to the frame of each finger.
     pub camera_on_gripper: bool,
 }
 

@@ -6,7 +6,7 @@ use crate::Vector;
 use crate::finger::{Finger, Plate};
 use crate::keys::{Kind, OBJECT};
 
-/// Outline of an object, relative to the object's reference point. Motions of the object refer to this point.
+/// Outline of an object, relative to the object's reference point. Motions of the object refer to its reference point.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outline {
     /// A disc; its reference point is its centre.
@@ -23,7 +23,7 @@ pub enum Outline {
     },
     /// A polygon; its reference point is the origin of its coordinates.
     Polygon {
-        /// Name of the CSV file with the corners in order, as the scene states it.
+        /// Name of the CSV file that lists the corners in order; the scene states this name.
         points_csv: String,
     },
 }
@@ -39,11 +39,11 @@ pub enum ObjectMotion {
         /// area.
         centre_mm: Vector,
     },
-    /// Motion along a straight line. It starts when the object touches the undeformed finger.
+    /// Motion along a straight line. The motion starts when the object touches the undeformed finger.
     Press {
-        /// Position on the front plate at which the line meets the plate, mm from the base.
+        /// Position on the front plate at which the line of motion meets the plate, mm from the base.
         at_mm: f64,
-        /// Direction of the line, degrees from the undeformed inward normal, positive towards the tip.
+        /// Direction of the line of motion, degrees from the undeformed inward normal, positive towards the tip.
         direction_deg: f64,
         /// Condition that ends the motion.
         until: Until,
@@ -57,7 +57,7 @@ pub enum ObjectMotion {
 pub enum Until {
     /// The object has moved by this distance since first touch, mm.
     Travel(f64),
-    /// The force along the line has reached this value, N. The object is guided, so it stays on the line.
+    /// The force along the line of motion has reached this value, N. A guide keeps the object on the line of motion.
     Force(f64),
 }
 
@@ -68,7 +68,7 @@ pub struct ObjectDescription {
     pub outline: Outline,
     /// Rotation of the outline, degrees, positive from x to y.
     pub rotation_deg: f64,
-    /// Coefficient of Coulomb friction between the object and fingers or support, dimensionless.
+    /// Coefficient of Coulomb friction of the object on the fingers and on the support, dimensionless.
     pub friction: f64,
     /// Motion of the object.
     pub motion: ObjectMotion,

@@ -1,4 +1,4 @@
-//! Reading of typed values from TOML. Errors name line, key and expected value.
+//! Reading of typed values from TOML. Error messages name the line, the key and the expected value.
 
 use super::SceneError;
 use crate::keys::{Key, Kind, Need, SceneTable, TOP, Word, described, joined, with_article};
@@ -28,7 +28,7 @@ impl<'t> Document<'t> {
         TableReader::open(self, String::new(), self.root.get_ref(), &TOP)
     }
 
-    /// Line of a key, counted from 1. If the key is missing, the line of the innermost table that should contain it.
+    /// Line of a key, counted from 1. If the key is missing, returns the line of the innermost existing table that should contain the key.
     pub(super) fn line_of(&self, key: &str) -> usize {
         let mut key = key;
         loop {
@@ -67,8 +67,8 @@ fn note_lines(text: &str, path: &str, table: &DeTable, lines: &mut BTreeMap<Stri
     }
 }
 
-/// Similarity of an unknown key to a known key: the sum of three measures. The Jaro-Winkler and Damerau-Levenshtein measures detect typing errors. The
-/// Sorensen-Dice measure of common letter pairs detects missing parts.
+/// Similarity of an unknown key to a known key: the sum of three measures. The Jaro-Winkler and Damerau-Levenshtein measures detect typing errors.
+/// The Sorensen-Dice measure counts common letter pairs and detects keys from which a part is missing.
 fn likeness(known: &str, key: &str) -> f64 {
     strsim::jaro_winkler(known, key)
         + strsim::normalized_damerau_levenshtein(known, key)
@@ -149,7 +149,7 @@ impl<'d, 't> TableReader<'d, 't> {
         }
     }
 
-    /// Reads an array of tables, `[[name]]`; empty if the scene has none.
+    /// Reads an array of tables, written `[[name]]` in the scene. The result is empty if the scene has no such table.
     pub(super) fn tables(&self, of: &dyn SceneTable) -> Result<Vec<TableReader<'d, 't>>, SceneError> {
         let path = joined(&self.path, of.name());
         let wrong = |found: &DeValue| self.wrong(of.name(), &format!("tables [[{path}]]"), &described(found));
@@ -208,7 +208,8 @@ impl<'d, 't> TableReader<'d, 't> {
         }
     }
 
-    /// Makes the error for a key that the described thing does not have. `whose` names this thing, for instance "a disc".
+    /// Makes the error for a key that does not belong to the described shape or object. `whose` names the described shape or object, for instance "a
+    /// disc".
     pub(super) fn not_of(&self, name: &str, whose: &str) -> SceneError {
         self.wrong(name, "no such key", &format!("a key that {whose} does not have"))
     }

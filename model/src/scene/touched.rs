@@ -32,7 +32,7 @@ pub struct ObjectPlace {
 /// Frame to which an object's pose refers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ObjectFrame {
-    /// The finger frame, displaced with the base to the base's pose in the image.
+    /// The finger frame. It moves with the base, so the pose of this frame is the base's pose in the image.
     Base,
     /// The reference frame of the camera's pose. The base moves within this frame between images.
     Plane,

@@ -1,9 +1,10 @@
 //! Errors of assembly and mounting: differences between the unloaded real finger and the finger of the scene.
 //!
 //! Assembly and mounting displace each joint by some tenths of a millimetre, leave a preload in the plates, and change the finger's distance from the
-//! camera. To first order, each error displaces the markers of a bent finger in a fixed pattern. [`UnloadedFinger`] computes these patterns from
-//! equilibria of fingers with errors. The nonlinear estimator estimates the amplitude of each pattern together with the forces, with a prior on each
-//! amplitude. Errors that remain after a calibration are correlated; [`AssemblyErrors::further`] lists independent combinations of these errors.
+//! camera. To first order, each error displaces the markers of a bent finger in a fixed pattern. [`UnloadedFinger`] computes the displacement pattern
+//! of each error from the equilibrium of a finger with this error. The nonlinear estimator estimates the amplitude of each error's displacement
+//! pattern together with the forces. Each amplitude has a prior. Errors that remain after a calibration are correlated; [`AssemblyErrors::further`]
+//! lists independent combinations of these errors.
 
 use super::{Contact, ContactQuestion, Direction, Pad, SensingError};
 use crate::finger::{Finger, Plate};
@@ -16,26 +17,27 @@ use nalgebra::UnitComplex;
 /// Uncertainty of the unloaded finger.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AssemblyErrors {
-    /// Standard deviation of the position of each joint of a rib with a plate, in mm: along the plate and perpendicular to it.
+    /// Standard deviation of the position of each joint between a rib and a plate, in mm. It applies along the plate and perpendicular to the plate.
     pub joint_sd_mm: f64,
-    /// Moment that the plates exert on each other at the tip without load, in N mm. A positive moment turns x towards y. This single moment
-    /// represents the preload of uniformly curved plates, because the end moments of neighbouring elements cancel.
+    /// Moment that the plates exert on each other at the tip without load, in N mm. A positive moment turns the x axis towards the y axis. One moment
+    /// at the tip represents the preload of uniformly curved plates, because the end moments of neighbouring elements cancel.
     pub preload_nmm: f64,
     /// Standard deviation of the preload, N mm.
     pub preload_sd_nmm: f64,
     /// Standard deviation of the markers' height towards the camera, in mm.
     pub height_sd_mm: f64,
-    /// Errors that remain after a calibration. These errors are independent of each other and of the errors in the other fields.
+    /// Errors that remain after a calibration. The errors in this list are independent of each other and of the errors in the other fields.
     pub further: Vec<UnloadedError>,
 }
 
-/// One error of the unloaded finger and its mounting, with the size of one standard deviation. All fields are fully correlated: they change together.
+/// One error of the unloaded finger and its mounting, with the size of one standard deviation. All fields of one error are fully correlated: they
+/// change together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnloadedError {
-    /// Displacements of the joints of each rib, in mm: `[front, back]`. Each joint has two components: along its plate from base to tip, and perpendicular into
-    /// the finger.
+    /// Displacements of the joints of each rib, in mm: `[front, back]`. The displacement of each joint has two components: along the joint's plate
+    /// from base to tip, and perpendicular to this plate into the finger.
     pub joints_mm: Vec<[[f64; 2]; 2]>,
-    /// Additional length of the ribs' clips, in mm: on the front plate, on the back plate.
+    /// Additional length of the ribs' clips, in mm: first for clips on the front plate, then for clips on the back plate.
     pub clip_mm: [f64; 2],
     /// Additional preload at the tip, in N mm.
     pub preload_nmm: f64,
@@ -54,8 +56,9 @@ pub struct UnloadedFinger {
     pub assembly: AssemblyErrors,
     /// The camera above the markers. `None` neglects the effect of the markers' height.
     pub camera: Option<CameraAbove>,
-    /// Standard deviation, in rad, of the rotation of the frame in which displacements from an image of the unloaded finger are measured. Such
-    /// displacements do not depend on the position of the base. `None` if displacements refer to the finger of the scene.
+    /// Standard deviation, in rad, of the rotation of the frame in which displacements are measured. Applies to displacements from an image of the
+    /// unloaded finger. Displacements from an image of the unloaded finger do not depend on the position of the base. `None` if displacements refer
+    /// to the finger of the scene.
     pub measured_in_frame_sd_rad: Option<f64>,
 }
 
@@ -72,7 +75,8 @@ pub struct CameraAbove {
 
 /// Beam elements per member in the meshes of the fingers with and without errors.
 const ELEMENTS: usize = 8;
-/// Count of numbers per rib in a row of numbers that describes an [`UnloadedError`]. `OF_REST` is the count of the other numbers in the row.
+/// An [`UnloadedError`] is written as a row of numbers; this many numbers of the row belong to each rib. `OF_REST` is the count of the numbers in a
+/// row that do not belong to a rib.
 const OF_RIB: usize = 4;
 const OF_REST: usize = 7;
 
@@ -89,9 +93,9 @@ impl UnloadedError {
         }
     }
 
-    /// Reads an error from a row of numbers. Four numbers per rib come first, in mm: front joint along the plate, front joint into the finger, back joint along
-    /// the plate, back joint into the finger. Seven numbers follow: front clip (mm), back clip (mm), preload (N mm), height (mm), base x (mm), base y (mm),
-    /// rotation (degrees). `None` for a row of another length.
+    /// Reads an error from a row of numbers. Four numbers per rib come first, in mm: front joint along the plate, front joint into the finger, back
+    /// joint along the plate, back joint into the finger. Seven numbers follow: front clip (mm), back clip (mm), preload (N mm), height (mm), base x
+    /// (mm), base y (mm), rotation (degrees). `None` if the row has a wrong length.
     pub fn from_row(row: &[f64], ribs: usize) -> Option<UnloadedError> {
         let (joints, rest) = row.split_at_checked(OF_RIB * ribs)?;
         let &[front_clip, back_clip, preload_nmm, height_mm, x, y, turn_deg] = rest else { return None };
@@ -128,7 +132,7 @@ impl UnloadedError {
         sum
     }
 
-    /// A copy of `finger` with this error's displacements of joints and lengths of clips. `None` if such a finger is geometrically impossible.
+    /// A copy of `finger` in which this error displaces the joints and lengthens the clips. `None` if the changed finger is geometrically impossible.
     pub(crate) fn finger(&self, finger: &Finger) -> Option<Finger> {
         let mut description = finger.description().clone();
         for (rib, joints_mm) in self.joints_mm.iter().enumerate() {
@@ -165,7 +169,7 @@ impl AssemblyErrors {
 /// Forces at contacts, with the pad between object and plate.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pushed<'f> {
-    /// Known and unknown parts of each contact.
+    /// For each contact, whether its position and its direction are known.
     pub questions: &'f [ContactQuestion],
     /// Position and direction of each contact.
     pub contacts: &'f [Contact],
@@ -189,14 +193,15 @@ impl Pushed<'_> {
 }
 
 impl UnloadedFinger {
-    /// Standard deviation of a displacement coordinate, in mm, that covers assembly errors in a search without known forces. This value is zero if
-    /// displacements refer to the finger of the scene, because most errors of such displacements do not depend on forces.
+    /// Additional standard deviation of a displacement coordinate, in mm. It accounts for assembly errors in a search that starts without known
+    /// forces. The value is zero if displacements refer to the finger of the scene, because most errors of these displacements do not depend on the
+    /// forces.
     pub(crate) fn unknown_without_forces_mm(&self) -> f64 {
         if self.measured_in_frame_sd_rad.is_some() { self.assembly.joint_sd_mm } else { 0.0 }
     }
 
-    /// Corrects a measurement for the expected preload, and adds the assembly errors as errors that all markers share. The errors are linearised at
-    /// the amplitudes `found` by an earlier search, in standard deviations, or at zero if `found` is empty.
+    /// Corrects a measurement for the expected preload, and adds the assembly errors as errors that all markers share. The effects of the errors are
+    /// linearised at the amplitudes `found`, in standard deviations, from an earlier search. If `found` is empty, the effects are linearised at zero.
     ///
     /// # Errors
     /// [`SensingError`] if a finger with one of the errors is impossible or has no equilibrium under the forces.
@@ -210,7 +215,7 @@ impl UnloadedFinger {
         let errors = self.independent_errors(finger.rib_count());
         let none = UnloadedError::none(finger.rib_count());
         let all = errors.iter().zip(found).fold(none.clone(), |all, (error, times)| all.and(*times, error));
-        // If a finger with the amplitudes `found` is impossible, the errors are linearised at zero.
+        // If a finger with the amplitudes `found` is geometrically impossible, the effects of the errors are linearised at zero amplitude.
         let (here, found) = if all.finger(finger).is_some() { (all, found) } else { (none, &[][..]) };
         let bent = self.bent(finger, &here, pushed)?;
         let seen = self.seen(&here, &bent);
@@ -221,7 +226,7 @@ impl UnloadedFinger {
                 let bent = if error.bends() { self.bent(finger, &there, pushed)? } else { bent.clone() };
                 Ok(self.seen(&there, &bent).iter().zip(&seen).map(|(there, here)| (there - here) * times).collect())
             };
-            // If a finger with the error is impossible or has no equilibrium, the error of opposite sign replaces the error.
+            // If a finger with the error is impossible or has no equilibrium, the effect follows from the error of opposite sign.
             shared.push(moved(1.0).or_else(|_| moved(-1.0))?);
         }
         let mut offset = self.markers(finger, 0.0, pushed)?;

@@ -27,7 +27,7 @@ pub struct Contact {
     pub angle_deg: f64,
 }
 
-/// Writes the position, then the angle in degrees: `19@0` is node 19, `80 mm@-20` is 80 mm from the base.
+/// Writes the position, an `@` and the angle in degrees: `19@0` means node 19 at 0 degrees, `80 mm@-20` means 80 mm from the base at -20 degrees.
 impl std::fmt::Display for Contact {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         match self.position {

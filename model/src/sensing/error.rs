@@ -89,13 +89,13 @@ pub enum SensingError {
     Ambiguous {
         /// Position of the contact in the list, from 1.
         contact: usize,
-        /// Force of the contact in one of the two sets, N.
+        /// Force of the contact in one of the two sets of forces that explain the measurement, N.
         force_n: f64,
-        /// Force of the contact in the other set, N.
+        /// Force of the contact in the other of the two sets of forces that explain the measurement, N.
         other_n: f64,
     },
-    /// With few markers, the estimated forces are far from the forces of the linear finger, and only one starting point of the search leads to the
-    /// estimate.
+    /// With few markers, the estimated forces are far from the linear finger's forces, and only one starting point of the search leads to the
+    /// estimated forces.
     #[error(
         "not identifiable: the forces found are far from the linear finger's forces, and searches from other starting points do not find the same \
          forces; measure more nodes"
@@ -129,8 +129,8 @@ pub enum SensingError {
             forces on the co-rotational finger reproduce the linear estimate: use the nonlinear estimator"
     )]
     NotLinearised,
-    /// The base, the friction or a contact has a standard deviation, but the noise of the displacements is not stated. The estimator then needs the
-    /// noise, too.
+    /// The base, the friction or a contact has a standard deviation, but the noise of the displacements is not stated. To use the standard deviation
+    /// of base, friction or contact, the estimator also needs the noise of the displacements.
     #[error(
         "base, friction or contact has a standard deviation, so the noise of the displacements must be known as \
             well: state the noise (--noise-mm, or noise_mm in [camera] of the scene)"

@@ -6,7 +6,7 @@ use super::ResidualTest;
 const NEGLIGIBLE: f64 = 1e-3;
 
 /// Reason why an estimate is less accurate than noise alone implies. The standard deviations of the estimate include the known error of the model.
-/// They exclude other errors, such as a wrong contact or another finger.
+/// The standard deviations exclude other errors, such as a wrong contact or a finger that differs from the scene.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Warning {
     /// The residual exceeds the stated noise significantly.
@@ -37,7 +37,7 @@ pub enum Warning {
     Discretisation(ModelError),
 }
 
-/// Error of the model at one contact: the contact with the largest ratio of this error to the error due to noise.
+/// Error of the model at one contact. Among all contacts, this contact has the largest ratio of the model error to the error due to noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModelError {
     /// Position of the contact in the list, from 1.
@@ -78,7 +78,7 @@ impl Estimate {
         }
     }
 
-    /// Widens the standard deviations if noise does not explain the residual: the finger or its contacts then differ from the scene.
+    /// If noise does not explain the residual, the finger or its contacts differ from the scene, so the standard deviations are widened.
     pub(crate) fn widen_for_misfit(&mut self) {
         if let Some(Warning::Residual(test)) = self.warning {
             let wider = test.widening_of_misfit();
@@ -86,8 +86,8 @@ impl Estimate {
         }
     }
 
-    /// Widens the standard deviations due to noise by the model error of each force, in N. Sets a warning if a model error exceeds the standard deviation due
-    /// to noise and is not negligible.
+    /// Widens each force's standard deviation, which so far includes only noise, by the model error of this force, in N. Sets a warning if a model
+    /// error exceeds the standard deviation due to noise and is not negligible.
     pub(super) fn add_model_error(&mut self, error_n: Vec<f64>, warning: fn(ModelError) -> Warning) {
         let largest_n = self.forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         let over = |i: usize| error_n[i].abs() / self.sigmas_n[i];

@@ -20,11 +20,11 @@ pub struct Lean {
 pub enum Normal {
     /// Normal of the deformed plate, averaged over a length of plate about the contact, for example the length that the object covers.
     Deformed {
-        /// Length of plate over which the normal is averaged, in mm. At zero, the normal at the contact itself is used.
+        /// Length of plate over which the normal is averaged, in mm. If the length is zero, the normal at the contact itself is used.
         over_mm: f64,
     },
-    /// Normal of the undeformed plate, which does not turn as the finger bends. This normal suits a finger that bends round the face of a fixed
-    /// object.
+    /// Normal of the undeformed plate, which does not turn as the finger bends. The undeformed normal suits a finger that bends round the face of a
+    /// fixed object.
     Undeformed,
     /// Normal of the object's outline at the contact.
     Object,
@@ -41,7 +41,8 @@ impl Lean {
         Lean { angle_deg: coefficient.atan().to_degrees(), sd_deg, ..Lean::NONE }
     }
 
-    /// Lean between the friction angles of two coefficients of friction (dimensionless). All angles in this range are assumed equally likely.
+    /// Lean between the friction angles of two coefficients of friction (dimensionless). All angles between the two friction angles are assumed
+    /// equally likely.
     pub fn within(coefficients: [f64; 2]) -> Lean {
         let [from, to] = coefficients.map(|coefficient| coefficient.atan().to_degrees());
         Lean { angle_deg: 0.5 * (from + to), sd_deg: (to - from).abs() / 12.0_f64.sqrt(), ..Lean::NONE }

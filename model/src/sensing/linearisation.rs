@@ -1,4 +1,4 @@
-//! Error of linearisation of estimated forces, computed for the estimated forces.
+//! Error of estimated forces due to linearisation, computed at these forces.
 
 use super::{Contact, SensingError, halved_below};
 use crate::frame::{FrameLoad, FrameMotion};
@@ -8,8 +8,8 @@ use crate::statics::{Ladder, Statics, StaticsError};
 use crate::{Kinematics, Vector};
 use nalgebra::{DMatrix, DVector};
 
-/// Grid spacing of the tabulated forces, as a share of a reference force: the largest force, rounded down to a power of two. Extrapolation from a
-/// grid point causes an error of some thousandths of the error of linearisation.
+/// Grid spacing of the tabulated forces, as a share of a reference force. The reference force is the largest force, rounded down to a power of two.
+/// Extrapolation from a grid point causes an error of some thousandths of the error of linearisation.
 const GRID: f64 = 0.05;
 /// The table is cleared when it has this number of grid points. A stream of frames needs only a few grid points.
 const MOST_POINTS: usize = 256;
@@ -22,25 +22,26 @@ const MOST_ASTRAY: usize = 4;
 /// Newton's method has converged if a step changes no force by more than this share of the largest force.
 const STEP_TOLERANCE: f64 = 1e-6;
 /// Newton's method fails after this number of refused steps: the first limit is for a single force, the second for several forces. A step is refused
-/// if it leads to forces without equilibrium. The smallest and largest single force with an equilibrium are stored, so refused steps of a single
-/// force are cheap. If equilibria exist up to a share of a refused step, the shortened step is between half and all of this share.
+/// if it leads to forces without equilibrium. For a single force, the smallest and the largest value with an equilibrium are stored, so refused steps
+/// are cheap. A refused step is shortened: if equilibria exist up to some share of the step, the new step is between half of this share and the full
+/// share.
 const MOST_REFUSED: [usize; 2] = [30, 8];
 
 /// Error that a linear estimator makes on the co-rotational finger.
 ///
 /// # Requirements
-/// Contacts of known position and direction, and the gain and compliance of the linear estimator at the markers.
+/// The position and direction of each contact must be known. The gain and compliance of the linear estimator at the markers must be known as well.
 ///
 /// # Reference
-/// With gain G and compliance C (weighted, at the markers), the linear estimator returns f + G (u(f) - C f) for the co-rotational finger, where u(f)
-/// are the displacements of this finger under forces f. The error of estimated forces f' is f' - f, where f solves f + G (u(f) - C f) = f'. Newton's
-/// method finds f with derivatives from the tangent stiffness.
+/// Under forces f, the co-rotational finger has displacements u(f), and the linear estimator returns f + G (u(f) - C f). Here G is the gain and C the
+/// compliance of the estimator (weighted, at the markers). The error of estimated forces f' is f' - f, where f solves f + G (u(f) - C f) = f'.
+/// Newton's method finds f with derivatives from the tangent stiffness.
 #[derive(Debug, Clone)]
 pub struct Linearisation<'m> {
     mesh: &'m Mesh,
     contacts: Vec<Contact>,
     statics: Statics<Ladder<'m>>,
-    /// Smallest and largest single force with an equilibrium, N. A limit is infinite until the limit is known.
+    /// Smallest and largest value of a single force for which an equilibrium exists, N. A limit is infinite until the limit is known.
     ends_n: [f64; 2],
     /// Gain for which `points` are valid.
     gain: DMatrix<f64>,
@@ -79,9 +80,9 @@ struct Point {
 struct Solution {
     forces_n: DVector<f64>,
     motion: FrameMotion,
-    /// Derivative of these forces with respect to the forces that the linear estimator returns, dimensionless.
+    /// Derivative of the forces on the co-rotational finger with respect to the forces that the linear estimator returns, dimensionless.
     slope: DMatrix<f64>,
-    /// Weighted displacements of the markers, mm. `rates` contains the derivatives of these displacements with respect to the forces, mm/N.
+    /// Weighted displacements of the markers, mm. `rates` contains the derivatives of the weighted displacements with respect to the forces, mm/N.
     displacements: DVector<f64>,
     rates: DMatrix<f64>,
 }

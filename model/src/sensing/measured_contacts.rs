@@ -1,11 +1,11 @@
 //! Estimates forces from markers and measured contacts by least squares with errors in all variables.
 //!
 //! Each contact has two unknowns: the force f along its measured normal, and the tangent a of the angle between force and normal. A contact between
-//! rods has a third unknown, the shift d of its position. The data are the displacements of the markers. The priors have the means a = 0 and d = 0.
-//! The standard deviations of the priors follow from the accuracy of the measured contacts and from friction. The estimate minimises the sum of all
-//! squared residuals, each divided by its variance. [`LevenbergMarquardt`] searches for the estimate on the co-rotational finger. The stated
-//! covariance is the inverse of the information matrix. This covariance includes the uncertainty of position, direction and friction that remains
-//! after the fit.
+//! rods has a third unknown, the shift d of its position. The data are the displacements of the markers. The priors of the tangent a and of the shift
+//! d have mean zero. The standard deviations of the priors follow from the accuracy of the measured contacts and from friction. The estimate
+//! minimises the sum of all squared residuals, each divided by its variance. [`LevenbergMarquardt`] searches for the estimate, and the co-rotational
+//! finger gives the computed displacements. The stated covariance is the inverse of the information matrix. The stated covariance includes the
+//! uncertainty of position, direction and friction that remains after the fit.
 
 use super::{
     Contact, ContactForce, ContactPosition, LARGEST_SPAN, NonlinearEstimator, RespondingFinger, Response, SensingError,
@@ -17,10 +17,11 @@ use crate::statics::StaticsError;
 use crate::{Finger, Mesh, Vector};
 use nalgebra::{DMatrix, DVector};
 
-/// A search that stops before convergence is accepted if the next step would change no force by more than this share of its standard deviation.
+/// A search that stops before convergence is accepted if its next step would change each force by at most this share of the force's standard
+/// deviation.
 const NEGLIGIBLE: f64 = 0.01;
-/// A chi-squared value counts as significant if it exceeds the mean of its distribution by more than this number of standard deviations. For the
-/// degrees of freedom of a finger, the probability of such a value is 1 in 10^4.
+/// A chi-squared value counts as significant if it exceeds the mean of its distribution by more than this number of standard deviations. For 20 to
+/// 100 degrees of freedom, noise alone exceeds this limit with a probability of 1 in 1000 to 1 in 4000.
 const UNEXPLAINED_DEVIATIONS: f64 = 4.0;
 
 /// A contact with measured position and direction.
@@ -64,8 +65,8 @@ pub struct MeasuredContactForces {
 struct Problem<'a> {
     contacts: &'a [MeasuredContact],
     knowledge: ContactKnowledge,
-    /// Standard deviations of the priors, first for each tangent (dimensionless), then for each shift (mm). All priors have mean 0. A standard
-    /// deviation of zero fixes the unknown at 0.
+    /// Standard deviations of the priors: first for the tangent of each angle (dimensionless), then for the shift of each position (mm). All priors
+    /// have mean 0. A standard deviation of zero fixes the unknown at 0.
     own_sds: Vec<f64>,
     /// Measured displacements, mm, two coordinates per marked node. Zero for a hidden node.
     measured_mm: DVector<f64>,
@@ -74,7 +75,7 @@ struct Problem<'a> {
     coordinates: usize,
     length_mm: f64,
     finger: RespondingFinger<'a>,
-    /// Response of the finger at the last evaluated point.
+    /// Response of the finger for the values of the unknowns that were evaluated last.
     response: Option<Response>,
 }
 
@@ -90,8 +91,9 @@ pub fn sense_measured_contacts(
 ) -> Result<MeasuredContactForces, SensingError> {
     let questions: Vec<_> = contacts.iter().map(|contact| contact.contact.into()).collect();
     let start = NonlinearEstimator::new(mesh, &questions)?.estimate(measurement, Some(knowledge.noise_mm))?;
-    // Friction of a sliding object acts in the same direction at all k contacts. The standard deviation of each tangent's prior is the bound times
-    // sqrt(k). With this choice, k tangents that all equal the bound are together one standard deviation from zero.
+    // Friction of a sliding object acts in the same direction at all k contacts. For k contacts, the standard deviation of each tangent's prior is
+    // the upper bound of the coefficient of friction times sqrt(k). If the tangents at all k contacts equal the upper bound of the coefficient of
+    // friction, they are together one standard deviation from zero.
     let friction = knowledge.friction * (contacts.len() as f64).sqrt();
     let [measured_mm, weights] = of_marked_nodes(mesh.finger(), measurement);
     let count = contacts.len();
@@ -154,7 +156,8 @@ impl LeastSquaresProblem for Problem<'_> {
         point + step
     }
 
-    /// Priors of tangents and shifts. An unknown with a standard deviation of zero has no derivatives; the prior keeps the unknown at zero.
+    /// Priors of tangents and shifts. For an unknown whose standard deviation is zero, all derivatives are set to zero, so its prior keeps the
+    /// unknown at zero.
     fn priors(&self, point: &DVector<f64>) -> Vec<Prior> {
         let own = (self.contacts.len()..).zip(&self.own_sds);
         own.map(|(unknown, &sd)| Prior::on(unknown, point[unknown], 0.0, if sd > 0.0 { sd } else { 1.0 })).collect()
@@ -171,8 +174,8 @@ impl LeastSquaresProblem for Problem<'_> {
 }
 
 impl Problem<'_> {
-    /// Derivatives of the weighted displacements, divided by the noise: one row per coordinate, one column per unknown. The derivative with respect to a
-    /// tangent is the derivative with respect to the force across the normal, times the force `effective_n`, N.
+    /// Derivatives of the weighted displacements, divided by the noise: one row per coordinate, one column per unknown. The derivative with respect
+    /// to a tangent equals the force `effective_n`, N, times the derivative with respect to the force across the normal.
     fn columns(&self, point: &DVector<f64>, effective_n: &[f64]) -> DMatrix<f64> {
         let count = self.contacts.len();
         let mut columns = DMatrix::zeros(self.measured_mm.len(), 3 * count);
@@ -201,7 +204,7 @@ impl Problem<'_> {
         let first = inverse(&fit.jacobian)?;
         let effective_n: Vec<f64> =
             (0..count).map(|i| forces_n[i].hypot(first[(i, i)].sqrt()).copysign(forces_n[i])).collect();
-        // The response may belong to a rejected step, so it is computed again at the solution.
+        // The stored response may belong to a rejected step, so it is computed again at the solution.
         self.residual(&fit.point).map_err(Refusal::into_error)?;
         let mut jacobian = fit.jacobian.clone();
         jacobian.rows_mut(0, self.measured_mm.len()).copy_from(&self.columns(&fit.point, &effective_n));
@@ -221,8 +224,8 @@ impl Problem<'_> {
         let covariance_n2 = &turned * covariance * turned.transpose() * widened;
         let across_n: Vec<f64> = (0..count).map(|i| forces_n[i] * tangents[i]).collect();
         // If the measured normal is wrong, a share of the friction force counts as force along the normal. The share is computed from at least the
-        // upper bound of the friction force. The estimated friction force alone could be too small because of noise, and so would be the standard
-        // deviation.
+        // upper bound of the friction force. Noise could make the estimated friction force too small, and a standard deviation computed from this
+        // estimate would then be too small.
         let variance_n2 = |i: usize| {
             let across_n2 = across_n[i].powi(2) + covariance_n2[(count + i, count + i)];
             let most_n = self.knowledge.friction * forces_n[i];

@@ -32,13 +32,13 @@ pub(crate) use residual_test::noise_of;
 pub use residual_test::{ResidualTest, SIGNIFICANCE};
 pub use response::{ContactForce, RespondingFinger, Response, marker_coordinates};
 
-/// Largest accepted ratio of the largest to the smallest singular value of the derivatives of the displacements with respect to the scaled unknowns.
-/// Beyond this ratio, forces are not identifiable.
+/// Largest accepted ratio of the largest to the smallest singular value of a matrix: the derivatives of displacements with respect to scaled
+/// unknowns. Beyond this ratio of singular values, forces are not identifiable.
 pub const LARGEST_SPAN: f64 = 1e8;
 
 /// A measurement counts as unexplained if its residual exceeds both `UNEXPLAINED_SIGMAS` standard deviations of the noise and the share
-/// `UNEXPLAINED_SHARE` of the displacements. The residual of a real finger may be many times the camera's noise, but remains a smaller share of the
-/// displacements than the limit.
+/// `UNEXPLAINED_SHARE` of the displacements. The residual of a real finger may be many times the camera's noise, but stays below the share
+/// `UNEXPLAINED_SHARE` of the displacements.
 const UNEXPLAINED_SIGMAS: f64 = 10.0;
 const UNEXPLAINED_SHARE: f64 = 0.3;
 

@@ -40,7 +40,7 @@ impl ObjectShape {
         let turn = |i: usize| (at(i + 1) - at(i)).perp(&(at(i + 2) - at(i + 1)));
         let area: f64 = (0..count).map(|i| at(i).perp(&at(i + 1))).sum();
         let exterior = |i: usize| turn(i).atan2((at(i + 1) - at(i)).dot(&(at(i + 2) - at(i + 1)))).abs();
-        // A star also turns in one sense at every corner, but makes more than one full turn.
+        // The outline of a star also turns in the same sense at every corner, but makes more than one full turn.
         let once_round = (0..count).map(exterior).sum::<f64>() < 1.5 * std::f64::consts::TAU;
         if count < 3 || !(0..count).all(|i| turn(i) * area > 0.0) || !once_round {
             return Err(NotConvex);

@@ -9,8 +9,8 @@ use crate::mesh::{Load, LoadError, Mesh};
 /// the force along the plate exerts a moment on the plate. The default is no pad.
 ///
 /// # Reference
-/// Forces at two Gauss points replace the pressure of the pad. These forces have the same resultant, moment and second moment as a uniform pressure
-/// with shear.
+/// Forces at two Gauss points replace the pressure of the pad. The forces at the Gauss points have the same resultant, moment and second moment as a
+/// uniform pressure with shear.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Pad {
     /// Length of the plate over which a force is distributed, mm.
@@ -25,7 +25,7 @@ const GAUSS_POINT: f64 = 0.288_675_134_594_812_9;
 const SHORTEST_LEVER_MM: f64 = 0.5;
 
 impl Pad {
-    /// Whether there is no pad. Forces then act at a point of the plate.
+    /// Whether there is no pad. Without a pad, a force acts at a point of the plate.
     pub fn is_none(&self) -> bool {
         *self == Pad::default()
     }

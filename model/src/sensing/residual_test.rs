@@ -7,17 +7,17 @@ pub const SIGNIFICANCE: f64 = 0.01;
 
 /// A p-value below this limit is a misfit: noise does not explain the residual, so the finger or its contacts differ from the scene.
 const MISFIT: f64 = 1e-7;
-/// A [misfit](MISFIT) counts as an error that all coordinates share. This factor multiplies the standard deviation of a force that a shared error of
-/// the residual's size would cause. The fingers in the test `misfit` differ from their scene in base, zones, preload, ribs or scale, and need factors
-/// of 0.1 to 5.
+/// A [misfit](MISFIT) counts as an error that all coordinates share. This factor multiplies the standard deviation that a shared error of the
+/// residual's size would cause in a force. The fingers in the test `misfit` differ from their scene in base, zones, preload, ribs or scale, and need
+/// factors of 0.1 to 5.
 const MISFIT_SHARE: f64 = 2.5;
 
 /// Comparison of a residual with the stated noise.
 ///
 /// # Reference
 /// If the model and the stated noise are correct, the sum of squared residuals divided by the variance of a coordinate follows the chi-squared
-/// distribution. The degrees of freedom of this distribution are the number of coordinates minus the number of unknowns (Press et al., Numerical
-/// Recipes, sec. 15.1).
+/// distribution. The degrees of freedom of the chi-squared distribution are the number of coordinates minus the number of unknowns (Press et al.,
+/// Numerical Recipes, sec. 15.1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResidualTest {
     /// Stated standard deviation of one coordinate, mm.
@@ -52,7 +52,7 @@ impl ResidualTest {
         )
     }
 
-    /// The p-value in words. A value below the rounding error is stated as an upper bound.
+    /// The p-value in words. A p-value below the rounding error is stated as an upper bound.
     pub(super) fn p_in_words(&self) -> String {
         match self.p_value() {
             p if p < f64::EPSILON => format!("p < {:.0e}", f64::EPSILON),
@@ -68,8 +68,8 @@ impl ResidualTest {
         squared > 7.0 || (squared > 1.0 && self.p_value() < SIGNIFICANCE)
     }
 
-    /// Standard deviation of a coordinate, mm, from which the standard deviations of forces follow. It is the stated noise, or the residual standard deviation
-    /// if the residual contradicts the noise.
+    /// Standard deviation of a coordinate, mm, from which the standard deviations of forces follow. The result is the stated noise, or the residual
+    /// standard deviation if the residual contradicts the noise.
     pub fn trusted_noise_mm(&self) -> f64 {
         if self.contradicts() { self.residual_sd_mm } else { self.noise_mm }
     }
@@ -95,23 +95,23 @@ pub(super) fn residual_sd_mm(sum_of_squares_mm2: f64, degrees_of_freedom: usize)
 /// Cumulative probability at the upper end of a 95 % interval.
 const UPPER: f64 = 0.975;
 
-/// Standard deviation of one coordinate, mm, if no noise is stated. It is the residual standard deviation, widened so that 1.96 times the result is
-/// half the width of a 95 % interval. `None` without a degree of freedom.
+/// Standard deviation of one coordinate, mm, if no noise is stated. The result is the residual standard deviation, widened so that 1.96 times the
+/// result is half the width of a 95 % interval. `None` without a degree of freedom.
 ///
 /// # Reference
-/// A normal error divided by its standard deviation, as estimated from a residual, follows Student's t distribution with the residual's degrees of
-/// freedom (Press et al., Numerical Recipes, sec. 15.6). The 95 % interval of this distribution is wider than the interval of the normal
+/// A normally distributed error, divided by a standard deviation estimated from a residual, follows Student's t distribution with the residual's
+/// degrees of freedom (Press et al., Numerical Recipes, sec. 15.6). The 95 % interval of Student's t distribution is wider than that of the normal
 /// distribution, by a factor of 6.5 for 1 degree of freedom, 1.14 for 10, and 1.03 for 45.
 pub(super) fn unstated_noise_mm(sum_of_squares_mm2: f64, degrees_of_freedom: usize) -> Option<f64> {
     let residual_sd_mm = residual_sd_mm(sum_of_squares_mm2, degrees_of_freedom)?;
-    // There is at least one degree of freedom, so both distributions exist.
+    // There is at least one degree of freedom, so Student's t distribution exists.
     let student = StudentsT::new(0.0, 1.0, degrees_of_freedom as f64).ok()?;
     let normal = Normal::standard();
     Some(residual_sd_mm * student.inverse_cdf(UPPER) / normal.inverse_cdf(UPPER))
 }
 
-/// Standard deviation of a coordinate, mm, from which the standard deviations of forces follow. It is the stated noise, or the residual standard
-/// deviation if the residual contradicts the noise. Without a stated noise, the standard deviation is [estimated from the
+/// Standard deviation of a coordinate, mm, from which the standard deviations of forces follow. The result is the stated noise, or the residual
+/// standard deviation if the residual contradicts the noise. Without a stated noise, the standard deviation is [estimated from the
 /// residual](unstated_noise_mm), and infinite if no degree of freedom remains.
 pub(crate) fn noise_of(
     test: Option<ResidualTest>,

@@ -22,7 +22,8 @@ pub struct ContactForce {
     pub lever_mm: f64,
 }
 
-/// At a contact between nodes, two forces represent a moment. Each force acts at this distance from the contact, in mm.
+/// At a contact between nodes, two forces represent a moment. Each of the two forces that represent a moment acts at this distance from the contact,
+/// in mm.
 const COUPLE_REACH_MM: f64 = 0.5;
 
 impl ContactForce {
@@ -67,7 +68,8 @@ pub struct Response {
     pub along: Vec<DVector<f64>>,
     /// Derivatives with respect to the force across each contact's direction, mm/N.
     pub across: Vec<DVector<f64>>,
-    /// Derivatives with respect to the position of each contact towards the tip, mm/mm. Zero for contacts at nodes, whose positions are fixed.
+    /// Derivatives with respect to the position of each contact, which increases towards the tip, mm/mm. Zero for contacts at nodes, whose positions
+    /// are fixed.
     pub moved: Vec<DVector<f64>>,
 }
 

@@ -5,7 +5,7 @@ use crate::scene::Scene;
 use crate::sensing::{Contact, ContactPosition, ContactQuestion, Direction, Lean, MeasuredContact, Normal};
 use crate::text::{finite, node, positive};
 
-/// Largest accepted angle, degrees. A larger one is probably not in degrees.
+/// Largest accepted angle, degrees. An angle larger than a full turn is probably not in degrees.
 const FULL_TURN_DEG: f64 = 360.0;
 
 /// A contact as a user states it.
@@ -35,7 +35,7 @@ pub enum AskedContactsError {
     /// A friction coefficient is given, but no contact has standard deviations.
     #[error("--friction: expected contacts with standard deviations (+-)")]
     Friction,
-    /// The scene or the image lacks what a direction needs.
+    /// The scene or the image lacks a value that a direction needs.
     #[error(transparent)]
     Missing(#[from] MissingInScene),
 }
@@ -44,7 +44,7 @@ impl AskedContact {
     /// Parses `NODE[@ANGLE_DEG[+-SD]|normal|friction|object|measured|auto]`.
     ///
     /// # Errors
-    /// A message that states the expected text.
+    /// The error is a message that states the expected text.
     pub fn at_node(text: &str) -> Result<AskedContact, String> {
         let (position, towards) = split_at_sign(text);
         let (direction, direction_sd_deg) = direction(towards)?;
@@ -61,7 +61,7 @@ impl AskedContact {
     /// Parses `S_MM[+-SD][@ANGLE_DEG[+-SD]|normal|friction|object|measured|auto]`, or `auto` for the position.
     ///
     /// # Errors
-    /// A message that states the expected text.
+    /// The error is a message that states the expected text.
     pub fn at_position(text: &str) -> Result<AskedContact, String> {
         let (position, towards) = split_at_sign(text);
         let (position, position_sd_mm) = match position.trim() {

@@ -20,8 +20,8 @@ const FALSE_ALARM: f64 = 1e-4;
 pub struct StreamSensor<'s> {
     scene: &'s Scene,
     options: SensorOptions<'s>,
-    /// A sensor for the requested contacts and, if a second contact may be added, a sensor for two contacts. Each has the meshes and shapes that its
-    /// estimator keeps from one observation to the next.
+    /// A sensor for the requested contacts and, if a second contact may be added, a sensor for two contacts. Each sensor is stored with the meshes
+    /// and shapes that its estimator keeps from one observation to the next.
     sensors: Vec<(Sensor<'s>, Option<Refinement<'s>>)>,
 }
 
@@ -52,9 +52,10 @@ impl<'s> StreamSensor<'s> {
         Ok(StreamSensor { scene, options, sensors: sensors.collect() })
     }
 
-    /// The forces that an observation shows. Their number is the smallest that explains the markers. `None` if the markers show no force: noise alone
-    /// explains their displacements, or the interval of a single force contains zero. The search starts from `before`, the forces of the previous
-    /// observation, if that observation showed any. If this sensor sensed `before`, it starts from the shapes of that estimate.
+    /// The forces that an observation shows. The number of contacts is the smallest that explains the markers. `None` if the markers show no force:
+    /// noise alone explains their displacements, or the interval of a single force contains zero. The search starts from `before`, the forces of the
+    /// previous observation, if that observation showed any. If `before` is an estimate of this sensor, the search starts from the shapes of that
+    /// estimate.
     ///
     /// # Errors
     /// [`Refusal`] as for [`Sensor::sense`], or if the markers contradict the contacts.
@@ -94,8 +95,8 @@ impl<'s> StreamSensor<'s> {
     /// Whether the noise of the markers and the uncertainty of the base explain all displacements. False if the noise is unknown.
     ///
     /// # Reference
-    /// Chi-squared test of d^T S^-1 d for the displacements d. Their covariance S is the sum of the covariances of the noise and of a rigid motion of
-    /// the base (Woodbury identity).
+    /// Chi-squared test of d^T S^-1 d for the displacements d. The covariance S of the displacements is the sum of the covariances of the noise and
+    /// of a rigid motion of the base (Woodbury identity).
     fn is_noise(&self, seen: &Observation) -> Result<bool, Refusal> {
         let stated_mm = self.options.noise_mm.or(self.scene.noise_mm);
         let found = seen.for_sensing(self.scene, self.options.estimator.searches(), stated_mm)?;
@@ -143,7 +144,7 @@ fn contradiction(sensed: &SensedForces) -> Option<Warning> {
 /// Mean positions of the markers in observations of the unloaded finger. Later displacements are measured from these positions.
 #[derive(Debug, Clone, Default)]
 pub struct RestPositions {
-    /// Sum of the positions, mm, sum of their variances, mm^2, and number of observations of each marker.
+    /// Each entry contains a marker's node, the sum of the marker's positions (mm), the sum of their variances (mm^2) and the number of observations.
     markers: Vec<(NodeId, Vector, f64, usize)>,
 }
 

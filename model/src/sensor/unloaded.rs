@@ -1,4 +1,4 @@
-//! Estimates a force on a finger whose unloaded shape may differ from the scene's.
+//! Estimates a force on a finger whose unloaded shape may differ from the shape in the scene.
 
 use super::Sensor;
 use crate::Vector;
@@ -14,13 +14,15 @@ use nalgebra::{Isometry2, Point2};
 
 /// Beam elements per member in a search for a force together with the unloaded shape.
 const ELEMENTS_UNLOADED: usize = 4;
-/// Assumed standard deviation of the markers, mm, due to an unknown unloaded shape. It applies to the first search, which does not estimate this shape.
+/// Assumed standard deviation of the markers, mm, due to an unknown unloaded shape. The first search, which does not estimate the unloaded shape,
+/// uses this standard deviation.
 const UNLOADED_ERROR_MM: f64 = 0.3;
-/// Standard deviation, mm and rad, that is assumed for an exactly known base. It is smaller than any camera resolves.
+/// Standard deviation, mm and rad, that is assumed for an exactly known base. No camera resolves an error as small as this standard deviation.
 const EXACT: f64 = 1e-6;
 
 impl Sensor<'_> {
-    /// Errors of the unloaded finger for one observation. `frame` transforms from the finger frame to the reference frame of the camera's pose.
+    /// Possible errors of the unloaded finger, as seen in one observation. `frame` transforms from the finger frame to the reference frame of the
+    /// camera's pose.
     pub(super) fn unloaded(
         &self,
         assembly: AssemblyErrors,

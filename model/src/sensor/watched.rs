@@ -80,7 +80,7 @@ impl<'s> WatchedFinger<'s> {
         })
     }
 
-    /// Evaluates a frame: the observed markers, or the state without markers and its reason.
+    /// Evaluates a frame; `seen` contains the observed markers or, if there are none, the state of the finger and the reason for this state.
     pub fn evaluate(&mut self, seen: Result<Observation, (FrameState, String)>) -> FingerResult<'_> {
         let before = self.sensed.take();
         let (state, markers, refused) = match seen {
@@ -134,7 +134,7 @@ impl FingerResult<'_> {
         Some(warnings.join("; ")).filter(|warning| !warning.is_empty())
     }
 
-    /// The contacts, each with its index in the forces.
+    /// The contacts, each with its index and the sensed forces to which the index refers.
     pub fn contacts(&self) -> impl Iterator<Item = (usize, &SensedForces, &Contact)> {
         self.sensed
             .into_iter()

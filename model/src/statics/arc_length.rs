@@ -7,7 +7,7 @@ use finray_numerics::linear::{Bordered, Direction, IndefiniteFactor};
 
 /// Length of the first step in the norm of [`ArcLength`], dimensionless. This length corresponds to about one degree of rotation.
 const FIRST_STEP: f64 = 0.02;
-/// Longest step in the norm of [`ArcLength`], dimensionless. Points of a path are then close enough for a drawing of the path.
+/// Longest step in the norm of [`ArcLength`], dimensionless. With steps up to this length, the points of a path are close enough to draw the path.
 const LONGEST_STEP: f64 = 0.1;
 /// Shortest step in the norm of [`ArcLength`], dimensionless. If a path needs a shorter step, the search ends with an error.
 const SHORTEST_STEP: f64 = 1e-10;
@@ -20,8 +20,8 @@ const LARGEST_TURN: f64 = 0.5;
 const CORRECTION_TOLERANCE: f64 = 1e-12;
 /// The next correction is predicted only from corrections with a norm up to this value.
 const QUADRATIC_RANGE: f64 = 1e-3;
-/// A correction counts as rounding noise if its norm exceeds a quarter of the previous correction's norm, but exceeds neither this value nor
-/// [`STAGNATION_SHARE`] times the step length.
+/// A correction counts as rounding noise if its norm is at most this value and at most [`STAGNATION_SHARE`] times the step length, but above a
+/// quarter of the previous correction's norm.
 const STAGNATION_TOLERANCE: f64 = 1e-8;
 /// Largest correction that may count as rounding noise, as a share of the step length; see [`STAGNATION_TOLERANCE`].
 const STAGNATION_SHARE: f64 = 1e-2;
@@ -30,14 +30,15 @@ const MAX_ITERATIONS: usize = 10;
 /// A limit point is accepted when the load component of the unit tangent is below this value. The error of the limit load is of the order of the
 /// square of this component.
 const LIMIT_TOLERANCE: f64 = 1e-7;
-/// Largest number of iterations that locate a limit point between two points of the path. The search for a limit point then ends and returns the best
-/// point found.
+/// Largest number of iterations that locate a limit point between two points of the path. After this number of iterations, the search for a limit
+/// point ends and returns the best point found.
 const MAX_LIMIT_TRIALS: usize = 40;
 /// Limit of the sum of the norms of Newton's corrections in a step, as a share of the step length. A larger sum may lead to another branch, so the
 /// step is repeated with a shorter length.
 const LARGEST_DEPARTURE: f64 = 0.5;
 /// A bifurcation is accepted when the load multiple changes by at most this share in the step. If the number of negative pivots disagrees with the
-/// sign of the load's slope, the path has met a bifurcation or left its branch. Steps are shortened until they decide between the two cases.
+/// sign of the load's slope, the path has met a bifurcation or left its branch. Steps are shortened until it is clear whether the path has met a
+/// bifurcation or left its branch.
 const BIFURCATION_SHARE: f64 = 1e-3;
 /// Several bifurcations in one step are accepted when the load multiple changes by at most this share in the step.
 const MULTIPLE_BIFURCATION_SHARE: f64 = 1e-6;
@@ -49,8 +50,8 @@ pub struct PathPoint {
     pub multiple: f64,
     /// Displacements (mm) and rotations (rad) of the frame.
     pub motion: FrameMotion,
-    /// Number of negative eigenvalues of the tangent stiffness; 0 for a stable equilibrium. This number changes by one at a simple limit point and at
-    /// a simple bifurcation.
+    /// Number of negative eigenvalues of the tangent stiffness; 0 for a stable equilibrium. The number of negative eigenvalues changes by one at a
+    /// simple limit point and at a simple bifurcation.
     pub negative_pivots: usize,
 }
 
@@ -82,22 +83,22 @@ pub struct EquilibriumPath {
 }
 
 /// Follows the equilibria of any plane frame from rest, both stable and unstable. The path may pass limit points, at which the load starts to fall or
-/// to rise (snap-through). The displacement of the loaded point may also turn back along the path (snap-back).
+/// to rise (snap-through). The displacement of the loaded point may also reverse its direction along the path (snap-back).
 ///
-/// A step starts along the tangent of the path. Newton's method then returns to the path within the plane normal to this tangent. The unknowns of
-/// Newton's method include the load multiple, so limit points need no special treatment. The change of the tangent's direction sets the step length.
-/// At a limit point the tangent has no load component. Between two points of the path, the regula falsi (Illinois) finds the step length at which the
-/// load component vanishes.
+/// A step starts along the tangent of the path. Newton's method then returns to the path within the plane normal to the starting tangent. The
+/// unknowns of Newton's method include the load multiple, so limit points need no special treatment. The change of the tangent's direction sets the
+/// step length. At a limit point the tangent has no load component. Between two points of the path, the regula falsi (Illinois) finds the step length
+/// at which the load component vanishes.
 ///
-/// The length of a step does not depend on units or mesh. The length is the root mean square over all unknowns: displacements divided by the frame's
-/// size (half the diagonal of the frame's outline), and rotations in rad. The load multiple is scaled by the motion that it causes at rest. An energy
-/// norm would also be independent of units. However, for a slender beam that only rotates, the stiffness at rest predicts a large elongation. The
-/// energy of this elongation would dominate the energy of bending beams.
+/// The length of a step does not depend on units or mesh. The length of a step is the root mean square over all unknowns: displacements divided by
+/// the frame's size (half the diagonal of the frame's outline), and rotations in rad. The load multiple is scaled by the motion that it causes at
+/// rest. An energy norm would also be independent of units. However, for a slender beam that only rotates, the stiffness at rest predicts a large
+/// elongation. In an energy norm, the energy of the predicted elongation would dominate the energy of bending beams.
 ///
 /// # Requirements
 /// The stiffness at rest is positive definite. The loads keep their directions. Limit points are simple. At a bifurcation the path keeps its branch,
-/// and [`PathPoint::negative_pivots`] shows the change of stability. No element bends by much more than a radian, because the energy has a kink when
-/// an end rotates by half a turn relative to its chord.
+/// and [`PathPoint::negative_pivots`] shows the change of stability. No element bends by much more than a radian, because an element's energy has a
+/// kink where an end is rotated by half a turn relative to the element's chord.
 ///
 /// # Reference
 /// E. Riks, Int. J. Solids Struct. 15 (1979) 529-551; H. B. Keller, Numerical solution of bifurcation and nonlinear
@@ -204,8 +205,8 @@ impl<'f> ArcLength<'f> {
         Ok(path)
     }
 
-    /// Returns the frame at rest, and sets the weight of the load multiple, which follows from the linear motion. `None` if the stiffness is not
-    /// positive definite.
+    /// Returns the frame at rest, and sets the weight of the load multiple according to the linear motion under the loads. `None` if the stiffness is
+    /// not positive definite.
     fn at_rest(&mut self, loads: &[FrameLoad]) -> Option<Station> {
         let motion = FrameMotion::at_rest(self.assembly.frame());
         self.assembly.evaluate(&motion, loads, 0.0);
@@ -315,7 +316,7 @@ impl Measure {
         self.product(direction, direction).sqrt()
     }
 
-    /// Returns the direction whose unweighted product with any other direction equals the weighted inner product of `of` with the other direction.
+    /// Returns a direction whose unweighted product with any direction d equals the weighted inner product of `of` and d.
     fn dual(&self, of: &Direction) -> Direction {
         let unknowns = self.unknowns.iter().zip(&of.unknowns).map(|(w, u)| w * u).collect();
         Direction { unknowns, multiple: self.multiple * of.multiple }
@@ -327,8 +328,9 @@ fn turns_back(from: &Station, to: &Station) -> bool {
     from.tangent.multiple * to.tangent.multiple < 0.0
 }
 
-/// Whether the stability of two neighbouring points agrees with a path without bifurcation between them. On such a path, the bordered matrix keeps
-/// the sign of its determinant. One eigenvalue of the tangent stiffness then changes sign at a limit point, and no eigenvalue changes sign elsewhere.
+/// Whether the stability of two neighbouring points agrees with a path without bifurcation between them. On a path without bifurcation, the bordered
+/// matrix keeps the sign of its determinant. On a path without bifurcation, one eigenvalue of the tangent stiffness changes sign at a limit point,
+/// and no eigenvalue changes sign elsewhere.
 fn is_regular(from: &Station, to: &Station) -> bool {
     let changed = from.point.negative_pivots.abs_diff(to.point.negative_pivots);
     changed == usize::from(turns_back(from, to))

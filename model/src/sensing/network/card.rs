@@ -7,7 +7,7 @@ use crate::finger::NodeId;
 use crate::sensing::{Contact, ContactPosition};
 use serde::{Deserialize, Serialize};
 
-/// The version of the file format. Only this version is written and read.
+/// The version of the file format. Only this version of the file format is written and read.
 pub const FORMAT: u32 = 1;
 
 /// Conversion of displacements to the inputs of a network.

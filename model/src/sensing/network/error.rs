@@ -1,4 +1,4 @@
-//! Errors of networks, their files and their requests.
+//! Errors of networks, of network files and of requests to a network.
 
 use crate::finger::NodeId;
 use crate::sensing::SensingError;

@@ -1,4 +1,4 @@
-//! Estimates forces and their known errors with a network, in microseconds.
+//! Estimates forces and their standard deviations with a network, in microseconds.
 
 use super::forward::{Forward, Instructions};
 use super::hidden::{directions, filling};
@@ -22,8 +22,8 @@ const RANGE_SIGMAS: f64 = 4.0;
 /// Estimates forces with a network, for the contacts and markers for which it is prepared.
 ///
 /// # Requirements
-/// The finger for which the network was trained, and all contacts of the training in any order. [`ContactSet::AnyOf`] requires only the contacts at
-/// which forces act. Markers may be hidden if the network's inputs are principal directions.
+/// Requires the finger for which the network was trained, and all contacts of the training in any order. [`ContactSet::AnyOf`] requires only the
+/// contacts at which forces act. Markers may be hidden if the network's inputs are principal directions.
 #[derive(Debug, Clone)]
 pub struct NetworkEstimator {
     forward: Forward,
@@ -31,7 +31,7 @@ pub struct NetworkEstimator {
     markers: Vec<NodeId>,
     /// Mean of each measured coordinate in training, mm.
     mean: DVector<f64>,
-    /// Orthonormal columns that span the principal directions, restricted to the measured coordinates.
+    /// Orthonormal columns that span the measured coordinates of the principal directions.
     span: DMatrix<f64>,
     /// Covariance of the inputs due to hidden markers, dimensionless.
     hidden_covariance: DMatrix<f64>,
@@ -45,7 +45,8 @@ pub struct NetworkEstimator {
 }
 
 impl NetworkEstimator {
-    /// Prepares a network for contacts and for the nodes of a measurement's markers. The displacements of the markers are not used yet.
+    /// Prepares a network for contacts and for the nodes of a measurement's markers. This function uses only the nodes of `markers`, not their
+    /// displacements.
     ///
     /// # Errors
     /// [`NetworkError`] for a finger, contacts or markers other than those of the training, or for fewer coordinates than forces.
@@ -85,7 +86,7 @@ impl NetworkEstimator {
         }
         let (matrix, missed) = filling(network, &seen).ok_or(hidden_markers)?;
         let mut prepared = Prepared::new(network, &selected);
-        // The inputs are P (mean + F (x_s - mean_s)) + offset; all but P F x_s is constant.
+        // The inputs are P (mean + F (x_s - mean_s)) + offset for measured coordinates x_s; all terms except P F x_s are constant.
         let all_mean = DVector::from_column_slice(&network.inputs.mean);
         let mean = all_mean.select_rows(&seen);
         let constant = &prepared.projection * (&all_mean - &matrix * &mean);
@@ -99,7 +100,7 @@ impl NetworkEstimator {
             prepared,
             markers,
             mean,
-            // If there are no fewer directions than measured coordinates, the columns span all coordinates.
+            // With at least as many principal directions as measured coordinates, the columns span all measured coordinates.
             span: seen_directions.qr().q(),
             hidden_covariance,
             largest: network.inputs.largest.clone(),
@@ -208,7 +209,8 @@ impl NetworkEstimator {
         Ok(())
     }
 
-    /// Refuses forces outside the range of the training. Such forces result if the true forces act at other contacts than assumed.
+    /// Refuses forces outside the range of the training. Estimated forces may be outside the range of the training if the true forces act at other
+    /// contacts than assumed.
     fn require_trained_forces(&self, forces_n: &[f64], sigmas_n: &[f64]) -> Result<(), NetworkError> {
         let [least_n, largest_n] = self.force_range_n;
         for (i, (&force_n, sigma_n)) in forces_n.iter().zip(sigmas_n).enumerate() {
@@ -227,7 +229,7 @@ fn require_length(what: &'static str, expected: usize, found: usize) -> Result<(
 
 impl Network {
     /// Checks that the network was trained for `finger` and `contacts`. `contacts` must be all contacts of the network's list in any order. For
-    /// [`ContactSet::AnyOf`], some contacts of the list suffice.
+    /// [`ContactSet::AnyOf`], `contacts` may also be only some contacts of the list.
     ///
     /// # Errors
     /// [`NetworkError::AnotherFinger`] or [`NetworkError::OtherContacts`] if the network was trained for another finger or other contacts.

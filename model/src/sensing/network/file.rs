@@ -1,4 +1,4 @@
-//! File of a network: safetensors, with the card as JSON in its metadata and a checksum over all contents.
+//! A network is stored as a safetensors file, with the card as JSON in the metadata and a checksum over all contents.
 //!
 //! | tensor | type | shape |
 //! |---|---|---|

@@ -11,8 +11,9 @@ use std::str::FromStr;
 /// number of ribs and another scene states the positions of the same ribs.
 const DIGITS: i32 = 10;
 
-/// SHA-256 hash of the numbers that define a finger: key nodes, rigid arms, clips and ends, rigidities, shear, tapers, rib thicknesses, joints, brackets with the
-/// points of markers, and zones. Names, the order of zones, the notation of the ribs, and other tables of the scene have no effect.
+/// SHA-256 hash of the numbers that define a finger: key nodes, rigid arms, clips and ends, rigidities, shear, tapers, rib thicknesses, joints,
+/// brackets with the points of markers, and zones. Names, the order of zones, the way in which the scene states the ribs, and other tables of the
+/// scene have no effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Fingerprint([u8; 32]);
 
@@ -20,7 +21,7 @@ impl Fingerprint {
     /// Fingerprint of a finger. Fingers have the same fingerprint if their numbers round to the same ten significant digits.
     pub fn of(finger: &Finger) -> Fingerprint {
         let mut numbers = Numbers(Sha256::new());
-        // Coordinates may be zero, so they are rounded to a share of the longer plate.
+        // Coordinates may be zero, so they are rounded to a step that depends on the length of the longer plate.
         let longest_mm = f64::max(finger.plate_length_mm(Plate::Front), finger.plate_length_mm(Plate::Back));
         let step_mm = 10_f64.powi(longest_mm.log10().floor() as i32 + 1 - DIGITS);
         numbers.number("step_mm", step_mm);

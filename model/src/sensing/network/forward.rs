@@ -22,8 +22,8 @@ pub(super) struct Forward {
     between: Between,
 }
 
-/// Weights of all layers. The inputs are z = P x + offset. Starting from h = z, each hidden layer computes h = tanh(W h + b). The forces are f = W
-/// h + b + skip z.
+/// Weights of all layers. The inputs of the network are z = P x + offset for displacements x. The first hidden layer starts from h = z, and each
+/// hidden layer replaces h by tanh(W h + b). The last layer gives the forces f = W h + b + skip z.
 #[derive(Debug, Clone)]
 struct Plan {
     coordinates: usize,
@@ -55,7 +55,7 @@ impl Forward {
         self.plan.coordinates
     }
 
-    /// Forces of one frame, N, from its displacements, mm. The lengths of both slices must fit the network.
+    /// Forces of one frame, N, from its displacements, mm. The lengths of `displacements` and `forces_n` must fit the network.
     pub(super) fn forces(&mut self, displacements: &[f64], forces_n: &mut [f64]) {
         let Forward { arch, plan, between } = self;
         dispatch(*arch, Evaluate { plan, between, displacements, forces_n });

@@ -1,9 +1,9 @@
 //! Estimates the displacements of hidden markers from the training shapes.
 //!
 //! Training shapes are x = mean + V^T c + noise, with principal directions V and independent coefficients c, whose variances L are stored. The
-//! measured coordinates x_s deviate from their mean by d = x_s - mean_s. The expected coordinates of all markers are mean + F d. F is the identity
-//! for measured coordinates, and S_hs S_ss^-1 for hidden coordinates. S = V^T L V + noise^2 I is the covariance of all coordinates (Rasmussen and
-//! Williams, Gaussian Processes for Machine Learning, eq. (A.6)).
+//! measured coordinates x_s deviate from their mean by d = x_s - mean_s. If the measured coordinates deviate by d, the expected coordinates of all
+//! markers are mean + F d. The matrix F is the identity for measured coordinates (s), and S_hs S_ss^-1 for hidden coordinates (h). The covariance of
+//! all coordinates is S = V^T L V + noise^2 I (Rasmussen and Williams, Gaussian Processes for Machine Learning, eq. (A.6)).
 
 use super::Network;
 use nalgebra::DMatrix;
@@ -24,8 +24,8 @@ pub(super) fn directions(network: &Network) -> DMatrix<f64> {
 }
 
 /// Linear map F from the measured coordinates `seen` (indices, in their order) to all coordinates, dimensionless: one row per coordinate of the
-/// network, one column per measured coordinate. Also returns the covariance of the error of F for noise-free shapes, mm^2. This covariance is zero if
-/// all coordinates are measured. `None` if the covariance of the measured coordinates is singular to rounding.
+/// network, one column per measured coordinate. Also returns the covariance of the error of F for noise-free shapes, mm^2. The covariance of the
+/// error is zero if all coordinates are measured. `None` if the covariance of the measured coordinates is singular up to rounding errors.
 pub(super) fn filling(network: &Network, seen: &[usize]) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
     let n = network.inputs.coordinate_count();
     let mut matrix = DMatrix::zeros(n, seen.len());

@@ -1,8 +1,9 @@
 //! Sensing by a neural network: its definition, its file, and its fast evaluation.
 //!
-//! A network maps measured displacements x (mm: ux, uy of each marker) to inputs z = P (x - mean), and the inputs to forces f (N). For [`ContactSet::Fixed`], f
-//! = skip z + MLP(z). For [`ContactSet::AnyOf`] with forces at the contacts S, ridge regression on the linear finger first gives the forces r = G_S x. Then f_S
-//! = r_S + MLP_S([z, mask, r / prior]). The MLP is a multilayer perceptron: its hidden layers end in tanh, and its last layer is linear.
+//! A network maps measured displacements x (mm: ux, uy of each marker) to inputs z = P (x - mean), and the inputs to forces f (N). For
+//! [`ContactSet::Fixed`], the forces are f = skip z + MLP(z). For [`ContactSet::AnyOf`] with forces at the contacts S, ridge regression on the linear
+//! finger first gives the forces r = G_S x from the displacements x. For [`ContactSet::AnyOf`], the network then gives the forces f_S = r_S +
+//! MLP_S([z, mask, r / prior]). The MLP is a multilayer perceptron: its hidden layers end in tanh, and its last layer is linear.
 
 mod card;
 mod error;
@@ -28,7 +29,7 @@ use nalgebra::DMatrix;
 pub struct Inputs {
     /// Mean displacement of the training shapes, length n, mm.
     pub mean: Vec<f64>,
-    /// P, p x n, 1/mm. For [`Scaling::Principal`], orthogonal rows of length 1 / sqrt(variance_i + noise^2); otherwise diagonal.
+    /// P, p x n, 1/mm. For [`Scaling::Principal`], P has orthogonal rows of length 1 / sqrt(variance_i + noise^2); otherwise P is diagonal.
     pub projection: DMatrix<f64>,
     /// Variance of the noise-free training shapes along the direction of each row of P, length p, mm^2. For scalings other than [`Scaling::Principal`], all
     /// entries are the same squared scale.
@@ -71,9 +72,10 @@ pub struct Network {
     pub card: NetworkCard,
     /// Conversion of displacements to inputs.
     pub inputs: Inputs,
-    /// Layers of the MLP, at least one, all but the last with tanh. The first layer has the p inputs. For [`ContactSet::AnyOf`], the first layer has
-    /// two further inputs per contact. The masks of all contacts (1 if a force acts at the contact, otherwise 0) come first. The forces of all
-    /// contacts from ridge regression, divided by the prior's standard deviation, come last. The last layer returns forces, N.
+    /// Layers of the MLP, at least one, all but the last with tanh. The first layer receives the p inputs. For [`ContactSet::AnyOf`], the first layer
+    /// has two further inputs per contact. The further inputs for [`ContactSet::AnyOf`] begin with the masks of all contacts: 1 if a force acts at
+    /// the contact, otherwise 0. The further inputs for [`ContactSet::AnyOf`] end with the forces of all contacts from ridge regression, divided by
+    /// the prior's standard deviation. The last layer returns forces, N.
     pub layers: Vec<Dense>,
     /// Weights of the skip branch by rows, contacts x p, N. Empty without a skip branch, as for [`ContactSet::AnyOf`].
     pub skip: Vec<f32>,

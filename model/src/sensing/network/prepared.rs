@@ -17,7 +17,7 @@ pub fn ridge_gain(compliance: &DMatrix<f64>, touching: &[bool], ridge: f64) -> D
     gain
 }
 
-/// Network in a form that suits both kinds of contact sets: z = P x + offset, f = skip z + MLP(z).
+/// Network in one form for [`ContactSet::Fixed`] and [`ContactSet::AnyOf`]: z = P x + offset, f = skip z + MLP(z).
 #[derive(Debug, Clone)]
 pub(super) struct Prepared {
     /// P, inputs x coordinates, 1/mm.
@@ -31,12 +31,12 @@ pub(super) struct Prepared {
 }
 
 impl Prepared {
-    /// Prepares a network for the contacts `selected`, which are indices in the network's list. For [`ContactSet::AnyOf`] these are the contacts at which
-    /// forces act.
+    /// Prepares a network for the contacts `selected`, which are indices in the network's list. For [`ContactSet::AnyOf`], `selected` lists the
+    /// contacts at which forces act.
     ///
-    /// The mask of these contacts is constant and becomes part of the bias of the first layer. The forces that ridge regression estimates at these
-    /// contacts, divided by the prior, become further inputs with a skip connection to the outputs. These forces are G_S x with G_S = (C_S^T C_S +
-    /// (noise / prior)^2)^-1 C_S^T.
+    /// The mask of the selected contacts is constant and becomes part of the bias of the first layer. Ridge regression estimates the forces at the
+    /// selected contacts. These forces, divided by the prior, become further inputs with a skip connection to the outputs. The forces from ridge
+    /// regression are G_S x with G_S = (C_S^T C_S + (noise / prior)^2)^-1 C_S^T.
     pub(super) fn new(network: &Network, selected: &[usize]) -> Prepared {
         let (p, m) = (network.inputs.count(), network.contact_count());
         let mut layers = network.layers.clone();
@@ -79,7 +79,8 @@ impl Prepared {
         projected.iter().zip(&self.offset).map(|(z, offset)| z + offset).collect()
     }
 
-    /// Derivatives of the forces with respect to the inputs at z, outputs x inputs, N: W_L D_{L-1} ... D_1 W_1 + skip with D = 1 - tanh^2.
+    /// Derivatives of the forces with respect to the inputs at z, outputs x inputs, N. For L layers, the derivatives are skip plus the product of
+    /// W_L, D_{L-1}, W_{L-1} and so on down to D_1 and W_1, with D = 1 - tanh^2.
     pub(super) fn derivatives(&self, z: &[f64]) -> DMatrix<f64> {
         let mut activations = vec![z.to_vec()];
         for (k, layer) in self.layers.iter().enumerate().take(self.layers.len() - 1) {
@@ -131,7 +132,8 @@ fn rows(matrix: &[f32], columns: usize, selected: &[usize]) -> Vec<f32> {
     selected.iter().flat_map(|&row| &matrix[row * columns..(row + 1) * columns]).copied().collect()
 }
 
-/// First layer for forces at the contacts `selected`. Its inputs [z, mask, ridge forces] are reduced to [z, ridge forces of the selected contacts].
+/// First layer for forces at the contacts `selected`. The inputs [z, mask, ridge forces] of the first layer are reduced to [z, ridge forces of the
+/// selected contacts].
 fn with_mask(layer: &Dense, p: usize, contacts: usize, selected: &[usize]) -> Dense {
     let by_row = || layer.weights.chunks_exact(layer.inputs);
     let kept = |row: &[f32]| -> Vec<f32> {

@@ -11,25 +11,25 @@ use crate::statics::{Ladder, Statics};
 /// errors do not yet decrease with the square of the element length.
 const DIVISIONS: usize = 2;
 const DIVISIONS_OF_SINGLE: usize = 4;
-/// A stored error is reused for an estimate that differs by no more than three limits: this limit for forces (share of the largest force),
-/// `SAME_POSITION` for positions (share of the plate's length) and `SAME_ANGLE_DEG` for directions. Rough limits suffice, because a computed error of
-/// the mesh is only accurate to about a third.
+/// A stored error is reused for an estimate with nearly the same forces, positions and directions. The largest accepted differences are this share of
+/// the largest force, the share `SAME_POSITION` of the plate's length, and the angle `SAME_ANGLE_DEG`. The limits for reuse may be wide, because a
+/// computed error of the mesh is only accurate to about a third.
 const SAME_FORCE: f64 = 0.12;
 const SAME_POSITION: f64 = 0.02;
 const SAME_ANGLE_DEG: f64 = 3.0;
-/// The stored errors are cleared when they reach this number.
+/// All stored errors are cleared when there are this many.
 const MOST_KEPT: usize = 256;
 
 /// Computes the error of estimated forces due to the mesh, by comparison with a finer mesh.
 ///
 /// # Requirements
-/// An estimator on a mesh of the same finger, and its last estimate.
+/// Requires an estimator on a mesh of the same finger, and the last estimate of this estimator.
 ///
 /// # Reference
-/// Under the estimated forces, the finer mesh bends further by d than the coarse mesh. The coarse mesh needs additional forces A^+ d to bend by d as
-/// well. A contains the derivatives of the coarse mesh's shape with respect to the unknowns. Errors of co-rotational beams decrease with the square
-/// of the element length. Richardson's extrapolation therefore multiplies A^+ d by n^2 / (n^2 - 1), for n elements of the finer mesh per element of
-/// the coarse mesh.
+/// Under the estimated forces, the displacements of the finer mesh exceed those of the coarse mesh by d. The coarse mesh needs the additional forces
+/// A^+ d to reach the same displacements, where A^+ is the pseudo-inverse of A. A contains the derivatives of the coarse mesh's shape with respect to
+/// the unknowns. Errors of co-rotational beams decrease with the square of the element length. Richardson's extrapolation therefore multiplies A^+ d
+/// by n^2 / (n^2 - 1), for n elements of the finer mesh per element of the coarse mesh.
 #[derive(Debug, Clone)]
 pub struct Discretisation<'m> {
     finer: &'m Mesh,

@@ -5,7 +5,8 @@ use crate::frame::FrameMotion;
 use crate::measurement::Measurement;
 use crate::statics::StaticsError;
 
-/// A step ends at an equilibrium whose misfit (sum of squared weighted residuals) exceeds this factor times the misfit at the start of the step.
+/// A step of the search ends early at the first equilibrium whose misfit (sum of squared weighted residuals) exceeds this factor times the misfit at
+/// the start of the step.
 const WORSE: f64 = 2.0;
 /// A step ends after this number of rejected shorter steps, at the largest share of the step for which an equilibrium was found.
 const MOST_REJECTED: usize = 2;
@@ -58,8 +59,8 @@ impl NonlinearEstimator<'_> {
         (misfit_mm2, best)
     }
 
-    /// State after a part of a step, iterated to equilibrium, and the length of this part as a share of the step (0 to 1), which `on_the_way` states.
-    /// `None` if no equilibrium is found, or if the equilibrium's misfit exceeds `current_mm2`, the misfit of `state`.
+    /// State after the share of a step that `on_the_way` states, iterated to equilibrium. Also returns the share of the step (0 to 1). `None` if no
+    /// equilibrium is found, or if the equilibrium's misfit exceeds `current_mm2`, the misfit of `state`.
     pub(super) fn part_of_step(
         &mut self,
         state: &State,

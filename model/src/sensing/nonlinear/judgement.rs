@@ -13,8 +13,8 @@ use crate::sensing::{
 };
 use nalgebra::DMatrix;
 
-/// A direction is not identifiable if its standard deviation exceeds this angle, degrees. A position is not identifiable if its standard deviation exceeds this
-/// share of the plate's length.
+/// A direction is not identifiable if its standard deviation exceeds this angle, degrees. A position is not identifiable if its standard deviation
+/// exceeds the share `LARGEST_POSITION_SIGMA` of the plate's length.
 const LARGEST_ANGLE_SIGMA_DEG: f64 = 30.0;
 pub(crate) const LARGEST_POSITION_SIGMA: f64 = 0.25;
 /// Another minimum explains the data equally well if its misfit (sum of squared residuals) exceeds the smallest misfit by at most this many noise variances.
@@ -58,9 +58,9 @@ impl NonlinearEstimate {
         Ok(())
     }
 
-    /// Refuses an estimate of several forces that has no redundant coordinates and differs from the forces of the linear finger. Many equilibria may
-    /// then explain the measurement exactly. The first entry of `starts` contains the forces of the linear finger, if the search started from these
-    /// forces.
+    /// Refuses an estimate of several forces if there are no redundant coordinates and the estimate differs from the forces that fit the linear
+    /// finger. Without redundant coordinates, many equilibria may explain the measurement exactly. If the search started from the forces that fit the
+    /// linear finger, these forces are the first entry of `starts`.
     ///
     /// # Errors
     /// [`SensingError::Unconfirmed`] if the estimate is refused.
@@ -98,7 +98,7 @@ impl NonlinearEstimate {
     }
 
     /// Refuses an estimate if another minimum explains the data equally well. Also refuses an estimate from few coordinates if `near` is `false` and
-    /// no second minimum confirms the estimate. `near` states whether the minimum is locally unique or the equilibria were scanned. `minima` lists
+    /// no second minimum confirms the estimate. `near` is `true` if the minimum is locally unique or the equilibria were scanned. `minima` lists
     /// misfit, mm^2, and forces, N, of each minimum.
     ///
     /// # Errors
@@ -207,8 +207,8 @@ impl NonlinearEstimator<'_> {
         }
         let scales = &state.linearised.scales;
         let linear = |i: usize, j: usize| scales[i] * scales[j] * parts.covariance(i, j) * noise_mm * noise_mm;
-        // A force b across the direction adds b^2 / (2 f) to the force f, to second order. If b has the standard deviation s, the mean square of this
-        // term is 3 s^4 / (4 f^2). Terms of higher order are negligible if the direction is known to within some degrees.
+        // A force b across the direction adds b^2 / (2 f) to the force f, to second order. If the force b has the standard deviation s, the mean
+        // square of b^2 / (2 f) is 3 s^4 / (4 f^2). Terms of higher order are negligible if the direction is known to within some degrees.
         let by_direction = |i: usize| {
             let across = self.unknowns.iter().position(|unknown| *unknown == Unknown::Across(i));
             across.map_or(0.0, |j| 0.75 * (linear(j, j) / state.forces_n[i]).powi(2))

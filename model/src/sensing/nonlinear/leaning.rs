@@ -1,15 +1,17 @@
 //! Uncertainty of a force due to an uncertain lean (angle between force and normal), beyond the linearisation at the estimate.
 //!
-//! Markers that barely constrain the direction of a force let the direction trade off against contact position and magnitude. The resulting
-//! uncertainty of the force grows with the lean. The linearisation at the estimate may show only half of this uncertainty.
+//! Markers that barely constrain the direction of a force let the direction trade off against contact position and magnitude. The uncertainty of a
+//! force due to an uncertain lean grows with the lean. The linearisation at the estimate may show only half of the uncertainty that an uncertain lean
+//! causes.
 
 use super::search_history::SearchHistory;
 use super::{NonlinearEstimate, NonlinearEstimator, State};
 use crate::measurement::Measurement;
 use crate::sensing::{ContactQuestion, Direction, Lean, SensingError};
 
-/// Distance, in standard deviations, of two leans (angles between force and normal) on either side of the estimated lean. Forces are evaluated at
-/// these two leans. The two leans are the outer points of three-point Gauss-Hermite quadrature, and also the ends of a uniform distribution.
+/// Distance, in standard deviations, of two leans (angles between force and normal) on either side of the estimated lean. Forces are evaluated at the
+/// two leans that lie this distance from the estimate. The distance sqrt(3) gives the outer points of three-point Gauss-Hermite quadrature, and also
+/// the ends of a uniform distribution.
 pub(crate) const REACH: f64 = 1.732_050_807_568_877_2;
 /// An uncertain lean (angle between force and normal) needs evaluation only if it contributes more than this share of a force's standard deviation.
 pub(crate) const COUNTS: f64 = 0.3;
@@ -33,7 +35,7 @@ impl NonlinearEstimator<'_> {
     /// may imply a larger deviation than the linearisation at the estimate. The larger deviation is then used.
     ///
     /// # Errors
-    /// [`SensingError::Undetermined`] if the search finds forces at neither end.
+    /// [`SensingError::Undetermined`] if the search fails at both ends of the lean's range.
     pub(super) fn widen_by_leans(
         &self,
         state: &State,
@@ -47,7 +49,7 @@ impl NonlinearEstimator<'_> {
             if !estimate.forces.sigmas_n.iter().enumerate().any(counts) {
                 continue;
             }
-            // If the search fails at one end, only the other end counts.
+            // If the search fails at one end of the lean's range, only the other end counts.
             let ends = [-REACH, REACH]
                 .map(|reach| self.leaning_at(state, &found, reach * found.sd_deg, measurement, noise_mm).ok());
             let answered = ends.iter().flatten().count();
@@ -70,7 +72,7 @@ impl NonlinearEstimator<'_> {
     /// Forces, N, that explain the measurement best if `more_deg`, in degrees, is added to the lean `found`.
     ///
     /// # Errors
-    /// [`SensingError`] if the search finds no such forces.
+    /// [`SensingError`] if the search finds no forces for the changed lean.
     fn leaning_at(
         &self,
         state: &State,
@@ -88,7 +90,7 @@ impl NonlinearEstimator<'_> {
         let mut estimator = self.asking(&questions)?;
         estimator.expect(measurement, noise_mm)?;
         let start = estimator.resumed(state, measurement, noise_mm)?;
-        // The history is empty, so the search cannot end at an earlier path.
+        // The history is empty, so the search cannot end because it meets the path of an earlier search.
         let found = estimator.minimum_near(start, measurement, noise_mm, &mut SearchHistory::default())?;
         Ok(found.ok_or(SensingError::NoContact)?.state.forces_n)
     }

@@ -11,8 +11,8 @@ use nalgebra::DVectorView;
 
 /// A force with at most this relative standard deviation needs no check.
 pub(crate) const WELL_KNOWN: f64 = 0.3;
-/// A change of a force by one standard deviation moves the markers. The force is refused if this motion differs from the linearised motion by more
-/// than this share. See Bates and Watts, Nonlinear Regression Analysis and Its Applications, ch. 7, on the intrinsic curvature.
+/// A change of a force by one standard deviation moves the markers. The force is refused if the motion of the markers differs from the linearised
+/// motion by more than this share. See Bates and Watts, Nonlinear Regression Analysis and Its Applications, ch. 7, on the intrinsic curvature.
 pub(crate) const LARGEST_DEPARTURE: f64 = 0.5;
 
 /// An axis of the confidence region needs no check if the standard deviation along the axis is at most this share of the largest force. Without
@@ -21,12 +21,12 @@ const STRAIGHT: f64 = 1e-6;
 /// The ends of the confidence region are checked at this distance from the estimate, in standard deviations.
 const REACH: f64 = 3.0;
 /// A force is not identifiable if the misfit (sum of squared residuals) grows by less than this number of noise variances towards an end of the
-/// confidence region. For a linear finger the misfit grows by 9.
+/// confidence region. For a linear finger, the misfit grows by 9 noise variances towards each end.
 const LEAST_GROWTH: f64 = 1.0;
 
 impl NonlinearEstimator<'_> {
     /// Widens standard deviations if the misfit (sum of squared residuals) grows less towards the ends of the confidence region than it does for a
-    /// linear finger. Applies only to forces at known contacts that are estimated from few coordinates.
+    /// linear finger. The function applies only if few coordinates are measured and all unknowns are forces at known contacts.
     ///
     /// # Errors
     /// [`SensingError::Undetermined`] if the misfit hardly grows.

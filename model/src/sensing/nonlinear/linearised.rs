@@ -19,7 +19,7 @@ const RAYLEIGH_MEDIAN: f64 = 1.177_410_022_515_474_6;
 
 const ALL_ALIKE: SensingError = SensingError::IllConditioned { span: f64::INFINITY, limit: LARGEST_SPAN, weakest: 1 };
 
-/// Derivatives of the shape, and weights of the markers. Both are stored by key node, so they are valid for any set of markers.
+/// Derivatives of the shape, and weights of the markers. Derivatives and weights are stored by key node, so they are valid for any set of markers.
 #[derive(Debug, Clone)]
 pub(super) struct Linearised {
     /// Point of the mesh to which each marker belongs.
@@ -36,7 +36,7 @@ pub(super) struct Linearised {
     /// Violations, at the linearised state, of the conditions for contact with an object, mm. Each violation is divided by its standard deviation and
     /// multiplied by the noise.
     misses_mm: Vec<f64>,
-    /// Derivatives of these violations, conditions x unknowns, mm per unit of the unknown.
+    /// Derivatives of the violations of the contact conditions, conditions x unknowns, mm per unit of the unknown.
     touch_rates: DMatrix<f64>,
     /// Scale of each unknown, in the unit of the unknown.
     pub scales: Vec<f64>,
@@ -117,8 +117,8 @@ impl Linearised {
         }
     }
 
-    /// Sets the derivatives with respect to one unknown by the differences between two states, and between the violations of the contact conditions
-    /// at these states. `by` is the change of the unknown.
+    /// Sets the derivatives of the displacements and of the violated contact conditions with respect to one unknown, from their differences between
+    /// two states. `by` is the change of the unknown.
     pub(super) fn take_differences(&mut self, unknown: usize, [before, after]: [(Posed, &[f64]); 2], by: f64) {
         let key_nodes = self.marker_points.len();
         for (rate, point) in self.rates[unknown * key_nodes..].iter_mut().zip(&self.marker_points) {
@@ -145,12 +145,12 @@ impl Linearised {
 
     /// Displacement of a key node, mm per unit of an unknown.
     pub(super) fn rate(&self, unknown: usize, key_node: usize) -> Vector {
-        // There is one weight per key node.
+        // `weights` has one entry per key node, so its length is the number of key nodes.
         self.rates[unknown * self.weights.len() + key_node]
     }
 
     /// Sets the robust factor of each marker from the distance between its measured and computed positions. The factor is 1 up to a limit of the
-    /// distance, and limit / distance beyond the limit. For large distances, this factor is the square root of Cauchy's weight.
+    /// distance, and limit / distance beyond the limit. For large distances, the factor limit / distance is the square root of Cauchy's weight.
     pub(super) fn weigh(&mut self, shape: Posed, measurement: &Measurement, noise_mm: Option<f64>) {
         let markers = measurement.markers();
         self.distances.clear();
@@ -327,7 +327,7 @@ impl NonlinearEstimator<'_> {
                     let of_contact = self.pad.loads(self.mesh, &along, 1.0, plate_turns_rad[i]);
                     add_up(of_contact, rates, across, |load, out| ladder.added_load(motion, load, out))?;
                 }
-                // This unknown exists only with an object.
+                // The pose of an object is unknown only if the estimator has an object.
                 Unknown::Object(_) => continue,
                 Unknown::Shared(k) => {
                     rates.copy_from_slice(&self.shared_errors[k]);

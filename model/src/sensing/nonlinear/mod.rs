@@ -95,13 +95,13 @@ pub struct NearForces<'n> {
 /// of camera frames. For unrelated measurements, call [`reset`](NonlinearEstimator::reset) before each measurement. Use one clone per thread.
 ///
 /// # Requirements
-/// At least as many measured coordinates as unknowns. The unknowns are one force per contact, and each unknown position or direction. The ratio of
-/// the largest to the smallest singular value is at most [`LARGEST_SPAN`](super::LARGEST_SPAN).
+/// Requires at least as many measured coordinates as unknowns. The unknowns are one force per contact, and each unknown position or direction. The
+/// ratio of the largest to the smallest singular value of the derivatives must be at most [`LARGEST_SPAN`](super::LARGEST_SPAN).
 ///
 /// # Reference
-/// Minimises |W (u - u(f, s, angle))|^2 by the Levenberg-Marquardt method (Nocedal and Wright, Numerical Optimization,
-/// sec. 10.3). u() is the equilibrium of the co-rotational finger, with derivatives from the factored tangent. Outlying
-/// markers are down-weighted (iteratively reweighted least squares).
+/// For measured displacements u, the Levenberg-Marquardt method minimises |W (u - u(f, s, angle))|^2 (Nocedal and Wright, Numerical Optimization,
+/// sec. 10.3). The function u(f, s, angle) gives the displacements of the co-rotational finger in equilibrium, with derivatives from the factored
+/// tangent. Outlying markers are down-weighted (iteratively reweighted least squares).
 #[derive(Debug, Clone)]
 pub struct NonlinearEstimator<'m> {
     mesh: &'m Mesh,
@@ -118,8 +118,8 @@ pub struct NonlinearEstimator<'m> {
     held: Option<State>,
     /// Whether the minimum near the last estimate was chosen among all minima on a coarser mesh.
     is_chosen: bool,
-    /// Equilibria under all forces at the contacts. The outer option is `None` before the scan. The inner option is `None` if a scan is impossible
-    /// for the contacts.
+    /// Scanned equilibria of the finger under forces at the contacts. The outer option is `None` before the scan. The inner option is `None` if a
+    /// scan is impossible for the contacts.
     scan: Option<Option<Scan>>,
 }
 
@@ -170,8 +170,8 @@ impl State {
     }
 }
 
-/// A minimum and the number of steps to this minimum. If `near`, the search started near the minimum, or every step was complete and as good as
-/// predicted. The minimum then counts as locally unique. If not `near`, there may be further minima.
+/// A minimum and the number of steps to this minimum. If `near` is `true`, the search started near the minimum, or every step was complete and as
+/// good as predicted. A minimum with `near` counts as locally unique. If `near` is `false`, there may be further minima.
 struct Found {
     state: State,
     steps: usize,
@@ -243,9 +243,9 @@ impl<'m> NonlinearEstimator<'m> {
     }
 
     /// Estimates the forces like [`estimate`](NonlinearEstimator::estimate), but the search starts from `near`: forces and contacts near the result.
-    /// The search of `estimate` follows if no minimum near the forces `near` explains the measurement. This search also follows if the markers are so
-    /// few that another minimum may explain the measurement. If `near` was chosen among all minima on a coarser mesh (`is_chosen`), only the nearest
-    /// minimum is sought.
+    /// If no minimum near the forces of `near` explains the measurement, the search of `estimate` follows. With so few markers that another minimum
+    /// may explain the measurement, only the search of `estimate` runs. If `near` was chosen among all minima on a coarser mesh (`is_chosen`), only
+    /// the nearest minimum is sought.
     ///
     /// # Errors
     /// [`SensingError`] as for `estimate`.
@@ -259,8 +259,8 @@ impl<'m> NonlinearEstimator<'m> {
         self.estimate_from(None, near, is_chosen, measurement, noise_mm)
     }
 
-    /// Estimates the forces like [`estimate_near`](NonlinearEstimator::estimate_near). The search starts from the state `kept`, an earlier estimate on this
-    /// mesh with the same contacts, if a minimum is near this state; otherwise from the equilibrium under the forces of `near`.
+    /// Estimates the forces like [`estimate_near`](NonlinearEstimator::estimate_near). If a minimum is near the state `kept`, an earlier estimate on
+    /// this mesh with the same contacts, the search starts from `kept`. Otherwise the search starts from the equilibrium under the forces of `near`.
     fn estimate_from(
         &mut self,
         kept: Option<State>,
@@ -281,7 +281,7 @@ impl<'m> NonlinearEstimator<'m> {
         self.estimate(measurement, noise_mm)
     }
 
-    /// The minimum near a state of an earlier estimate. `None` if there is none, or if the state has other unknowns.
+    /// The minimum near a state of an earlier estimate. `None` if no minimum is near the given state, or if the state has other unknowns.
     fn at_minimum(&mut self, mut state: State, measurement: &Measurement, noise_mm: Option<f64>) -> Option<State> {
         (state.linearised.scales.len() == self.unknowns.len()).then_some(())?;
         state.linearised.priors.clone_from(&self.priors);
@@ -289,8 +289,8 @@ impl<'m> NonlinearEstimator<'m> {
         Some(state)
     }
 
-    /// State under known forces, N, followed from the state `from`, or from rest if `from` is `None`. `None` without equilibrium, with unknown
-    /// contacts or with an object.
+    /// State under known forces, N, followed from the state `from`, or from rest if `from` is `None`. `None` if no equilibrium is found, a position
+    /// or direction is unknown, or the estimator has an object.
     fn state_at(&mut self, forces_n: &[f64], from: Option<State>) -> Option<State> {
         self.object.is_none().then_some(())?;
         let contacts: Vec<Contact> = self.questions.iter().map(ContactQuestion::known).collect::<Option<_>>()?;
@@ -397,7 +397,7 @@ impl<'m> NonlinearEstimator<'m> {
         Ok(())
     }
 
-    /// Lists the unknowns. If the list changes, forgets all estimates.
+    /// Lists the unknowns. Forgets all estimates, which may have other unknowns.
     fn list_unknowns(&mut self, is_base_sought: bool) {
         let object = self.object.as_ref().map(|touching| &touching.object);
         self.unknowns = Unknown::of(&self.questions, is_base_sought, object, self.shared_errors.len());

@@ -1,9 +1,9 @@
 //! Nuisance parameters beside forces and positions: poses of the base and of an object, leans of forces, and errors that
 //! all markers share.
 //!
-//! Each parameter has a Gaussian prior, which is one row of the least-squares problem below the markers. The row is the deviation from the expected
-//! value, in standard deviations, multiplied by the noise of a coordinate. The expected rotation of a compliant base is proportional to the sum of
-//! the forces. The uncertainty of this rotation grows with the sum of the forces.
+//! Each nuisance parameter has a Gaussian prior, which is one row of the least-squares problem below the markers. The row of a prior is the deviation
+//! from the expected value, in standard deviations, multiplied by the noise of a coordinate. The expected rotation of a compliant base is
+//! proportional to the sum of the forces. The uncertainty of the rotation of a compliant base grows with the sum of the forces.
 
 use super::unknowns::{BaseMotion, Unknown};
 use crate::Vector;
@@ -20,7 +20,7 @@ pub(super) struct Nuisances {
     pub further_leans_deg: Vec<f64>,
     /// Deviation of the object from its stated pose: x (mm), y (mm) and rotation (rad).
     pub object: [f64; 3],
-    /// Errors that all markers share, in standard deviations. `shared_mm` is the displacement of each key node's marker due to all these errors
+    /// Errors that all markers share, in standard deviations. `shared_mm` is the displacement of each key node's marker due to all shared errors
     /// together, mm.
     pub shared: Vec<f64>,
     shared_mm: Vec<Vector>,
@@ -71,7 +71,7 @@ struct Prior {
     unknown: Unknown,
     /// Standard deviation of [`Nuisances::value`] without forces, in the unit of the value.
     sd: f64,
-    /// Expected value per newton of the sum of all forces. `sd_per_n` is the standard deviation of this rate.
+    /// Expected value per newton of the sum of all forces. `sd_per_n` is the standard deviation of `per_n`.
     per_n: f64,
     sd_per_n: f64,
 }
@@ -119,8 +119,7 @@ pub(super) struct Priors {
 }
 
 impl Priors {
-    /// Priors of all unknowns that have one: unknowns of the contacts in `questions`, of a measurement's base, of an object, and of errors that all
-    /// markers share.
+    /// Priors of all unknowns that have a prior: unknowns of the contacts in `questions`, of the base, of an object, and of shared errors.
     pub fn new(
         unknowns: &[Unknown],
         questions: &[ContactQuestion],

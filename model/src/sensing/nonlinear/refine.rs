@@ -6,26 +6,28 @@ use crate::measurement::Measurement;
 use crate::mesh::Mesh;
 use crate::sensing::{Contact, ContactQuestion, Pad, SensingError, TouchedObject, Warning};
 
-/// Refinement ends when doubling the mesh changes no force by more than either of two limits: this share of the largest force, and `REFINEMENT_SIGMAS` standard
-/// deviations of the force. A change by at most the share `NEGLIGIBLE` is always small enough.
+/// Refinement ends when doubling the mesh changes each force by no more than either of two limits: this share of the largest force, and
+/// `REFINEMENT_SIGMAS` standard deviations of the force. A change by at most the share `NEGLIGIBLE` of the largest force is always small enough.
 const REFINEMENT_TOLERANCE: f64 = 2e-3;
 const REFINEMENT_SIGMAS: f64 = 0.5;
 const NEGLIGIBLE: f64 = 1e-4;
-/// If refinement has settled, this share of the last change remains as an error of the last mesh, because errors decrease with the square of the
-/// element length (Richardson).
+/// If refinement has converged, the error of the last mesh is this share of the last change, because errors decrease with the square of the element
+/// length (Richardson).
 const REMAINS: f64 = 1.0 / 3.0;
 /// Beam elements per member: lower limit for the first mesh, and upper limit for the finest mesh.
 const ELEMENTS: std::ops::RangeInclusive<usize> = 4..=64;
-/// The first mesh has at least this number of elements. Even for a finger with few ribs, the first mesh then separates minima as well as a fine mesh
-/// does.
+/// The first mesh has at least this number of elements. With this number of elements, the first mesh separates minima as well as a fine mesh does,
+/// even for a finger with few ribs.
 const LEAST_ELEMENTS: usize = 40;
 
 /// Refines the mesh until doubling the mesh changes every force by at most half of the force's standard deviation and at most 0.2 % of the largest
 /// force. A change of at most 0.01 % of the largest force is always small enough. The standard deviations include the remaining error of the last
-/// mesh. Refinement also ends at 64 elements per member; the whole last change then counts as error. `object` touches the `pad` on the front plate;
-/// `object` is `None` if the shape of the object is unknown. On the first mesh, the search starts from `near` unless `near` is `None`.
+/// mesh. Refinement also ends at 64 elements per member; the whole change by the last doubling then counts as the error of the mesh. `object` touches
+/// the `pad` on the front plate; `object` is `None` if the shape of the object is unknown. On the first mesh, the search starts from `near` unless
+/// `near` is `None`.
 ///
-/// Small changes alone do not prove convergence. Near a limit load, and for loads between nodes, changes may be small by chance and grow again.
+/// Small changes alone do not prove convergence. Near a limit load, and for loads between nodes, the change by one doubling of the mesh may be small
+/// by chance, and the next change may be larger again.
 ///
 /// # Errors
 /// [`SensingError`] from the estimate on any of the meshes.
@@ -66,9 +68,9 @@ impl<'f> Refinement<'f> {
         Refinement { finger, questions: questions.to_vec(), pad, levels: Vec::new(), found: None }
     }
 
-    /// Estimates the forces of a measurement, as [`sense_refining`] describes. If `near` is the last estimate, each mesh starts from its own shape of this
-    /// estimate, not from the equilibrium under the forces of `near`. Where both starting points lead to the same minimum, the forces agree within the
-    /// tolerance of the search, about 1e-8 of the largest force.
+    /// Estimates the forces of a measurement, as [`sense_refining`] describes. If `near` is the last estimate, the search on each mesh starts from
+    /// the shape that the mesh had in the last estimate, not from the equilibrium under the forces of `near`. If a kept shape and the equilibrium
+    /// under the forces of `near` lead to the same minimum, the forces agree within the tolerance of the search, about 1e-8 of the largest force.
     ///
     /// # Errors
     /// [`SensingError`] from the estimate on any of the meshes.

@@ -1,9 +1,10 @@
 //! Scans all equilibria of the finger under forces at the contacts, to start a search near every minimum of the misfit (sum of squared residuals).
 //!
 //! One force of known position and direction has one curve of equilibria, which passes through the unloaded finger. Two forces have a surface of
-//! equilibria. This surface is covered by curves along which the second force varies. One such curve starts at each point of the first force's curve.
-//! For one force of unknown position or direction, curves at several positions and directions pass near every minimum. Between two points of a curve,
-//! misfits follow from the displacements and the derivatives of the displacements at both points (cubic Hermite interpolation).
+//! equilibria. The surface of equilibria under two forces is covered by curves along which the second force varies. A curve along which the second
+//! force varies starts at each point of the first force's curve. For one force of unknown position or direction, curves at several positions and
+//! directions pass near every minimum. Between two points of a curve, misfits follow from the displacements and the derivatives of the displacements
+//! at both points (cubic Hermite interpolation).
 
 use super::{NonlinearEstimator, State};
 use crate::Vector;
@@ -13,12 +14,12 @@ use crate::measurement::{Marker, Measurement};
 use crate::sensing::{Contact, ContactPosition, ContactQuestion, Direction};
 
 /// Intended largest changes between neighbouring points of a curve. Each row contains the change of a displacement (share of the front plate's
-/// length) and of a rotation (rad). The first row is for a single curve, the second for several curves.
+/// length) and of a rotation (rad). The first row applies to a scan of a single curve, the second row to a scan of several curves.
 const STEPS: [[f64; 2]; 2] = [[0.02, 0.15], [0.1, 0.6]];
 /// A step is repeated with half its length if its change exceeds the intended largest change by more than this factor.
 const TOO_LONG: f64 = 1.5;
-/// A curve ends beyond this displacement (share of the front plate's length) or this rotation (rad). Both limits exceed the displacements and
-/// rotations of a grasping finger.
+/// A curve ends beyond this displacement (share of the front plate's length) or this rotation (rad). The limits of displacement and rotation exceed
+/// the displacements and rotations of a grasping finger.
 const ENDS: [f64; 2] = [0.5, 1.5];
 /// A step without equilibrium is repeated with this share of its length, because [`Statics::tried`](crate::statics::Statics) has already tried larger
 /// shares.
@@ -30,14 +31,15 @@ const MOST_FAILED: usize = 2;
 const MOST_FAILED_AT_REST: usize = 5;
 /// A curve ends after this number of points on either side of its start.
 const MOST_POINTS: usize = 200;
-/// Number of intervals between neighbouring points of a curve. The misfit (sum of squared residuals) is evaluated at the ends of these intervals.
+/// Number of intervals between neighbouring points of a curve. The misfit (sum of squared residuals) is evaluated at the ends of the intervals
+/// between neighbouring points.
 const BETWEEN: usize = 8;
 /// Positions, as shares of the front plate, and directions (`ANGLES_DEG`, degrees) that are scanned for contacts whose position or direction is
 /// unknown.
 const POSITIONS: [f64; 6] = [0.15, 0.35, 0.5, 0.65, 0.8, 0.95];
 const ANGLES_DEG: [f64; 3] = [0.0, -40.0, 40.0];
 
-/// Equilibria under one varying force, from the most negative to the most positive.
+/// Equilibria under one varying force, in the order from the most negative to the most positive value of the force.
 #[derive(Debug, Clone)]
 struct Curve {
     /// Index of the varying force.
@@ -178,7 +180,7 @@ impl NonlinearEstimator<'_> {
 }
 
 impl Curve {
-    /// Misfits at the points of the curve, except the last point, and between the points.
+    /// Misfits at all points of the curve except the last point, and at positions between neighbouring points.
     fn misfits(&self, measurement: &Measurement, curve: usize) -> Vec<ScannedPoint> {
         let mut scanned = Vec::with_capacity(BETWEEN * self.points.len());
         let at =

@@ -1,9 +1,9 @@
-//! Search for the nearest minimum of the misfit (sum of squared weighted residuals) from any starting point: the Levenberg-Marquardt method with a trust
-//! region.
+//! Searches for the nearest minimum of the misfit (sum of squared weighted residuals) from any starting point, by the Levenberg-Marquardt method with
+//! a trust region.
 //!
 //! The finger hardly responds to a force along a plate until the plate buckles. A step that suits the linearised finger may lead far away, or to no
 //! equilibrium. The trust region therefore limits steps to the range in which earlier predictions were accurate. A step also ends at an equilibrium
-//! if its misfit is much larger than the misfit at the start of the step ([`follow`](super::follow)).
+//! whose misfit is much larger than the misfit at the start of the step ([`follow`](super::follow)).
 
 use super::search_history::SearchHistory;
 use super::{Found, NonlinearEstimator, SETTLED_ANGLE_DEG, State};
@@ -20,12 +20,12 @@ const CONVERGENCE: Convergence = Convergence { relative_decrease: 1e-2 * 1e-2, s
 /// After [`MAX_STEPS`], the result is accepted if the last step changed every unknown by at most this share of its scale. No camera resolves such a change. If
 /// the finger does not explain the data, the weights of the markers change in every step and converge slowly.
 const SMALL_ENOUGH: f64 = 1e-5;
-/// The minimum may be near if a step changes every unknown by at most this share of its scale. If the minimum proves not to be near, a tenth of the
-/// change in this step is the next limit.
+/// The minimum may be near if a step changes every unknown by at most this share of its scale. If the minimum proves not to be near, the limit is
+/// lowered to a tenth of the change in that step.
 const MAY_BE_NEAR: f64 = 0.03;
 /// A step is accepted if it increases the misfit (sum of squared residuals) by at most this share, or by at most `TURNING_SLACK` while directions
-/// that follow the plate turn. Rounding may cause a small increase. A turning normal may increase the misfit in a good step, but the next step
-/// corrects the residual.
+/// that follow the plate turn. Rounding may cause a small increase. Even in a good step, the misfit may increase because a normal turns, but the next
+/// step corrects the residual.
 const SETTLED_SLACK: f64 = 1e-12;
 const TURNING_SLACK: f64 = 0.5;
 
@@ -41,16 +41,17 @@ struct Search<'s, 'm> {
     reach: TrustRegion,
     /// Whether the last step left directions that follow the plate unchanged.
     is_settled: bool,
-    /// Largest relative change of an unknown in the last step. The minimum may be near if this change does not exceed `near`.
+    /// Largest relative change of an unknown in the last step. The minimum may be near if the last step's largest relative change of an unknown does
+    /// not exceed `near`.
     last_change: f64,
     near: f64,
-    /// Whether every step was complete and as good as predicted.
+    /// Whether every step was taken in full and decreased the misfit about as much as predicted.
     is_straight: bool,
 }
 
 /// End of a search.
 enum End {
-    /// The search has reached a minimum, after this number of further steps.
+    /// The search has reached a minimum; the number counts the additional steps of a final simultaneous correction, 0 without one.
     Minimum(usize),
     /// The search has met the path of another search.
     Met,
@@ -58,8 +59,8 @@ enum End {
 
 impl NonlinearEstimator<'_> {
     /// Searches for a minimum by Gauss-Newton steps. Each step ends at an equilibrium. A step is shortened if it does not reduce the misfit (sum of
-    /// squared residuals). The minimum counts as near if every step was complete and as good as predicted. `None` if the search meets an earlier path
-    /// of `history`.
+    /// squared residuals). The minimum counts as near if every step was taken in full and decreased the misfit about as much as predicted. `None` if
+    /// the search meets an earlier path of `history`.
     ///
     /// # Errors
     /// [`SensingError`] if the unknowns are not identifiable, or the steps do not converge.

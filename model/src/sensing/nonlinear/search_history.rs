@@ -1,10 +1,10 @@
-//! Paths of searches. A search ends when it meets an earlier path, because the search would continue along this path.
+//! Paths of searches. A search ends when it meets the path of an earlier search, because it would continue along that path.
 //!
 //! With known contacts and directions, forces alone describe the state of a search. With unknown contacts or directions, two searches may pass the
 //! same forces and end at different minima, so their paths are not recorded.
 //!
-//! A minimum far from explaining the measurement does not need full accuracy. If two searches agree on such a minimum, the search does not start from further
-//! multiples of the forces of the linear finger.
+//! A minimum far from explaining the measurement does not need full accuracy. If two searches agree on a minimum far from explaining the measurement,
+//! no search starts from further multiples of the forces of the linear finger.
 
 use super::State;
 use super::unknowns::Unknown;
@@ -95,7 +95,7 @@ impl SearchHistory {
         self.met.is_some()
     }
 
-    /// Adds the last state to the current path.
+    /// Adds a state to the current path, if paths are recorded.
     pub(super) fn reach(&mut self, state: &State) {
         if self.are_kept {
             self.current.push(state.forces_n.clone());

@@ -21,15 +21,15 @@ pub(super) enum Start {
     Times(f64),
     /// The forces that fit the linear finger to the measurement, with all unknown directions at this angle, degrees from the undeformed inward normal.
     Towards(f64),
-    /// The forces that fit the linear finger after a rigid motion of the base: the motion that explains the measurement best without any force.
+    /// The forces that fit the linear finger after its base is moved by the rigid motion that best explains the measurement without any force.
     FromMovedBase,
     /// The minimum that results if directions do not follow the plate but keep their angle from the undeformed normal.
     Held,
 }
 
 const STARTS: [Start; 4] = [Start::Times(1.0), Start::Times(-1.0), Start::Times(0.3), Start::Times(-0.3)];
-/// Further starting points for unknown directions, degrees, used if no multiple of the linear finger's forces explains the measurement. These
-/// starting points lead to forces that act nearly along a buckled plate.
+/// Further starting points, with unknown directions at these angles in degrees, used if no multiple of the linear finger's forces explains the
+/// measurement. The starting points at these angles lead to forces that act nearly along a buckled plate.
 const STARTS_BY_DIRECTION: [Start; 3] = [Start::Towards(0.0), Start::Towards(-60.0), Start::Towards(60.0)];
 
 impl NonlinearEstimator<'_> {
@@ -83,7 +83,7 @@ impl NonlinearEstimator<'_> {
         }
         let from_base = seen_from(self.finger(), measurement, &nuisances.base);
         let finger = self.finger();
-        // An unknown position is tried at every contact node. Several unknown positions are tried one after the other.
+        // An unknown position is tried at every contact node. Several unknown positions are determined one after the other.
         let mut positions: Vec<Option<ContactPosition>> = self.questions.iter().map(|q| q.position).collect();
         for i in 0..positions.len() {
             if positions[i].is_some() {
@@ -156,7 +156,7 @@ impl NonlinearEstimator<'_> {
         self.resumed(found.ok_or(SensingError::NoContact)?.state, measurement, noise_mm)
     }
 
-    /// A state of an estimator with other unknowns, linearised for the unknowns of this estimator.
+    /// Takes over the state of an estimator with other unknowns and linearises it for the unknowns of this estimator.
     ///
     /// # Errors
     /// [`SensingError`] if loads that follow an object have no equilibrium.
@@ -200,9 +200,9 @@ impl NonlinearEstimator<'_> {
             }
         }
         let estimator = LinearEstimator::new(finger, &components, measurement)?;
-        // If few markers barely separate forces, least squares may return large forces that cancel. Such forces are a bad starting point. A prior
-        // prevents such forces. The prior's standard deviation is about the size of a single force that would move the markers as far as measured.
-        // The prior has little effect on forces that the markers separate well.
+        // If few markers barely separate forces, least squares may return large forces that cancel. Large forces that cancel are a bad starting
+        // point. A prior prevents such forces. The standard deviation of the prior for each force is about the size of a single force that would move
+        // the markers as far as measured. The prior has little effect on forces that the markers separate well.
         let moved: f64 = measurement.markers().iter().map(|m| (m.displacement * m.weight).norm_squared()).sum();
         let prior = Prior::Gaussian { force_n: moved.sqrt() / estimator.singular_values()[0] };
         let mut estimate = estimator.estimate(measurement, None, prior);
@@ -231,7 +231,7 @@ impl NonlinearEstimator<'_> {
 /// to their measured positions.
 ///
 /// # Reference
-/// Umeyama, IEEE Transactions on Pattern Analysis and Machine Intelligence 13 (1991), in the plane.
+/// Umeyama, IEEE Transactions on Pattern Analysis and Machine Intelligence 13 (1991), for the two-dimensional case.
 fn rigid_motion(finger: &Finger, measurement: &Measurement) -> Isometry2<f64> {
     let markers = || measurement.markers().iter().map(|marker| (finger.marker_position(marker.node), marker));
     let weight: f64 = markers().map(|(_, m)| m.weight * m.weight).sum();
@@ -249,7 +249,7 @@ fn rigid_motion(finger: &Finger, measurement: &Measurement) -> Isometry2<f64> {
     Isometry2::from_parts((to - rotation * from).into(), rotation)
 }
 
-/// The measurement with its displacements, mm, converted to the pose `base` of the base.
+/// The measurement with its displacements, mm, expressed in the frame of a base with the pose `base`.
 fn seen_from<'m>(finger: &Finger, measurement: &'m Measurement, base: &Isometry2<f64>) -> Cow<'m, Measurement> {
     if *base == Isometry2::identity() {
         return Cow::Borrowed(measurement);

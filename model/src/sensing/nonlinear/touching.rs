@@ -1,8 +1,8 @@
 //! Contacts with an object of known shape: the plate, or the pad on it, touches the object's outline tangentially.
 //!
 //! Each contact adds two rows to the least-squares problem, below the rows of the markers and the priors. The point of the outline that faces the
-//! plate must coincide with the contact, both perpendicular to the plate and along the plate. The rows determine position and direction as accurately
-//! as the object's pose is known.
+//! plate must coincide with the contact, both perpendicular to the plate and along the plate. The rows of a contact with an object determine the
+//! contact's position and direction as accurately as the object's pose is known.
 
 use super::search_history::SearchHistory;
 use super::{NonlinearEstimator, Posed, SETTLED_ANGLE_DEG, State};
@@ -14,14 +14,15 @@ use crate::sensing::{Contact, ContactQuestion, Direction, Lean, Normal, SensingE
 use crate::statics::StaticsError;
 use nalgebra::Point2;
 
-/// Assumed standard deviations of a closed contact, mm: perpendicular to the plate, and along the plate. These values are far smaller than the error
-/// of outlines, but not smaller than the error of a mesh.
+/// Assumed standard deviations of a closed contact, mm: perpendicular to the plate, and along the plate. The assumed standard deviations are far
+/// smaller than the error of an object's outline, but not smaller than the error of a mesh.
 const CLOSED_SD_MM: [f64; 2] = [0.01, 0.03];
 /// Step of the difference quotients, as a share of each unknown's scale. The differenced quantities are almost linear within such a small step.
 const STEP: f64 = 1e-5;
-/// Number of updates of the loads for the bent shape, which determines the directions and levers of the loads.
+/// Number of times that the loads are updated to the bent shape, which determines their directions and levers.
 const FOLLOWED: usize = 3;
-/// The iteration to loads that fit the shape ends after this number of updates. Each update removes most of the remaining change.
+/// The iteration that adapts the loads to the shape ends after this number of updates. Each update of the loads removes most of the change that
+/// remains.
 const SETTLINGS: usize = 12;
 /// A gap of more than this number of standard deviations is no contact.
 const LARGEST_GAP_SIGMAS: f64 = 6.0;
@@ -182,7 +183,7 @@ impl<'m> NonlinearEstimator<'m> {
     /// Iterates a state to the equilibrium under loads that follow its shape.
     ///
     /// # Errors
-    /// [`SensingError::Statics`] if the finger has no such equilibrium.
+    /// [`SensingError::Statics`] if the finger has no equilibrium under loads that follow its shape.
     pub(super) fn settle(&mut self, state: &mut State) -> Result<(), SensingError> {
         for _ in 0..SETTLINGS {
             let loads = state.loads.clone();

@@ -8,9 +8,10 @@ use nalgebra::{Translation2, UnitComplex};
 
 /// A position changes by at most this share of the plate's length in one step.
 const LONGEST_MOVE: f64 = 0.2;
-/// A position stays at least this share of the plate's length away from the base. Measurements cannot distinguish closer contacts from the clamp.
+/// A position stays at least this share of the plate's length away from the base. Measurements cannot distinguish a contact closer to the base from a
+/// contact at the clamp.
 const NEAREST_TO_BASE: f64 = 0.01;
-/// Scale of a rotation of the base, rad. A rotation by this scale moves the tip about as far as a force of 1 N does.
+/// Scale of a rotation of the base, rad. A rotation of the base by this angle moves the tip about as far as a force of 1 N does.
 const TURN_UNIT: f64 = 0.01;
 
 /// One unknown. A number in a variant is the index of the contact or of the shared error, from 0.
@@ -81,7 +82,7 @@ impl Unknown {
 
 impl NonlinearEstimator<'_> {
     /// Sets the scale of each unknown: 1 N for forces, [`TURN_UNIT`] for rotations, 1 mm for translations, and one standard deviation for errors that
-    /// all markers share. A shift of a contact by the scale of its position moves the finger about as far as a force of 1 N does.
+    /// all markers share. The scale of a position is a shift of the contact that moves the finger about as far as a force of 1 N does.
     pub(super) fn rescale(&self, state: &mut State) {
         let largest = state.forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         for (scale, unknown) in state.linearised.scales.iter_mut().zip(&self.unknowns) {
@@ -112,8 +113,8 @@ impl NonlinearEstimator<'_> {
         self.unknowns.iter().zip(&state.linearised.step).map(change).fold(0.0, f64::max)
     }
 
-    /// Applies the state's step to forces, contacts and loads, but not to the motion. Returns the largest turn of a direction
-    /// that follows the deformed plate, degrees.
+    /// Applies the state's step to forces, contacts and loads, but leaves the state's displacements and rotations unchanged. Returns the largest turn
+    /// of a direction that follows the deformed plate, degrees.
     ///
     /// # Errors
     /// [`LoadError`] if a position is not on the plate, which the limits of positions prevent.
@@ -127,7 +128,7 @@ impl NonlinearEstimator<'_> {
                 Unknown::Across(i) => {
                     let turned_deg = x.atan2(forces_n[i]).to_degrees();
                     match self.questions[i].direction {
-                        // A lean is small, so a force keeps its sign.
+                        // A lean (angle between force and normal) is small, so a force keeps its sign.
                         Direction::Leaning(_) => {
                             nuisances.further_leans_deg[i] += (x / forces_n[i]).atan().to_degrees();
                             forces_n[i] = forces_n[i].signum() * forces_n[i].hypot(x);
