@@ -1,11 +1,11 @@
-//! Numbers and nodes in texts that users write.
+//! Parses numbers and node numbers from text that users write.
 
 use crate::NodeId;
 
 /// Parses a finite number.
 ///
 /// # Errors
-/// A message that states the expected text.
+/// If the text is not a finite number: a message that states what was expected.
 pub fn finite(text: &str) -> Result<f64, String> {
     text.trim()
         .parse()
@@ -17,7 +17,7 @@ pub fn finite(text: &str) -> Result<f64, String> {
 /// Parses a finite number, zero or more.
 ///
 /// # Errors
-/// A message that states the expected text.
+/// If the text is not a finite number of at least zero: a message that states what was expected.
 pub fn not_negative(text: &str) -> Result<f64, String> {
     finite(text).and_then(|x| if x >= 0.0 { Ok(x) } else { Err(format!("expected zero or more, found {x}")) })
 }
@@ -25,7 +25,7 @@ pub fn not_negative(text: &str) -> Result<f64, String> {
 /// Parses a finite number above zero.
 ///
 /// # Errors
-/// A message that states the expected text.
+/// If the text is not a finite number above zero: a message that states what was expected.
 pub fn positive(text: &str) -> Result<f64, String> {
     finite(text).and_then(|x| if x > 0.0 { Ok(x) } else { Err(format!("expected more than zero, found {x}")) })
 }
@@ -33,7 +33,7 @@ pub fn positive(text: &str) -> Result<f64, String> {
 /// Parses the number of a node.
 ///
 /// # Errors
-/// A message that states the expected text.
+/// If the text is not a node number: a message that states what was expected.
 pub fn node(text: &str) -> Result<NodeId, String> {
     text.trim().parse().map(NodeId).map_err(|_| format!("expected the number of a node, found \"{text}\""))
 }

@@ -1,8 +1,9 @@
-//! Validity of the beam model in an equilibrium: strains must be small, shear negligible or part of the model, and bending must stay in the plane.
+//! Validity of the beam model in an equilibrium: strains must be small, shear must be negligible or part of the model, and bending must stay in the
+//! plane.
 //!
-//! Euler-Bernoulli beams with stress = E times strain give a smooth solution under any load, even an unrealistic one. [`Validity`] computes the neglected
-//! effects in an equilibrium. [`Validity::doubts`] compares strains with the material's limits ([`StrainLimits`], by default [`LARGEST_STRAIN`]) and shear
-//! with [`LARGEST_SHEAR_SHARE`]. Undeformable ribs are not examined.
+//! Euler-Bernoulli beams with stress = E times strain give a smooth solution under any load, even an unrealistic one. [`Validity`] computes how large
+//! the neglected effects are in an equilibrium. [`Validity::doubts`] compares strains with the material's limits ([`StrainLimits`], by default
+//! [`LARGEST_STRAIN`]) and shear with [`LARGEST_SHEAR_SHARE`]. Undeformable ribs are not examined.
 
 mod doubt;
 
@@ -18,19 +19,22 @@ use crate::{Kinematics, NodeId, Vector};
 /// Default limit of the fibre strain, dimensionless, for a material without a stated limit. Up to this strain, stress is assumed to be E times strain.
 ///
 /// An incompressible rubber in tension has the stress E / 3 (l - 1 / l^2) at the stretch ratio l (neo-Hookean; Treloar, The Physics of Rubber
-/// Elasticity, 1975, ch. 5). At the strain eps = l - 1, this is E eps (1 - eps + ...). At 5 % strain, the stress is 5 % below E eps, and engineering
-/// and logarithmic strain differ by 2.5 %. Flexural tests of plastics by beam formulas also end at this strain of the outer fibre (ASTM D790).
+/// Elasticity, 1975, ch. 5). At the strain eps = l - 1, this stress is E eps (1 - eps + ...). At 5 % strain, the stress is 5 % below E eps, and
+/// engineering and logarithmic strain differ by 2.5 %. Flexural tests of plastics that use beam formulas also end at 5 % strain of the outer fibre
+/// (ASTM D790).
 pub const LARGEST_STRAIN: f64 = 0.05;
 
-/// Number of elements per member when an equilibrium is solved only for examination. Shapes are then accurate to 0.04 % under a force of 3 N.
+/// Number of elements per member when an equilibrium is solved only for examination. With four elements per member, shapes are accurate to 0.04 %
+/// under a force of 3 N.
 const ELEMENTS: usize = 4;
 
 /// Euler-Bernoulli beams count as invalid if the share of shear in the strain energy exceeds this dimensionless limit.
 ///
-/// At this share, the loads move the finger by up to 5 % more than computed (see [`Validity::shear_share`]). If the largest strain is also at its
-/// limit, the error of a force stays within 10 %. Table I of the paper shades cells with at least this error (Xu et al. 2021, sec. V-A). A cantilever
-/// with a load at its end has this share at a length of 3.5 thicknesses. A member that is clamped at both ends and sways has this share at a length
-/// of 7 thicknesses.
+/// At this limit, the loads move the finger by up to 5 % more than computed without shear (see [`Validity::shear_share`]). If shear and largest
+/// strain are both at their limits, the error of a force stays within 10 %. Table I of the paper shades cells with errors of at least 10 % (Xu et al.
+/// 2021, sec. V-A). A cantilever with a load at its end reaches this share of shear at a length of 3.5 thicknesses for Poisson's ratio 0 (4.7 for
+/// 0.45). A member that is clamped at both ends and sways reaches this share of shear at a length of 7 thicknesses for Poisson's ratio 0 (9.3 for
+/// 0.45).
 pub const LARGEST_SHEAR_SHARE: f64 = 0.05;
 
 /// Shear correction factor of a rectangular section, dimensionless, from the energy of the parabolic shear stress (Timoshenko and Goodier, Theory of
@@ -49,7 +53,7 @@ pub struct StrainLimits {
 }
 
 impl StrainLimits {
-    /// Stated limit of a part, dimensionless; `None` if the scene states none.
+    /// Strain limit of a part as stated in the scene, dimensionless; `None` if the scene states no limit.
     pub fn stated(&self, part: Part) -> Option<f64> {
         match part {
             Part::Front => self.front,
@@ -58,7 +62,7 @@ impl StrainLimits {
         }
     }
 
-    /// Limit of a part, dimensionless: the stated limit, otherwise [`LARGEST_STRAIN`].
+    /// Strain limit of a part, dimensionless: the limit that the scene states, otherwise [`LARGEST_STRAIN`].
     pub fn of(&self, part: Part) -> f64 {
         self.stated(part).unwrap_or(LARGEST_STRAIN)
     }
@@ -79,7 +83,8 @@ pub struct FingerMember {
 /// Largest fibre strain in one part of the finger.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FibreStrain {
-    /// Fibre strain |axial strain| + |curvature| thickness / 2, dimensionless. In one of the two outer fibres, axial and bending strain have the same sign.
+    /// Fibre strain, dimensionless: |axial strain| + |curvature| thickness / 2. The magnitudes add, because axial and bending strain have the same
+    /// sign in one of the two outer fibres.
     pub strain: f64,
     /// Axial strain at the position of the largest fibre strain, dimensionless; positive in tension.
     pub axial_strain: f64,
@@ -94,11 +99,13 @@ pub struct FibreStrain {
 pub struct Validity {
     /// Largest fibre strain of each deformable part, in the order front plate, back plate, ribs.
     pub strains: Vec<FibreStrain>,
-    /// Shear energy divided by the strain energy of elongation and bending, dimensionless; zero at rest. The shear energy is V^2 l / (2 kappa G A), summed
-    /// over the members, with kappa = [`SHEAR_CORRECTION`] and G = E / (2 (1 + nu)). Zero if the finger's members deform in shear: nothing is neglected then.
+    /// Shear energy divided by the strain energy of elongation and bending, dimensionless; zero at rest. The shear energy is the sum of V^2 l / (2
+    /// kappa G A) over the members. V is the shear force, l the length, kappa = [`SHEAR_CORRECTION`] and G = E / (2 (1 + nu)). Zero if the model of
+    /// the finger includes shear, because no shear is neglected then.
     ///
-    /// If shear is included, the work of the loads on a linear finger grows by at most this share. The reason: the section forces of beams with shear
-    /// minimise the complementary energy, and the section forces of Euler-Bernoulli beams are admissible in this minimisation.
+    /// If the model included shear, the work of the loads on a linear finger would grow by at most this share. This bound holds because the section
+    /// forces of beams with shear minimise the complementary energy, and the section forces of Euler-Bernoulli beams are admissible in this
+    /// minimisation.
     pub shear_share: f64,
     /// Member with the largest shear energy; `None` without shear.
     pub shear_at: Option<FingerMember>,
@@ -107,7 +114,7 @@ pub struct Validity {
 }
 
 impl Validity {
-    /// Examines a motion of a mesh in equilibrium with loads. `kinematics` must be the kinematics with which the motion was solved.
+    /// Examines the motion of a mesh that is in equilibrium under loads. `kinematics` must be the kinematics with which the motion was solved.
     pub fn of(mesh: &Mesh, motion: &FrameMotion, kinematics: Kinematics, loads: &[FrameLoad]) -> Validity {
         let finger = mesh.finger();
         let examined = |line| examine(mesh, line, motion, kinematics, loads);
@@ -150,8 +157,8 @@ impl Validity {
 
 const PARTS: [Part; 3] = [Part::Front, Part::Back, Part::Ribs];
 
-/// Thickness of a beam with rectangular section, mm, from the ratio of its rigidities. A zone does not change this ratio. For an element of a tapered plate,
-/// the result lies between the thicknesses at the element's ends.
+/// Thickness of a beam with rectangular section, mm, from the ratio of its rigidities. A zone with a different modulus does not change this ratio.
+/// For an element of a tapered plate, the result lies between the thicknesses at the element's ends.
 fn thickness_mm(beam: &Beam) -> f64 {
     (12.0 * beam.bending_rigidity_nmm2 / beam.axial_rigidity_n).sqrt()
 }

@@ -66,19 +66,19 @@ impl<'f> Assembly<'f> {
         &self.equations
     }
 
-    /// Tangent stiffness of the last [`evaluate`](Assembly::evaluate). The matrix is n x n for n unknowns, with both triangles. Its entries are in
-    /// N/mm, N or N mm.
+    /// Tangent stiffness of the last [`evaluate`](Assembly::evaluate). The matrix is n x n for n unknowns; its upper and its lower triangle are
+    /// stored. Its entries are in N/mm, N or N mm.
     pub fn stiffness(&self) -> &CsMat<f64> {
         &self.stiffness
     }
 
-    /// Internal minus external forces of the last [`evaluate`](Assembly::evaluate), one per equation; N or N mm.
+    /// Internal minus external forces, computed by the last [`evaluate`](Assembly::evaluate), one entry per equation; N or N mm.
     pub fn residual(&self) -> &[f64] {
         &self.gradient
     }
 
-    /// Forces of the loads at factor 1 and at the motion of the last [`evaluate`](Assembly::evaluate), one per equation; N or N mm. If the factor grows by
-    /// one, the residual falls by these forces.
+    /// Forces of the loads at factor 1 and at the motion of the last [`evaluate`](Assembly::evaluate), one per equation; N or N mm. If the load
+    /// factor grows by 1, the residual falls by the load vector.
     pub fn load_vector(&self) -> &[f64] {
         &self.load_vector
     }
@@ -133,7 +133,7 @@ impl<'f> Assembly<'f> {
         let potential = self.frame.end_load(motion, end, force, moment_nmm, self.linear());
         let nodes = ends.map(|end| end.node);
         let (gradient, tangent) = self.frame.carry_over_links(motion, nodes, &potential, self.linear());
-        // The end of the arm moves on a circle, so the tangent has only diagonal entries.
+        // The end of a rigid arm moves on a circle about its node, so the load's tangent has only diagonal entries.
         for (k, equation) in self.equations.of_ends(self.frame, &ends).iter().enumerate() {
             if let Some(e) = *equation {
                 self.gradient[e] += gradient[k];

@@ -1,12 +1,12 @@
 //! Equilibria of one finger under many loads, computed several at a time in SIMD lanes.
 //!
 //! All loads share the mesh and hence the sequence of operations. Newton's method therefore handles one load per lane of the SIMD registers. When the
-//! load of a lane has converged, the lane starts with the next load. Lanes do not depend on each other, and each lane repeats
-//! [`Statics::equilibrium`] operation by operation. The result of a load is therefore bitwise the same in any batch, for any number of threads and on
-//! any machine.
+//! load of a lane has converged, the lane starts with the next load. Lanes do not depend on each other, and each lane performs exactly the operations
+//! of [`Statics::equilibrium`]. The result of a load is therefore bitwise the same in any batch, for any number of threads and on any machine.
 //!
 //! Lanes apply the whole load in one step. The scalar solver handles loads that need more steps or have no equilibrium. The scalar solver also
-//! computes the first correction of each load. This correction needs only the stiffness at rest, which the mesh stores.
+//! computes the first Newton correction of each load. The first Newton correction needs only the stiffness at rest, which the mesh stores, if the
+//! ribs are deformable and all loads act on nodes.
 
 use super::ladder::{Balance, Factor};
 use super::load_step::{CORRECTION_TOLERANCE, LoadStep};
@@ -19,11 +19,12 @@ use crate::number::{Lanes, Number};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-/// Number of loads in a piece, which one thread solves. The number is large enough to keep the lanes full until near the end of a piece, and small
-/// compared with the number of loads in a study.
+/// Number of loads in a piece, which one thread solves. A piece has enough loads to keep the lanes full until near its end, but few loads compared
+/// with a study.
 const LOADS_A_PIECE: usize = 256;
 
-/// Equilibria under dead loads, each followed from rest, in the order of the loads. The results equal those of [`Statics::equilibrium`].
+/// Equilibria under dead loads, each computed by continuation from rest, in the order of the loads. The results equal those of
+/// [`Statics::equilibrium`].
 ///
 /// Co-rotational equilibria are computed several at a time in SIMD lanes. The loads are divided into pieces for rayon's threads.
 ///
@@ -58,8 +59,8 @@ impl WithSimd for Piece<'_> {
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Piece { mesh, kinematics, loads } = self;
         let mut single = Statics::ladder(mesh, kinematics);
-        // Lanes are no faster for a single load. Lanes are no faster for linear equilibria either, because all linear equilibria share one
-        // factorisation.
+        // SIMD lanes are no faster than the scalar solver for a single load. SIMD lanes are no faster than the scalar solver for linear equilibria,
+        // because all linear equilibria share one factorisation.
         if kinematics == Kinematics::Linear || loads.len() == 1 {
             return loads.iter().map(|loads| single.equilibrium(loads)).collect();
         }
@@ -95,7 +96,7 @@ struct Path<'a> {
 }
 
 impl<'a, I: Iterator<Item = (usize, &'a &'a [FrameLoad])>> PendingLoads<'a, I> {
-    /// The next load that needs more than one correction from rest. `motion` then contains the motion after the first correction.
+    /// The next load that needs more than one correction from rest. `motion` receives the motion of the returned load after its first correction.
     fn next(&mut self, motion: &mut FrameMotion, at_rest: &FrameMotion) -> Option<Path<'a>> {
         while let Some((index, &loads)) = self.loads.next() {
             if !loads.iter().all(FrameLoad::is_finite) {
@@ -134,11 +135,11 @@ struct Batch<'a, R: Number> {
     motion: FrameMotion<R>,
     /// Rotations that the first correction of each load predicts, rad.
     predicted: Vec<R>,
-    /// Work of the last correction in each lane, N mm: an argument of [`LoadStep::judge`].
+    /// Work of the last correction in each lane, N mm; passed to [`LoadStep::judge`].
     work: R,
-    /// Squared energy norm of the solution in each lane, N mm: an argument of [`LoadStep::judge`].
+    /// Squared energy norm of the solution in each lane, N mm; passed to [`LoadStep::judge`].
     scale: R,
-    /// In each lane, the largest rotation or the largest deviation of a rotation from its prediction, rad: an argument of [`LoadStep::judge`].
+    /// In each lane, the largest deviation of a rotation from its prediction, rad; passed to [`LoadStep::judge`].
     turn: R,
     /// The motion of the undeformed frame.
     at_rest: FrameMotion,
@@ -173,7 +174,7 @@ impl<'a, R: Number> Batch<'a, R> {
         for (lane, path) in self.paths.iter_mut().enumerate().filter(|(_, path)| path.is_none()) {
             *path = waiting.next(&mut self.of_lane, &self.at_rest);
             if path.is_none() {
-                // An idle lane stays at rest. Otherwise its motion could contain subnormal numbers, which would slow down the other lanes.
+                // An idle lane stays at rest. At rest, an idle lane contains no subnormal numbers, which would slow down the other lanes.
                 self.of_lane.clone_from(&self.at_rest);
             }
             self.motion.set_lane(lane, &self.of_lane);

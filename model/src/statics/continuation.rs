@@ -1,7 +1,7 @@
 //! Continuation from one equilibrium to another in adaptive load steps.
 //!
-//! The rotations in the previous step determine how long that step could have been; the length of the next step follows from this length. Near the
-//! predicted end of the stable branch, the prediction limits the length ([`limit`](super::limit)).
+//! The rotations in a load step determine the largest length that this step could have had. The length of the next step follows from this largest
+//! length. Near the predicted end of the stable branch, the prediction limits the length of a load step ([`limit`](super::limit)).
 
 use super::limit::Approach;
 use super::load_path::{LoadPath, LoadTransition, ProportionalLoading, TrialTransition};
@@ -27,7 +27,7 @@ const LEAST_TRIED_STEP: f64 = 0.02;
 const MOST_STEPS: usize = 2000;
 
 impl<E: EquilibriumEquations> Statics<E> {
-    /// Solves for the equilibrium under dead loads, followed from rest.
+    /// Computes the equilibrium under dead loads by continuation from rest.
     ///
     /// # Errors
     /// [`StaticsError`] if a load is not finite, the branch of stable equilibria ends before the full load, or rounding leaves too few digits.
@@ -35,8 +35,8 @@ impl<E: EquilibriumEquations> Statics<E> {
         self.continued(&self.equations.at_rest(), loads, 0.0, 1.0)
     }
 
-    /// Equilibria under the given multiples of the loads. The first equilibrium is followed from rest, and each further equilibrium from the previous
-    /// equilibrium.
+    /// Equilibria under the given multiples of the loads. Continuation leads from rest to the first equilibrium, and from each equilibrium to the
+    /// next.
     ///
     /// Stops at the first multiple without an equilibrium. Returns the equilibria of the preceding multiples, and the error.
     pub fn path(&mut self, loads: &[FrameLoad], multiples: &[f64]) -> (Vec<Equilibrium>, Option<StaticsError>) {
@@ -59,7 +59,8 @@ impl<E: EquilibriumEquations> Statics<E> {
     /// Equilibrium under `to` times the loads. The path begins at `start`, the equilibrium under `from` times the loads.
     ///
     /// # Errors
-    /// [`StaticsError`] as for [`equilibrium`](Statics::equilibrium). The converged fraction in the error is relative to `to`.
+    /// [`StaticsError`] as for [`equilibrium`](Statics::equilibrium). The converged fraction in the error is the last converged multiple of the
+    /// loads, divided by `to`.
     pub fn continued(
         &mut self,
         start: &FrameMotion,
@@ -80,7 +81,7 @@ impl<E: EquilibriumEquations> Statics<E> {
     /// loads of `from` decrease linearly to zero and the loads of `to` increase linearly from zero.
     ///
     /// # Errors
-    /// [`StaticsError`] as for [`equilibrium`](Statics::equilibrium). Its converged fraction is the share of the path, 0..1.
+    /// [`StaticsError`] as for [`equilibrium`](Statics::equilibrium). The converged fraction in the error is the completed share of the path, 0..1.
     pub fn shifted(
         &mut self,
         start: &FrameMotion,
@@ -94,11 +95,11 @@ impl<E: EquilibriumEquations> Statics<E> {
     }
 
     /// Follows the path of [`shifted`](Statics::shifted) as a trial, for a caller that shortens the path if the trial fails. The trial does not
-    /// locate the end of a branch exactly. It ends without a result after `most_rejected` rejected steps, or at an equilibrium that `goes_on`
+    /// locate the end of a branch exactly. The trial ends without a result after `most_rejected` rejected steps, or at an equilibrium that `goes_on`
     /// rejects.
     ///
     /// # Errors
-    /// [`StaticsError`] as for [`equilibrium`](Statics::equilibrium). Its converged fraction is the share of the path, 0..1.
+    /// [`StaticsError`] as for [`equilibrium`](Statics::equilibrium). The converged fraction in the error is the completed share of the path, 0..1.
     pub(crate) fn tried(
         &mut self,
         start: &FrameMotion,

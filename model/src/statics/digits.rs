@@ -9,19 +9,19 @@ use super::{Equilibrium, EquilibriumEquations, Statics, StaticsError};
 use crate::Kinematics;
 use crate::frame::{FrameLoad, FrameMotion};
 
-/// If the last correction is below this share of the solution, the solution has one digit more than required. This margin exists because the error
-/// may exceed the correction.
+/// If the last correction is below this share of the solution, the solution has one digit more than required. The margin of one digit exists because
+/// the error may exceed the correction.
 const SMALL_CORRECTION: f64 = 1e-5;
 /// Number of decimal digits of a number in double precision.
 const ALL_DIGITS: f64 = 15.65;
 /// With fewer correct digits than this number, no Newton correction falls below the threshold of rounding noise, 1e-6 of the solution.
 const FEWEST_NEWTON_DIGITS: f64 = 5.0;
 /// Load factor so small that every frame is linear to all digits. A factor of 1e-12 is too large: under 1e-12 N, a plate of 0.01 mm thickness is not
-/// linear.
+/// linear to all digits.
 const HARDLY_ANY_LOAD: f64 = 1e-20;
 
 impl<E: EquilibriumEquations> Statics<E> {
-    /// Equilibrium under dead loads, followed from rest, with at least four correct digits. Linearises once more than
+    /// Equilibrium under dead loads, computed by continuation from rest, with at least four correct digits. Linearises one more time than
     /// [`equilibrium`](Statics::equilibrium), unless the last correction already proves that enough digits are correct.
     ///
     /// # Errors
@@ -39,8 +39,8 @@ impl<E: EquilibriumEquations> Statics<E> {
     /// Number of correct decimal digits of an equilibrium, 0 to 15.65. The number follows from the effect of one more correction: the larger of the
     /// relative changes in energy norm and in displacement.
     ///
-    /// The number is an estimate. For linear solutions with known error, the estimate is at most 0.3 digits too high. It may be three or four digits
-    /// too low, because the energy norm includes noise in single elements that barely moves any node.
+    /// The number is an estimate. For linear solutions with known error, the estimate is at most 0.3 digits too high. The estimate may be three or
+    /// four digits too low, because the energy norm includes noise in single elements that barely moves any node.
     ///
     /// Source: corrections as error estimates, Higham, Accuracy and Stability of Numerical Algorithms, ch. 12.
     pub fn digits_left(&mut self, motion: &FrameMotion, loads: &[FrameLoad]) -> f64 {

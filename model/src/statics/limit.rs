@@ -1,8 +1,9 @@
 //! Prediction of the end of a branch of stable equilibria, from the determinant of the tangent stiffness.
 //!
 //! At the end of the branch, one pivot of the tangent and the tangent's determinant D reach zero. Let s be the share of the load path, and s* the
-//! share at the end of the branch. Near this end, D falls as (1 - s / s*)^p. The exponent p is 1/2 at a fold (limit load, snap-through) and 1 at a
-//! bifurcation (a straight rib that buckles). A path that only passes close to a fold shows p = 2/3 for a while. Three equilibria determine s* and p.
+//! share at the end of the branch. Near the end of the branch, the determinant D at a share s of the path falls as (1 - s / s*)^p. The exponent p is
+//! 1/2 at a fold (limit load, snap-through) and 1 at a bifurcation (a straight rib that buckles). On a path that only passes close to a fold, p is
+//! 2/3 over part of the path. Three equilibria determine s* and p.
 
 /// Exponent p of the determinant of a branch that ends in a fold (limit load, snap-through).
 const FOLD: f64 = 0.5;
@@ -10,21 +11,21 @@ const FOLD: f64 = 0.5;
 const BIFURCATION: f64 = 1.0;
 /// Number of bisections of the interval of exponents p. The bisections determine p to 1e-3, which is finer than the accuracy of the predictions.
 const HALVINGS: usize = 9;
-/// A step covers this share of the remaining distance to a fold. Displacements vary with the square root of this distance. If a step covers 8/9 of
-/// the distance, the tangent's prediction is wrong by half, which is the limit for a load step.
+/// A step covers this share of the remaining distance to a fold. Near a fold, displacements vary with the square root of the remaining distance. If a
+/// step covers 8/9 of the distance to a fold, the tangent's prediction is wrong by half, which is the limit for a load step.
 const REACH_AT_FOLD: f64 = 0.8;
 /// A step covers this share of the remaining distance to a bifurcation. Near a bifurcation, displacements are smooth functions of the load.
 const REACH_AT_BIFURCATION: f64 = 0.95;
-/// A step has at least this share of the length of the last step. This limit applies if the determinant falls by powers of ten, because predictions
-/// are then useless.
+/// A step has at least this share of the length of the last step. This lower limit applies if the determinant falls by powers of ten between two
+/// equilibria, because predictions are then useless.
 const LEAST_REACH: f64 = 0.01;
-/// Largest exponent p of the determinant that counts as a fold. The exponents 2/3 and 1 exceed this limit by more than the errors due to rounding and
-/// to the finite distance between equilibria.
+/// Largest exponent p of the determinant that counts as a fold. The exponents 2/3 and 1 exceed 0.58 by more than the errors due to rounding and to
+/// the finite distance between equilibria.
 const LARGEST_POWER_OF_FOLD: f64 = 0.58;
 /// A fold counts as reached when the remaining distance is below this share of the predicted end of the branch.
 const GAP_TO_FOLD: f64 = 1e-4;
-/// The end of a branch that is not a fold counts as reached when the remaining distance is below this share of the predicted end. The branch may
-/// still turn at this end and continue.
+/// The end of a branch that is not a fold counts as reached when the remaining distance is below this share of the predicted end. A branch whose
+/// predicted end is not a fold may still turn there and continue.
 const GAP_TO_OTHERS: f64 = 1e-6;
 /// The last two predictions agree if they differ by at most this share of the remaining distance.
 const AGREEMENT: f64 = 0.5;
@@ -74,8 +75,8 @@ impl Approach {
         self.predicted.is_some_and(|end| share > end.share)
     }
 
-    /// Whether the last two predictions agree and the branch ends before a share of the path. The predicted end must lie before this share by more
-    /// than the distance from the last equilibrium to the predicted end.
+    /// Whether the last two predictions agree and the branch ends before a share of the path. The distance from the predicted end to this share must
+    /// exceed the distance from the last equilibrium to the predicted end.
     pub(super) fn ends_before(&self, share: f64) -> bool {
         let (Some(End { share: end, .. }), Some(at)) = (self.predicted, self.at()) else { return false };
         self.predictions_agree() && end + (end - at) < share
@@ -104,7 +105,7 @@ impl Approach {
     fn end(&self) -> Option<End> {
         let [first, Some(second), Some(third)] = self.points else { return None };
         let end = |power: f64| end_of_interval(second, third, power);
-        // Fall of the determinant's logarithm between the first two equilibria: actual fall minus the fall that the exponent `power` implies.
+        // Actual fall of the determinant's logarithm between the first two equilibria, minus the fall that the exponent `power` implies.
         let excess = |power: f64| {
             let ([first, log_first], [second, log_second]) = (first?, second);
             let end = end(power)?;
@@ -134,7 +135,7 @@ impl Approach {
     }
 }
 
-/// Share of the path at which the determinant becomes zero, if the determinant falls as (1 - s / s*)^p between two equilibria. `None` if the
+/// Share s* of the path at which the determinant becomes zero, if it falls as (1 - s / s*)^p with the share s between two equilibria. `None` if the
 /// determinant does not fall.
 fn end_of_interval([from, log_from]: [f64; 2], [to, log_to]: [f64; 2], power: f64) -> Option<f64> {
     let ratio = ((log_from - log_to) / power).exp();

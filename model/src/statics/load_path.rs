@@ -3,14 +3,15 @@
 use super::load_step::CORRECTION_TOLERANCE;
 use crate::frame::{FrameLoad, FrameMotion};
 
-/// Convergence tolerance at intermediate equilibria. The next step corrects the remaining error. This error must be small compared with a short step.
+/// Convergence tolerance at intermediate equilibria. The next step corrects the error that this tolerance leaves in an intermediate equilibrium. The
+/// error of an intermediate equilibrium must be small compared with a short step.
 const STATION_TOLERANCE: f64 = 1e-8;
 /// Convergence tolerance at all equilibria of a trial path. Because Newton's method converges quadratically, the equilibria are accurate to 1e-9.
 const TRIED_TOLERANCE: f64 = 1e-6;
 /// A trial path without any accepted step ends only after at least this many rejected steps.
 const MOST_REJECTED_AT_START: usize = 4;
 
-/// Loads that vary along a path. A share of 0 is the start of the path, a share of 1 its end.
+/// Loads that vary along a path. A share of 0 is the start of the path, and a share of 1 is its end.
 pub(super) trait LoadPath {
     /// The loads at a share of the path, and a factor that multiplies all these loads.
     fn at(&mut self, share: f64) -> (&[FrameLoad], f64);
@@ -58,7 +59,7 @@ impl LoadPath for ProportionalLoading<'_> {
     }
 }
 
-/// Two sets of loads. Along the path, the first set decreases linearly to zero, while the second set increases linearly from zero.
+/// Two sets of loads. Along the path, the loads `from` decrease linearly to zero, while the loads `to` increase linearly from zero.
 pub(super) struct LoadTransition<'l> {
     pub from: &'l [FrameLoad],
     pub to: &'l [FrameLoad],

@@ -10,15 +10,15 @@ pub(super) const FEWEST_DIGITS: f64 = 4.0;
 pub(super) const CORRECTION_TOLERANCE: f64 = 1e-11;
 /// A linear solution has converged when its last correction is at most this share of the solution.
 const LINEAR_TOLERANCE: f64 = 1e-8;
-/// The next correction is predicted only from corrections up to this share of the solution.
+/// The next correction is predicted only if the last two corrections are at most this share of the solution.
 const QUADRATIC_RANGE: f64 = 1e-2;
-/// Two successive corrections below this share of the solution count as rounding noise if each exceeds a quarter of the previous correction. Very
-/// fine meshes and needle-shaped fingers show such noise. A single correction may be large by chance and leave an error of 1e-7, although the noise
-/// is 1e-9.
+/// Two successive corrections below this share of the solution count as rounding noise if each is larger than a quarter of the correction before it.
+/// Very fine meshes and needle-shaped fingers show such noise. One correction is not enough: it may be large by chance and leave an error of 1e-7,
+/// although the noise is 1e-9.
 const STAGNATION_TOLERANCE: f64 = 1e-6;
 /// Largest number of Newton iterations in a load step. A step that needs more iterations is rejected as too long.
 const MAX_ITERATIONS: usize = 20;
-/// Largest rotation of a node in one load step, rad. A larger rotation may lead to another branch, so the step is rejected.
+/// Largest rotation of a node in one load step, rad. A larger rotation may lead to another branch of equilibria, so the step is rejected.
 const MAX_STEP_ROTATION: f64 = 0.8;
 /// A step is rejected if a rotation deviates by more than this limit from the prediction by the tangent at the start of the step. The limit is a
 /// share of the largest predicted rotation. On a smooth path, every sufficiently short step satisfies this limit; a snap to another branch rarely
@@ -34,7 +34,7 @@ const HOPELESS: f64 = 1.25;
 pub(super) struct Taken {
     /// Number of Newton corrections in the step.
     pub iterations: usize,
-    /// The larger of two ratios, 0..1, dimensionless: the rotation divided by its limit, and the prediction error divided by its limit.
+    /// The larger of two ratios, 0..1, dimensionless: the largest rotation of a node to its limit, and the prediction error to its limit.
     pub used: f64,
     /// Energy norm of the last correction, as a share of the solution's norm. `None` if the iteration limit was reached.
     pub correction: Option<f64>,
@@ -44,7 +44,7 @@ pub(super) struct Taken {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Rejected {
     NotPositiveDefinite,
-    /// The step is too long. The field is the ratio of the step's rotation or prediction error to the limit; `None` if this ratio is unknown.
+    /// The step is too long. The field is the larger of two ratios: rotation to its limit, and prediction error to its limit; `None` if unknown.
     TooFar(Option<f64>),
     /// Linear corrections do not shrink. The field is the number of correct digits, which is below the required number.
     Rounding(f64),
@@ -62,7 +62,8 @@ pub(super) struct LoadStep {
     previous: f64,
     /// Whether the last correction was small but shrank too little, which is typical of rounding noise.
     stagnated: bool,
-    /// Largest rotation of a node by the first correction, rad. This correction is the prediction by the tangent at the start.
+    /// Largest rotation of a node by the first correction, rad. The first correction is the motion that the tangent at the start of the step
+    /// predicts.
     predicted_turn: f64,
 }
 
@@ -77,8 +78,8 @@ impl LoadStep {
     }
 
     /// Judges a correction. Returns `None` to continue, otherwise the result of the step. `work` and `scale` are the squared energy norms of the
-    /// correction and of the solution, N mm. `turn` is an angle in rad: the largest rotation of a node for the first correction, and the largest
-    /// deviation of a rotation from the prediction for later corrections. `keeps_digits` is as in
+    /// correction and of the solution, N mm. `turn` is an angle in rad: for the first correction, the largest rotation of a node; for later
+    /// corrections, the largest deviation of a node's rotation from the prediction. `keeps_digits` is as in
     /// [`EquilibriumEquations`](super::EquilibriumEquations::keeps_digits).
     #[inline(always)]
     pub(super) fn judge(
@@ -108,7 +109,7 @@ impl LoadStep {
         let relative = (work / scale).max(0.0).sqrt();
         let next = relative.powi(3) / (previous * previous);
         let converges = previous.max(relative) <= QUADRATIC_RANGE && next <= self.tolerance;
-        // For a linear solution, at most one correction by the residual is needed.
+        // A linear solution needs no further correction by the residual if its factorisation keeps enough digits.
         let converges = converges || (linear && (relative <= LINEAR_TOLERANCE || keeps_digits()));
         let stagnates = relative <= STAGNATION_TOLERANCE && relative > 0.25 * previous;
         if work <= 0.0 || converges || (stagnates && self.stagnated) {

@@ -72,8 +72,8 @@ pub trait EquilibriumEquations {
     /// definite.
     fn linearise(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> bool;
 
-    /// Whether every pivot of the last factorisation lost at most three digits to cancellation. Another correction by the residual then has no
-    /// significant effect. `false` if the loss is unknown.
+    /// Whether every pivot of the last factorisation lost at most three digits to cancellation. If the pivots keep their digits, another correction
+    /// by the residual has no significant effect. `false` if the loss is unknown.
     fn keeps_digits(&self) -> bool {
         false
     }
@@ -94,10 +94,11 @@ pub trait EquilibriumEquations {
     }
 }
 
-/// Solves for the shape of a finger under dead loads, followed from rest to the full load, accurate to at least four digits.
+/// Solves for the shape of a finger under dead loads, which grow from zero to their full values; accurate to at least four digits.
 ///
 /// # Errors
-/// [`StaticsError`] if a load is invalid, no stable equilibrium exists on the path, or rounding leaves fewer than four digits.
+/// [`StaticsError`] if a load is invalid, no stable equilibrium exists on the path from zero to the full load, or rounding leaves fewer than four
+/// digits.
 pub fn solve(mesh: &Mesh, loads: &[Load], kinematics: Kinematics) -> Result<FingerShape, StaticsError> {
     let loads = loads.iter().map(|load| mesh.frame_load(load)).collect::<Result<Vec<_>, _>>()?;
     let equilibrium = Statics::ladder(mesh, kinematics).accurate_equilibrium(&loads)?;
@@ -107,7 +108,8 @@ pub fn solve(mesh: &Mesh, loads: &[Load], kinematics: Kinematics) -> Result<Fing
 /// Solves for the motion of any plane frame under dead loads, accurate to at least four digits. For a finger, use [`solve`].
 ///
 /// # Errors
-/// [`StaticsError`] if a load is not finite, no stable equilibrium exists on the path, or rounding leaves fewer than four digits.
+/// [`StaticsError`] if a load is not finite, no stable equilibrium exists on the path from zero to the full load, or rounding leaves fewer than four
+/// digits.
 pub fn solve_frame(
     frame: &PlaneFrame,
     loads: &[FrameLoad],

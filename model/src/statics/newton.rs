@@ -1,7 +1,7 @@
-//! Newton's method for the equilibrium under one load, from a nearby equilibrium.
+//! Newton's method, which finds the equilibrium under one load from a nearby equilibrium.
 //!
-//! Every load step keeps the rotations small and ends in a stable equilibrium (positive definite tangent). The solution therefore stays on the branch that
-//! starts at rest. [`LoadStep`] accepts or rejects steps; [`continuation`](super::continuation) sets their length.
+//! Every load step keeps the rotations small and ends in a stable equilibrium (positive definite tangent). The solution therefore stays on the branch
+//! of equilibria that starts at the undeformed state. [`LoadStep`] accepts or rejects steps; [`continuation`](super::continuation) sets their length.
 
 use super::load_step::{LoadStep, Rejected, Taken};
 use super::{EquilibriumEquations, Ladder, SparseEquations, StaticsError};
@@ -75,8 +75,8 @@ impl<E: EquilibriumEquations> Statics<E> {
         work.is_finite().then(|| largest_difference(&motion.rotations, &self.predicted))
     }
 
-    /// Iterates Newton's method at one load level, starting from the previous equilibrium, until the predicted next correction is below `tolerance`. The
-    /// factored tangent of the last iterate remains available. After a rejected step, the value of `motion` is undefined.
+    /// Iterates Newton's method at one load level, starting from the previous equilibrium, until the predicted next correction is below `tolerance`.
+    /// The factored tangent of the last linearisation remains available. After a rejected step, the value of `motion` is undefined.
     pub(super) fn load_step(
         &mut self,
         motion: &mut FrameMotion,
@@ -98,7 +98,7 @@ impl<E: EquilibriumEquations> Statics<E> {
             let work = self.equations.correct(motion);
             let turn = if linear { 0.0 } else { largest_difference(&motion.rotations, &self.predicted) };
             if step.is_first() && !linear {
-                // The first correction is the prediction by the tangent at the start.
+                // The first correction gives the rotations that the tangent at the start of the step predicts.
                 self.predicted.clone_from(&motion.rotations);
             }
             let Some(end) = step.judge(work, scale, turn, || self.equations.keeps_digits()) else { continue };
@@ -124,7 +124,7 @@ pub(super) fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// Ratio of a part to a whole. Returns 0 if the part is 0, even if the whole is 0 too, as in an unloaded frame; 1 if the ratio is NaN.
+/// Ratio of a part to a whole. Returns 0 if `part` is 0, even if `whole` is also 0, as in an unloaded frame; returns 1 if the ratio is NaN.
 pub(super) fn share(part: f64, whole: f64) -> f64 {
     match part / whole {
         _ if part == 0.0 => 0.0,

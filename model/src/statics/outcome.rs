@@ -17,13 +17,14 @@ pub struct Reaction {
     pub node: NodeIndex,
     /// Force, N, in the frame's coordinates.
     pub force: Vector,
-    /// Moment, N mm, positive from x to y.
+    /// Moment, N mm, positive if it turns the x axis towards the y axis.
     pub moment_nmm: f64,
 }
 
-/// Force and moment that a node needs for equilibrium in addition to the loads: the reaction of a support, and zero at a free node.
+/// Force and moment that must act on a node, in addition to the loads, for equilibrium: at a supported node the support reaction, at a free node
+/// zero.
 ///
-/// Sums the forces of the beams at the node and at nodes tied to it. The node must not belong to a rigid link.
+/// Sums the contributions of beams and loads at the node and at nodes tied to it. The node must not belong to a rigid link.
 pub fn reaction(
     frame: &PlaneFrame,
     motion: &FrameMotion,
@@ -54,7 +55,7 @@ pub fn reaction(
         } else {
             let (end, force, moment_nmm) = load.at_end(frame);
             let potential = frame.end_load(motion, end, force, moment_nmm, kinematics == Kinematics::Linear);
-            // The gradient of the potential with respect to the second end is zero.
+            // The potential of a load at one beam end depends on this end only, so the second half of its gradient is zero.
             add(&[end, end], &potential.gradient);
         }
     }

@@ -11,7 +11,7 @@ use finray_numerics::linear::{Cholesky, IndefiniteFactor};
 pub struct SparseEquations<'f> {
     assembly: Assembly<'f>,
     factor: Cholesky,
-    /// Factorisation of the stiffness that exposes the pivots. This factorisation is computed on demand.
+    /// Factorisation of the stiffness with accessible pivots. This factorisation is computed on demand.
     pivots: IndefiniteFactor,
     correction: Vec<f64>,
 }

@@ -36,7 +36,7 @@ impl Validity {
         let strain = self.largest_strain(limits).and_then(|strain| {
             let part = strain.member.part;
             let limit = limits.of(part);
-            // A NaN strain counts as not small in this comparison.
+            // With this comparison, a NaN strain does not count as small.
             let small = strain.strain <= limit;
             (!small).then(|| Doubt::Strain { strain: *strain, limit, stated: limits.stated(part).is_some() })
         });
@@ -115,7 +115,7 @@ fn in_words(part: Part) -> &'static str {
     }
 }
 
-/// A share in per cent with two or three digits. More digits are not needed, because the limits are only approximate.
+/// A share in per cent with at most three digits. More digits are not needed, because the limits are only approximate.
 fn percent(share: f64) -> String {
     match 100.0 * share {
         p if p >= 1000.0 => format!("{p:.1e}"),

@@ -1,4 +1,5 @@
-//! Forces by ridge regression on the linear finger, for any subset of the contacts. A network for subsets learns the difference from these forces.
+//! Estimates forces by ridge regression on the linear finger, for any subset of the contacts. A network for any subset of the contacts learns the
+//! difference between the true forces and the forces of ridge regression.
 
 use crate::samples::Samples;
 use finray_model::compliance::Compliance;
@@ -40,7 +41,7 @@ impl RidgeForces {
         }
     }
 
-    /// Root mean square difference between true and ridge force of each contact, N, over the cases with a force at this contact.
+    /// Root mean square difference between true force and ridge-regression force at each contact, N, over the cases with a force at this contact.
     pub(super) fn left_over_n(&self, samples: &Samples) -> Vec<f64> {
         let contacts = self.compliance.ncols();
         let (mut squares, mut counts) = (vec![0.0; contacts], vec![0_usize; contacts]);

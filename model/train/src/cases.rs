@@ -14,7 +14,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-/// A unit of force is at least this share of the largest force. Smaller units exceed the accuracy of single precision.
+/// The unit of a force target is at least this share of the largest force. Smaller units would be finer than single precision resolves.
 const LEAST_UNIT: f64 = 1e-4;
 
 /// Conversion of samples to tables of inputs and targets.
@@ -22,7 +22,7 @@ pub(super) struct Cases {
     normalisation: Normalisation,
     noise_mm: f64,
     regression: Option<Regression>,
-    /// Ridge forces, if the samples load subsets of the contacts.
+    /// Forces by ridge regression, present only if the samples load subsets of the contacts.
     ridge: Option<RidgeForces>,
     /// Unit of each force target, N.
     pub(super) units_n: Vec<f64>,
@@ -64,12 +64,12 @@ impl Cases {
         self.normalisation.stored(&self.normalisation.inputs_of(training))
     }
 
-    /// Displacements of the linear finger under unit forces, n x contacts, mm/N, if ridge forces are among the inputs.
+    /// Displacements of the linear finger under unit forces, n x contacts, mm/N; present if forces by ridge regression are among the inputs.
     pub(super) fn compliance(&self) -> Option<&DMatrix<f64>> {
         self.ridge.as_ref().map(|ridge| &ridge.compliance)
     }
 
-    /// Whether a linear estimate exists beside the layers. The weights of the last layer then start at zero.
+    /// Whether a linear estimate is added to the output of the layers. With a linear estimate, the weights of the last layer start at zero.
     pub(super) fn starts_from_least_squares(&self) -> bool {
         self.regression.is_some() || self.ridge.is_some()
     }
@@ -77,12 +77,12 @@ impl Cases {
     /// Initial weights of the linear branch, inputs x contacts, in units of force.
     pub(super) fn first_skip(&self) -> Option<Vec<f32>> {
         let fit = self.regression.as_ref()?;
-        // The column-major transpose is ordered by input, then by contact.
+        // The transpose is stored by columns, so its numbers are ordered by input, then by contact.
         let gains = fit.gain.transpose();
         Some(gains.iter().zip(self.units_n.iter().cycle()).map(|(gain, unit_n)| (gain / unit_n) as f32).collect())
     }
 
-    /// Initial bias of the last layer, in units of force: the mean forces beside a linear regression, otherwise zero.
+    /// Initial bias of the last layer, in units of force: the mean forces if a linear regression exists, otherwise zero.
     pub(super) fn first_bias(&self, training: &Samples) -> Vec<f32> {
         match &self.regression {
             Some(fit) => self.in_units(fit.mean_n.iter()).collect(),
@@ -116,7 +116,7 @@ impl Cases {
                 table.targets.extend(self.in_units(forces_n.iter()));
                 continue;
             };
-            // Ridge forces follow from the same noisy displacements as the inputs.
+            // The forces of ridge regression follow from the same noisy displacements as the inputs.
             coordinates.copy_from(&samples.displacements.column(case));
             if let Some(rng) = &mut rng {
                 let noise: DVector<f64> =

@@ -61,16 +61,16 @@ struct Batch {
     counts: Option<Tensor<2>>,
 }
 
-/// Weights of all layers as plain numbers, row-major inputs x outputs, as in burn.
+/// Weights of all layers as plain numbers in row-major order (inputs x outputs), as in the library burn.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Weights {
-    /// The dense layers; tanh follows all but the last.
+    /// The dense layers; a tanh follows each layer except the last.
     pub(super) layers: Vec<LayerWeights>,
     /// Weights of the linear branch, inputs x outputs. `None` without a linear branch.
     pub(super) skip: Option<Vec<f32>>,
 }
 
-/// Weights of one dense layer, row-major inputs x outputs.
+/// Weights and bias of one dense layer; the weights are in row-major order, inputs x outputs.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct LayerWeights {
     /// Number of inputs.
@@ -81,7 +81,7 @@ pub(super) struct LayerWeights {
     pub(super) bias: Vec<f32>,
 }
 
-/// A dense layer as tensors: weights, inputs x outputs, and bias.
+/// A dense layer as tensors: the weights (inputs x outputs) and the bias.
 #[derive(Debug)]
 struct Dense {
     weight: Parameter<2>,
@@ -157,15 +157,15 @@ impl Perceptron {
 pub struct Epoch {
     /// Number of the epoch, from 1.
     pub number: usize,
-    /// Mean squared error of the epoch's first batch over the targets that count. Forces are in units of the linear fit's residual, or of their standard
-    /// deviation without such a fit.
+    /// Mean squared error of the epoch's first batch, averaged over the targets that count. Forces are in units of the linear fit's residual; if
+    /// there is no linear fit, in units of their standard deviation.
     pub training_loss: f64,
     /// Mean squared error of the validation set, in the units of `training_loss`.
     pub validation_loss: f64,
 }
 
-/// Trains from `start`, and returns the weights with the smallest loss on `validation` and their epoch. `training` returns the table of an epoch,
-/// with a new noise sample for each epoch; `rng` shuffles the cases.
+/// Trains from `start`; returns the weights with the smallest loss on `validation`, and the number of the epoch that gave them. `training` returns
+/// the table of an epoch, with a new noise sample for each epoch; `rng` shuffles the cases.
 pub(super) fn descend(
     recipe: &TrainingRecipe,
     start: &Weights,

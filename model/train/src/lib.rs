@@ -1,7 +1,8 @@
 //! Training of sensing networks with burn.
 //!
-//! Random load cases ([`crate::samples`]) become inputs and target forces (`cases`). A linear branch starts from least squares (`regression`), and the layers
-//! beside it start from random weights. Adam trains both (`descent`). The same recipe and seed give the same weights on the same machine.
+//! Random load cases ([`crate::samples`]) become inputs and target forces (`cases`). A linear branch starts from least squares (`regression`), and
+//! the layers parallel to it start from random weights. Adam trains both (`descent`). The same recipe and seed give the same weights on the same
+//! machine.
 
 mod adam;
 mod any_of;
@@ -85,8 +86,8 @@ pub fn train(finger: &Finger, recipe: &TrainingRecipe, progress: &mut dyn FnMut(
     Ok(Network::new(card, inputs, layers, skip, cases.compliance().cloned())?)
 }
 
-/// Initial weights: uniform within 1 / sqrt(inputs), as in most frameworks. If a linear estimate exists beside the layers, the last layer starts with
-/// zero weights and the bias of [`Cases::first_bias`], so that training starts from this estimate.
+/// Initial weights: uniformly random between -1 / sqrt(inputs) and 1 / sqrt(inputs), as in most frameworks. If a linear estimate is added to the
+/// output of the layers, training starts from this estimate: the last layer has zero weights and the bias of [`Cases::first_bias`].
 fn first_weights(recipe: &TrainingRecipe, cases: &Cases, training: &Samples) -> Weights {
     let mut rng = Stream::Weights.rng(recipe.seed, 0);
     let contacts = recipe.samples.contacts.len();
@@ -107,7 +108,7 @@ fn first_weights(recipe: &TrainingRecipe, cases: &Cases, training: &Samples) -> 
     Weights { layers, skip: cases.first_skip() }
 }
 
-/// Layers and linear branch with row-major weights, outputs x inputs, scaled from units of force to N.
+/// Layers and linear branch, with weights in row-major order (outputs x inputs) and outputs scaled from units of force to N.
 fn in_newtons(weights: &Weights, cases: &Cases) -> (Vec<Dense>, Vec<f32>) {
     let units = &cases.units_n;
     let last = weights.layers.len() - 1;

@@ -6,7 +6,7 @@ use finray_model::finger::Finger;
 use finray_model::sensing::Contact;
 use finray_model::sensing::network::Scaling;
 
-/// Number of training cases per validation case and per test case, and the largest number of validation cases and of test cases.
+/// One validation case and one test case are drawn for this number of training cases, up to `MOST_HELD_OUT` cases of each kind.
 const HELD_OUT_SHARE: usize = 5;
 const MOST_HELD_OUT: usize = 4000;
 
@@ -17,7 +17,7 @@ pub struct TrainingRecipe {
     pub samples: SampleRecipe,
     /// Number of training cases.
     pub count: usize,
-    /// Standard deviation of one measured coordinate in training, mm; each epoch draws new noise.
+    /// Standard deviation of the noise of one measured coordinate in training, mm; each epoch draws new noise.
     pub noise_mm: f64,
     /// Normalisation of displacements to inputs.
     pub scaling: Scaling,
@@ -29,17 +29,18 @@ pub struct TrainingRecipe {
     pub epochs: usize,
     /// Number of training cases per step of Adam.
     pub batch: usize,
-    /// Initial learning rate of Adam, dimensionless. The rate falls along half a cosine.
+    /// Initial learning rate of Adam, dimensionless. The rate falls along half a period of a cosine.
     pub learning_rate: f64,
-    /// Number of consecutive epochs without a lower validation loss after which training stops.
+    /// Training stops after this number of consecutive epochs without a lower validation loss.
     pub patience: usize,
     /// Seed of all random numbers.
     pub seed: u64,
 }
 
 impl TrainingRecipe {
-    /// The network of Xu et al. (2021, sec. IV-A): hidden layers of 150, 200 and 150 neurons, trained on 20 000 noise-free cases of the linear finger. The
-    /// paper states neither scaling nor schedule. Here the largest displacement is scaled to 1, and the schedule is an assumption of this project.
+    /// The network of Xu et al. (2021, sec. IV-A): hidden layers of 150, 200 and 150 neurons, trained on 20 000 noise-free cases of the linear
+    /// finger. The paper states neither the scaling of the inputs nor the training schedule. Here the largest displacement is scaled to 1, and the
+    /// schedule is an assumption of this project.
     pub fn paper(contacts: Vec<Contact>) -> TrainingRecipe {
         TrainingRecipe {
             samples: SampleRecipe::paper(contacts, Kinematics::Linear),
@@ -56,13 +57,14 @@ impl TrainingRecipe {
         }
     }
 
-    /// The network of [`TrainingRecipe::paper`] with camera noise on its inputs. `noise_mm` is the standard deviation of a coordinate, mm.
+    /// The network of [`TrainingRecipe::paper`] with camera noise on its inputs. `noise_mm` is the standard deviation of the noise of one coordinate,
+    /// mm.
     pub fn paper_with_noise(contacts: Vec<Contact>, noise_mm: f64) -> TrainingRecipe {
         TrainingRecipe { noise_mm, ..TrainingRecipe::paper(contacts) }
     }
 
-    /// Network for the nonlinear finger: co-rotational cases with noise, principal directions as inputs, a linear branch. Two layers of 32 neurons reach the
-    /// error of the paper's three layers (see the report's curve of error against size).
+    /// Network for the nonlinear finger, trained on co-rotational cases with noise; it has principal directions as inputs and a linear branch. With
+    /// two layers of 32 neurons, the error is the same as with the paper's three layers (see the report's curve of error against size).
     pub fn nonlinear(contacts: Vec<Contact>, noise_mm: f64) -> TrainingRecipe {
         TrainingRecipe {
             samples: SampleRecipe::paper(contacts, Kinematics::Corotational),
@@ -87,12 +89,13 @@ impl TrainingRecipe {
         }
     }
 
-    /// Standard deviation of the forces that ridge regression assumes, N: the root mean square of a uniform distribution from zero to the largest force.
+    /// Standard deviation that ridge regression assumes for the forces, N: the root mean square of a uniform distribution from zero to the largest
+    /// force.
     pub(super) fn prior_n(&self) -> f64 {
         self.samples.largest_force_n / f64::sqrt(3.0)
     }
 
-    /// Number of validation cases, and of test cases.
+    /// Number of validation cases; the number of test cases is equal.
     pub(super) fn held_out(&self) -> usize {
         (self.count / HELD_OUT_SHARE).clamp(1, MOST_HELD_OUT)
     }
@@ -102,7 +105,7 @@ impl TrainingRecipe {
         let positive = |x: f64| x.is_finite() && x > 0.0;
         let not_negative = |x: f64| x.is_finite() && x >= 0.0;
         require(not_negative(self.noise_mm), "noise_mm", "a length in mm, zero or more", &self.noise_mm)?;
-        // A single case has no spread for the scaling.
+        // A single case has no spread, which the scaling of the inputs needs.
         require(self.count > 1, "count", "at least two cases", &self.count)?;
         require(!self.hidden_layers.contains(&0), "hidden_layers", "widths above zero", &self.hidden_layers)?;
         require(self.epochs > 0 && self.batch > 0, "epochs, batch", "at least one", &(self.epochs, self.batch))?;

@@ -1,4 +1,4 @@
-//! Principal directions of the training shapes, and the linear regression that starts the linear branch.
+//! Principal directions of the training shapes, and the linear regression that gives the linear branch its initial weights.
 
 use crate::samples::Samples;
 use finray_model::sensing::network::{Inputs, Scaling};
@@ -51,7 +51,7 @@ impl Normalisation {
         inputs
     }
 
-    /// The normalisation in the form in which a network stores it, with the largest absolute inputs of the training cases.
+    /// The normalisation in the form in which a network stores it, with the largest absolute value of each input over the training cases.
     pub(super) fn stored(&self, inputs: &DMatrix<f64>) -> Inputs {
         Inputs {
             mean: self.mean.iter().copied().collect(),
@@ -62,7 +62,7 @@ impl Normalisation {
     }
 }
 
-/// Eigenvectors of the covariance with variance above the noise limit, in descending order, and their variances, mm^2.
+/// Eigenvectors of the covariance whose variance exceeds the limits, in descending order of variance, and these variances, mm^2.
 fn principal_directions(covariance: DMatrix<f64>, noise_mm: f64) -> (DMatrix<f64>, Vec<f64>) {
     let eigen = covariance.symmetric_eigen();
     let mut order: Vec<usize> = (0..eigen.eigenvalues.len()).collect();
@@ -74,7 +74,7 @@ fn principal_directions(covariance: DMatrix<f64>, noise_mm: f64) -> (DMatrix<f64
     (eigen.eigenvectors.select_columns(&order), order.iter().map(|&i| eigen.eigenvalues[i].max(0.0)).collect())
 }
 
-/// Least squares from noisy inputs to forces: forces = mean + gain^T inputs.
+/// Least-squares fit that predicts forces from noisy inputs: forces = mean + gain^T inputs.
 #[derive(Debug, Clone)]
 pub(super) struct Regression {
     /// Mean force of each contact, N.
@@ -86,7 +86,8 @@ pub(super) struct Regression {
 }
 
 impl Regression {
-    /// Minimises E |mean + gain^T (z + noise) - f|^2 over cases, with the expectation over the noise in closed form. `None` if inputs are linearly dependent.
+    /// Minimises the mean over the cases of E |mean + gain^T (z + noise) - f|^2, where the expectation E over the noise is in closed form. `None` if
+    /// inputs are linearly dependent.
     pub(super) fn new(inputs: &DMatrix<f64>, forces: &DMatrix<f64>, noise: &[f64]) -> Option<Regression> {
         let cases = inputs.ncols() as f64;
         let mean_n = forces.column_mean();

@@ -1,6 +1,6 @@
 //! Random load cases of a finger and the resulting shapes, for training sensing networks.
 //!
-//! Case i uses stream i of the seed, so samples do not depend on the number of threads.
+//! Each case has its own stream of random numbers, so samples do not depend on the number of threads.
 
 use finray_model::Kinematics;
 use finray_model::finger::{Finger, NodeId};
@@ -40,7 +40,8 @@ pub struct SampleRecipe {
     pub largest_sum_n: f64,
     /// Standard deviation of each force's direction about the contact's direction, degrees.
     pub direction_spread_deg: f64,
-    /// Standard deviation of the logarithm of the finger's modulus about the scene's, dimensionless: 0.05 is 5 %.
+    /// Standard deviation of the logarithm of the finger's modulus, dimensionless: 0.05 means that the modulus varies by 5 % around the scene's
+    /// value.
     pub modulus_spread: f64,
     /// Free key nodes whose markers are hidden.
     pub hidden: Vec<NodeId>,
@@ -53,7 +54,7 @@ impl SampleRecipe {
             contacts,
             any_of: false,
             kinematics,
-            // The linear finger is exact on its key nodes; four co-rotational elements per member have an error of 0.04 %.
+            // Key nodes of the linear finger are exact with one element per member; four co-rotational elements per member have an error of 0.04 %.
             elements: if kinematics == Kinematics::Linear { 1 } else { 4 },
             largest_force_n: 5.0,
             largest_sum_n: 10.0,
@@ -86,7 +87,7 @@ impl SampleRecipe {
     /// Draws `count` cases from a stream of the seed.
     ///
     /// # Errors
-    /// [`SamplesError`] if a number is impossible, a contact is not on the free front plate, or the finger has no equilibrium under any draw of a case.
+    /// [`SamplesError`] if a number is impossible, a contact is not on the free front plate, or a case has no equilibrium in any of its draws.
     pub fn draw(&self, finger: &Finger, count: usize, seed: u64, stream: Stream) -> Result<Samples, SamplesError> {
         self.check()?;
         check_contacts(finger, &self.contacts)?;
@@ -118,7 +119,8 @@ impl SampleRecipe {
         })
     }
 
-    /// Draws one case from each generator until the finger has an equilibrium under the drawn forces. `None` if a case fails in all draws.
+    /// Draws one case from each generator; repeats a draw until the finger has an equilibrium under the drawn forces. `None` if a case has no
+    /// equilibrium in any of its draws.
     fn carried(&self, mesh: &Mesh, rngs: Vec<ChaCha8Rng>) -> Option<Vec<Case>> {
         let mut cases: Vec<Option<Case>> = rngs.iter().map(|_| None).collect();
         let mut waiting: Vec<(usize, ChaCha8Rng)> = rngs.into_iter().enumerate().collect();
@@ -192,7 +194,7 @@ pub enum SamplesError {
     /// A contact is wrong.
     #[error(transparent)]
     Contacts(#[from] SensingError),
-    /// The finger has no equilibrium under the forces of any draw of a case.
+    /// For one case, the finger has no equilibrium under the forces of any draw.
     #[error("the finger has no equilibrium under any of {draws} random load cases: train for smaller forces")]
     NoneCarried {
         /// Number of draws of the case.
@@ -200,7 +202,7 @@ pub enum SamplesError {
     },
 }
 
-/// Refuses a value `found` of the field `key` unless it `holds`.
+/// Returns an error for the value `found` of the field `key` unless `holds` is true.
 pub(super) fn require(
     holds: bool,
     key: &'static str,
@@ -272,7 +274,7 @@ impl Drawn {
         Drawn { touching, forces_n, angles_deg, modulus_factor }
     }
 
-    /// Loads of the case, divided by the modulus factor: this has the same effect as a modulus multiplied by the factor.
+    /// Loads of the case, divided by the modulus factor; the effect is the same as that of a modulus multiplied by the factor.
     fn loads(&self, recipe: &SampleRecipe, mesh: &Mesh) -> Result<Vec<FrameLoad>, finray_model::mesh::LoadError> {
         let touching = (0..self.forces_n.len()).filter(|&i| self.touching[i]);
         let load = |i: usize| {

@@ -1,8 +1,9 @@
 //! Trains the shipped networks again, and compares ways of training.
 //!
 //! `shipped` writes one safetensors file per network, and `shipped.csv` with the training settings of each network and its errors on test cases.
-//! `recipes` writes `recipes.csv`, which compares the paper's training with ours. `curves` writes `curves.csv`, the error by number of training
-//! cases and by size of the network. Each part takes about ten minutes on two cores. The same machine gives the same files again. Command:
+//! `recipes` writes `recipes.csv`, which compares the paper's training recipe with this project's recipes. `curves` writes `curves.csv`: the error
+//! against the number of training cases and against the size of the network. Each part takes about ten minutes on two cores. A repeated run on the
+//! same machine writes identical files. Command:
 //!
 //! `cargo run --release -p finray-verify --example shipped_networks -- shipped recipes curves --out fixtures/networks`
 
@@ -37,9 +38,9 @@ struct Arguments {
 enum Part {
     /// The shipped networks
     Shipped,
-    /// Errors of the paper's training recipe and of ours
+    /// Errors of the paper's training recipe and of this project's recipes
     Recipes,
-    /// The error by number of training cases and by size of the network
+    /// The error against the number of training cases and against the size of the network
     Curves,
 }
 
@@ -94,7 +95,7 @@ fn shipped(finger: &Finger) -> Result<Files, Failure> {
     Ok(files)
 }
 
-/// Trains a network. Returns its name, the content of its file, and its records, one per contact.
+/// Trains a network. Returns the network's name, the content of its file, and its records, one per contact.
 fn trained(
     finger: &Finger,
     Shipping { name, recipe }: &Shipping,

@@ -1,4 +1,4 @@
-//! Comparison of ways to train a network: errors of three recipes, and error by number of training cases and by network size.
+//! Comparison of ways to train a network: errors of three recipes, and errors against the number of training cases and the network size.
 //!
 //! Training takes minutes, so the report shows recorded errors: `fixtures/networks/recipes.csv` and `curves.csv`.
 
@@ -17,21 +17,23 @@ use finray_studies::truths::{TruthId, fine_mesh};
 use finray_train::{TrainingRecipe, train};
 use rayon::prelude::*;
 
-/// Number of random test cases for each set of contacts. The standard error of a mean error is then about 2 % of the mean.
+/// Number of random test cases for each set of contacts. With 4000 cases, the standard error of a mean error is about 2 % of the mean.
 const CASES: usize = 4000;
 /// Seed of forces and noise in the test cases, the same as for Table II.
 const SEED: u64 = 1;
-/// Names of the recipes, each with its number of training seeds. The first two recipes depend most on the seed.
+/// Names of the recipes, each with its number of training seeds. The errors of the first two recipes depend most on the seed.
 const RECIPES: [(&str, u64); 4] = [("a", 4), ("a, by spread", 4), ("b", 3), ("c", 3)];
 /// Contact nodes of the curves: the node next to the base, where noise causes the largest errors, and a pair of neighbours.
 const CURVE_SETS: [&[usize]; 2] = [&[24], &[19, 20]];
-/// Numbers of training cases of one curve; its networks have the hidden layers of the shipped networks.
+/// Numbers of training cases in the curve of error against number of cases; the networks of this curve have the hidden layers of the shipped
+/// networks.
 const SAMPLES: [usize; 7] = [30, 100, 300, 1000, 3000, 10_000, 30_000];
 const SAMPLES_SEEDS: u64 = 3;
-/// Total number of cases that each training of this curve processes, repetitions included. `MOST_EPOCHS` limits the repetitions of few cases.
+/// Total number of cases that each training of the curve of error against number of cases processes, repetitions included. `MOST_EPOCHS` limits the
+/// number of repetitions if there are few cases.
 const SEEN: usize = 2_000_000;
 const MOST_EPOCHS: usize = 7000;
-/// Widths of the hidden layers of the other curve. A network without hidden layers is a linear regression.
+/// Widths of the hidden layers of the networks in the curve of error against network size. A network without hidden layers is a linear regression.
 const SIZES: [&[usize]; 8] = [&[], &[4], &[8], &[16], &[16, 16], &[32, 32], &[64, 64], &[150, 200, 150]];
 const SIZES_SEEDS: u64 = 2;
 
@@ -54,7 +56,7 @@ pub fn curve_count() -> usize {
 }
 
 /// Errors of the recipes on the linear and on the co-rotational finger, without and with noise. The paper's recipes are tested at every set of
-/// contacts of its Table II, the others at one set of each group. Like the paper's network, these networks refuse no measurement.
+/// contacts of its Table II, the other recipes at one set of each group. Like the paper's network, these networks refuse no measurement.
 ///
 /// # Errors
 /// [`ExperimentError`] if a training fails, a mesh cannot be built, or a network does not support its contacts.
@@ -114,7 +116,7 @@ fn rows_of(finger: &Finger, groups: Vec<Group>) -> Result<Vec<RecipeRow>, Experi
     Ok(rows)
 }
 
-/// Error by number of training cases and by size of the network, on the co-rotational finger with noise.
+/// Error against the number of training cases and against the size of the network, on the co-rotational finger with noise.
 ///
 /// # Errors
 /// [`ExperimentError`] if a training fails, a mesh cannot be built, or a network does not support its contacts.
@@ -148,7 +150,8 @@ pub fn curves(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<Curve
     Ok(rows)
 }
 
-/// Sets of contacts at which a recipe is trained and tested. The sets shared by all recipes come first, so all recipes get the same test cases there.
+/// Sets of contacts at which a recipe is trained and tested. The sets shared by all recipes come first, so all recipes are tested with the same cases
+/// at these sets.
 fn sets_of(recipe: &str) -> Vec<&'static [usize]> {
     let compared = COMPARED_SETS.map(|set| set.nodes);
     let further = contact_sets().into_iter().filter(|set| PAPER_RECIPES.contains(&recipe) && !compared.contains(set));
@@ -196,7 +199,7 @@ fn curve_jobs() -> Vec<Job> {
     jobs
 }
 
-/// Trains the networks of all jobs, in parallel. Returns them in the order of the jobs.
+/// Trains the networks of all jobs, in parallel. Returns the networks in the order of the jobs.
 fn train_all(finger: &Finger, jobs: &[Job], progress: &(dyn Fn() + Sync)) -> Result<Vec<Network>, ExperimentError> {
     let train_one = |job: &Job| {
         let network = train(finger, &job.recipe, &mut |_| {})?;
@@ -220,7 +223,8 @@ fn errors(
     Ok(scatter(&request, &estimators, &sets, FORCES_N, &|| ())?)
 }
 
-/// Number of trained parameters. Without hidden layers, the linear branch adds none, because it and the last layer are the same linear map.
+/// Number of trained parameters. Without hidden layers, the parameters of the linear branch are not counted, because branch and last layer are the
+/// same linear map.
 fn weight_count(network: &Network) -> usize {
     let layers: usize = network.layers.iter().map(|layer| layer.weights.len() + layer.bias.len()).sum();
     if network.layers.len() == 1 { layers } else { layers + network.skip.len() }

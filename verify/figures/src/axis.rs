@@ -1,4 +1,4 @@
-//! Axes: their limits and ticks, and the coordinate type for plotters.
+//! Axes: their limits and ticks, and the coordinate type for the plotters library.
 
 use std::ops::Range;
 
@@ -64,7 +64,7 @@ impl Axis {
         Self { limits: Some([low, high]), ..self }
     }
 
-    /// Sets ticks at these values, named by the values.
+    /// Sets ticks at these values and labels each tick with its value.
     pub fn with_ticks(self, ticks: impl IntoIterator<Item = f64>) -> Self {
         self.named(ticks.into_iter().map(|value| (value, number(value))).collect())
     }
@@ -79,8 +79,8 @@ impl Axis {
         self.ticks.as_ref().map_or(0, Vec::len)
     }
 
-    /// Computes the limits, and the ticks that fit into `pixels`. Without given limits, the limits are round numbers beyond the data, moved a little further
-    /// out if the data reach them.
+    /// Computes the limits, and the ticks that fit into `pixels`. If no limits are given, they are round numbers outside the data, moved a little
+    /// further out if the data reach them.
     pub(super) fn ruler(&self, data: &[f64], pixels: f64, upright: bool) -> Result<Ruler, FigureError> {
         require_finite(&self.label, data.iter())?;
         require(self.limits.is_some() || !data.is_empty(), FigureError::Empty, &self.label)?;
@@ -103,7 +103,7 @@ impl Axis {
     }
 }
 
-/// An axis with known limits and ticks; it is the coordinate type of plotters' charts.
+/// An axis with known limits and ticks; it is the coordinate type of charts of the plotters library.
 #[derive(Debug, Clone)]
 pub(super) struct Ruler {
     pub(super) scale: Scale,
@@ -176,7 +176,7 @@ pub(super) fn round_ticks(scale: Scale, [low, high]: [f64; 2], most: f64) -> Vec
     within.map(|value| (value, number(value))).collect()
 }
 
-/// The smallest number of the form 1, 2 or 5 times a power of ten that is not below a positive value.
+/// Rounds a positive value up to 1, 2 or 5 times a power of ten.
 fn round_up(value: f64) -> f64 {
     let power = 10f64.powf(value.log10().floor());
     [1.0, 2.0, 5.0]
@@ -197,7 +197,7 @@ fn round_out(scale: Scale, [low, high]: [f64; 2]) -> [f64; 2] {
             let step = round_up((high - low) / 8.0);
             [(low / step + 1e-9).floor() * step, (high / step - 1e-9).ceil() * step]
         }
-        // The largest round number not above a value is the inverse of the smallest round number not below the value's inverse.
+        // Rounding the inverse of a value up and inverting the result rounds the value down.
         Scale::Log => match [1.0 / round_up(1.0 / low), round_up(high)] {
             [low, high] if low < high => [low, high],
             [low, high] => [low / 2.0, high * 2.0],

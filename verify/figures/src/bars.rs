@@ -65,7 +65,7 @@ pub(super) struct Writing {
 }
 
 impl Writing {
-    /// Chooses size and orientation for bars in a plot that is `pixels` wide, px.
+    /// Chooses the size and orientation of the values for bars in a plot that is `pixels` wide, px.
     pub(super) fn of(bars: &[Bars], categories: &Axis, pixels: f64) -> Self {
         let texts: Vec<String> =
             bars.iter().flat_map(|bars| &bars.values).flatten().map(|value| number(*value)).collect();

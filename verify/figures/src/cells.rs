@@ -15,7 +15,7 @@ pub struct Cells {
     pub values: Vec<Vec<Option<f64>>>,
 }
 
-/// A single row or column of cells has no neighbours that determine its width. It then occupies this share of the axis.
+/// A single row or column of cells has no neighbours that determine its width. A single row or column occupies this share of the axis.
 const LONE: f64 = 0.1;
 
 impl Cells {

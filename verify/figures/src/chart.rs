@@ -37,9 +37,9 @@ pub struct Chart {
     pub equal_axes: bool,
 }
 
-/// Space around a drawing to scale, px: with symbols or labels of points, and without.
+/// Space around a drawing to scale, px: the first number for drawings with symbols or labels of points, the second for all others.
 const MARGINS: [f64; 2] = [44.0, 18.0];
-/// Space left of a drawing to scale for tick labels of four characters, and space to its right, px.
+/// Space beside a drawing to scale, px: on the left for tick labels of four characters, and on the right.
 pub(super) const SIDES: [f64; 2] = [58.0, 2.0 * SPACE];
 
 impl Chart {
@@ -144,8 +144,8 @@ impl Chart {
     }
 }
 
-/// Draws horizontal reference lines, with their texts right of the plot. A text that would touch the text above is moved down; the lowest text ends at the
-/// plot's lower edge, above the names of the ticks.
+/// Draws horizontal reference lines, with their texts right of the plot. A text that would touch the text above is moved down. A text near the plot's
+/// lower edge is moved up, so that it ends above the names of the ticks.
 fn draw_references(sheet: &Sheet, plot: &Plot, words: Vec<(f64, Vec<String>)>) -> Result<(), FigureError> {
     const LINE: f64 = TICK_TEXT * 1.2;
     let Area { left, right, bottom, .. } = plot.area;

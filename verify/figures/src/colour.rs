@@ -2,8 +2,8 @@
 
 use plotters::style::{RGBAColor, RGBColor};
 
-/// Placeholder for the page's text colour. The SVG writer replaces this colour, [`OVER_LINES`] and [`ON_MAP`]. No figure uses these three colours for
-/// anything else.
+/// Placeholder for the page's text colour. The SVG writer replaces this colour, [`OVER_LINES`] and [`ON_MAP`]. No figure uses these three placeholder
+/// colours as real colours.
 pub(super) const TEXT: RGBColor = RGBColor(1, 2, 3);
 /// Placeholder for text that is legible on top of lines: the page's text colour, outlined in the background colour.
 pub(super) const OVER_LINES: RGBColor = RGBColor(1, 2, 4);
@@ -12,7 +12,7 @@ pub(super) const ON_MAP: RGBColor = RGBColor(1, 2, 5);
 /// The dark colour that replaces [`ON_MAP`].
 pub(super) const DARK: RGBColor = RGBColor(0x14, 0x17, 0x1a);
 
-/// A colour of lines or bars that colour-blind readers can distinguish: the palette of Okabe and Ito without black and pale yellow.
+/// A colour of lines or bars from the palette of Okabe and Ito without black and pale yellow, which colour-blind readers can distinguish.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hue(pub(super) RGBAColor);
 

@@ -39,7 +39,7 @@ impl From<DrawingAreaErrorKind<fmt::Error>> for FigureError {
     }
 }
 
-/// `Ok` if `holds`; otherwise the error `refusal` for the list named `what`.
+/// Returns `Ok` if `holds` is true; otherwise the error `refusal` for the list named `what`.
 pub(super) fn require(holds: bool, refusal: fn(String) -> FigureError, what: &str) -> Result<(), FigureError> {
     if holds { Ok(()) } else { Err(refusal(what.to_owned())) }
 }

@@ -73,8 +73,8 @@ impl Film {
         })
     }
 
-    /// CSS of the animation. Animations with equal numbers of shots use the same class names. If such animations share a page, the shots of all of
-    /// them must therefore have equal durations.
+    /// CSS of the animation. Animations with equal numbers of shots use the same class names. Animations with equal numbers of shots on one page must
+    /// therefore have shots of equal duration.
     fn style(&self) -> String {
         let count = self.shots.len();
         let (all_s, share) = (self.shot_s * count as f64, (100.0 / count as f64 + OVERLAP).min(100.0));

@@ -1,4 +1,4 @@
-//! Positions of labels at which they hide neither lines nor other labels.
+//! Places labels so that they hide neither lines nor other labels.
 
 use super::colour::OVER_LINES;
 use super::error::FigureError;
@@ -42,7 +42,7 @@ impl Obstacles {
         let candidates = [5.0, 9.0, 14.0, 20.0, 28.0, 40.0].into_iter().flat_map(|gap| {
             (0..24).map(move |turn| {
                 let (up, across) = (start + f64::from(turn) * std::f64::consts::TAU / 24.0).sin_cos();
-                // `reach` keeps the edge of the label, not its centre, at the same distance from the anchor.
+                // With `reach`, the edge of the label, not its centre, is at the distance `gap` from the anchor.
                 let reach = (across.abs() * width + up.abs() * height) / 2.0 - 1.0;
                 along(label.anchor, [across, up], gap + reach)
             })

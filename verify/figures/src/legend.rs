@@ -39,7 +39,7 @@ pub(super) struct Legend<'a> {
 }
 
 impl<'a> Legend<'a> {
-    /// Arranges in rows, between two horizontal positions (px), the entries that have text.
+    /// Arranges the entries that have text in rows between the horizontal positions `left` and `right`, px.
     pub(super) fn lay_out(entries: Vec<Entry<'a>>, [left, right]: [f64; 2]) -> Self {
         let mut placed = Vec::new();
         // `row` is the current row of text; `next` is the first row below all entries of the current row.

@@ -1,10 +1,11 @@
 //! Figures: pure functions from numbers to SVG text.
 //!
-//! The SVG is embedded in an HTML page. It scales with the width of the page. Neutral colours are the page's text colour (`currentColor`). Outlines that cover
-//! other elements have the page's background colour: the CSS variable `--paper` if the page defines it. Colour-blind readers can distinguish the colours, in
-//! light and dark mode; dashes and markers distinguish series without colour.
+//! The SVG is embedded in an HTML page. It scales with the width of the page. Neutral items have the page's text colour (`currentColor`). Outlines
+//! that cover other elements have the page's background colour: the CSS variable `--paper` if the page defines it. Colour-blind readers can
+//! distinguish the colours, in light and dark mode; dashes and markers distinguish series without colour.
 //!
-//! Plotters provides coordinates, axes and shapes. This crate adds maps with missing cells, label positions, drawings to scale and layout.
+//! Plotters provides coordinates, axes and shapes. This crate adds to the plotters library: maps with missing cells, label positions, drawings to
+//! scale and layout.
 #![forbid(unsafe_code)]
 
 mod axis;

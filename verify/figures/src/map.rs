@@ -45,13 +45,13 @@ pub struct Map {
 const SMALL_HEIGHT: f64 = 104.0;
 const NOTE_TEXT: f64 = 15.0;
 const NOTE_LINE: f64 = NOTE_TEXT * 1.3;
-/// Overlap of neighbouring cells, px. Without it, printers leave fine gaps between the cells.
+/// Overlap of neighbouring cells, px. Without the overlap, printers leave fine gaps between the cells.
 const OVERLAP: f64 = 1.0;
 /// Opacity of the parts of a plot that have no cells.
 const REST: f64 = 0.1;
 
 impl Map {
-    /// Plots without names of rows and columns, without values in the cells and without a second axis.
+    /// A map whose plots have no names of rows and columns, no values in the cells and no second axis.
     pub fn new(frame: Frame, [x, y]: [Axis; 2], classes: Vec<Class>, plots: Vec<Option<Cells>>) -> Self {
         Self {
             frame,
@@ -86,7 +86,7 @@ impl Map {
         (panels.grid, panels.rows, panels.columns, panels.legend) =
             ([false; 2], &self.rows, &self.columns, self.legend());
         panels.sides[1] = if self.columns.is_empty() { 4.0 * SPACE } else { 2.0 * SPACE };
-        // Notes are as wide as their plots. All notes have the space that the longest note needs.
+        // Notes are as wide as their plots. The space above every plot is enough for the longest note.
         let note_width = (self.frame.width - 160.0) / self.columns.len().max(1) as f64 - 2.0 * SPACE;
         let notes: Vec<Vec<String>> = (self.plots.iter())
             .map(|plot| plot.as_ref().map_or(Vec::new(), |cells| wrap(&cells.note, NOTE_TEXT, note_width)))
@@ -108,7 +108,7 @@ impl Map {
                         &font(NOTE_TEXT).pos(LEFT),
                     )?;
                 }
-                // A plot without data is labelled as such, unlike a map whose cells have no values.
+                // A plot without data shows a dash, unlike a plot whose cells have no values.
                 let Some(cells) = cells else {
                     sheet.words("–", plot.area.centre(), &font(TICK_TEXT))?;
                     continue;

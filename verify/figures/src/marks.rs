@@ -6,7 +6,7 @@ use super::error::FigureError;
 use super::geometry::{Point, along, direction, distance};
 use super::sheet::{Sheet, pen};
 
-/// Symbol at each point of a series. Series with different symbols differ by more than colour.
+/// Symbol at each point of a series. Different symbols distinguish the series even without colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Marker {
     /// Filled circle.
@@ -19,9 +19,9 @@ pub enum Marker {
     Diamond,
     /// Two crossing strokes.
     Cross,
-    /// A mesh node or rod: a small filled circle.
+    /// A small filled circle, for a mesh node or rod.
     Node,
-    /// A clamped node: a triangle with hatched ground to its left.
+    /// A triangle with hatched ground to its left, for a clamped node.
     Clamp,
 }
 
@@ -31,7 +31,7 @@ impl Marker {
         [Marker::Circle, Marker::Square, Marker::Triangle, Marker::Diamond, Marker::Cross][n % 5]
     }
 
-    /// Draws the symbol centred at a point. Sizes differ, so that all symbols appear equally large.
+    /// Draws the symbol centred at a point. The sizes of the symbols differ with their shapes, so that all symbols appear equally large.
     pub(super) fn draw(self, sheet: &Sheet, [x, y]: Point, ink: RGBAColor) -> Result<(), FigureError> {
         let at = |corners: &[Point]| corners.iter().map(|[dx, dy]| [x + dx, y + dy]).collect::<Vec<Point>>();
         match self {

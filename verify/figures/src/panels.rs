@@ -74,7 +74,7 @@ pub(super) struct Plot {
 }
 
 impl Plot {
-    /// Draws both axes, and grid lines of x and y where requested. `left`, `top` and `bottom` are the space for tick labels, px.
+    /// Draws both axes, and grid lines at the ticks of x and y if `grid` requests them. `left`, `top` and `bottom` are the space for tick labels, px.
     pub(super) fn new(
         sheet: &Sheet,
         area: Area,
@@ -113,7 +113,7 @@ impl Plot {
     }
 }
 
-/// All parts of a figure around its plots: heading, axes, names and legend.
+/// All parts of a figure around its plots: heading, axes, names of rows and columns, and legend.
 pub(super) struct Panels<'a> {
     pub(super) frame: &'a Frame,
     pub(super) axes: [&'a Axis; 2],

@@ -45,7 +45,7 @@ impl Patch {
     }
 }
 
-/// Fills a polygon. A class that a map would hatch gets only an outline.
+/// Fills a polygon. A polygon whose class has hatching as its fill gets only an outline.
 fn fill(paint: Paint, sheet: &Sheet, corners: &[Point]) -> Result<(), FigureError> {
     let closed: Vec<Point> = corners.iter().chain(corners.first()).copied().collect();
     match paint {

@@ -24,7 +24,7 @@ pub struct Series {
     pub width: f64,
     /// Symbol at each point.
     pub marker: Option<Marker>,
-    /// Uncertainty at each point: a vertical bar from the first value to the second; an empty list for a series without such bars.
+    /// Vertical bars for the uncertainty, one at each point, from the first value to the second; an empty list for a series without bars.
     pub spread: Vec<[f64; 2]>,
     /// Text at each point; an empty list for a series without such texts.
     pub labels: Vec<String>,
@@ -108,8 +108,8 @@ impl Series {
         plot.line(&self.points).into_iter().filter(|_| self.marker.is_some()).map(area)
     }
 
-    /// Labels of the points. The label of an arrow lies behind the arrow's start. In a drawing to scale, a label lies perpendicular to the nearest line, on the
-    /// side away from the middle of the drawing. Otherwise the label lies to the upper right of the point.
+    /// Labels of the points. The label of an arrow lies behind the arrow's start. In a drawing to scale, a label lies perpendicular to the nearest
+    /// line, on the side away from the middle of the drawing. In any other plot, the label of a point lies to the upper right of the point.
     pub(super) fn words(&self, plot: &Plot, lines: &Lines, middle: Option<Point>) -> Vec<Label> {
         let points = plot.line(&self.points);
         let behind = points.windows(2).next().and_then(|ends| direction(ends[1], ends[0]));

@@ -12,7 +12,7 @@ use super::sheet::Sheet;
 pub struct Class {
     /// Largest value of the class. The class begins above the largest value of the previous class.
     pub up_to: f64,
-    /// Text in the legend, which lists only classes with values.
+    /// Text in the legend; the legend lists only classes that contain values.
     pub label: String,
     /// Text that the map writes on the cells, so that classes differ by more than colour; may be empty.
     pub sign: String,

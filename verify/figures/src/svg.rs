@@ -1,7 +1,7 @@
 //! SVG backend for plotters.
 //!
-//! Plotters draws in whole units. One unit is a tenth of a pixel, so that curves stay smooth. Neutral colours become the page's colours: text in
-//! `currentColor`, outlines of text in the page's background.
+//! Plotters draws in whole units. One drawing unit is a tenth of a pixel, so that curves stay smooth. Neutral colours become the page's colours: text
+//! in `currentColor`, outlines of text in the page's background.
 
 use std::cell::RefCell;
 use std::fmt::{Error, Write};

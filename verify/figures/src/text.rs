@@ -32,7 +32,7 @@ pub(super) fn wrap(text: &str, size: f64, width: f64) -> Vec<String> {
     lines
 }
 
-/// A number with about three significant digits and a true minus sign. Very small and very large numbers have a power of ten.
+/// A number with about three significant digits and a true minus sign. Very small and very large numbers are written with a power of ten.
 pub(super) fn number(value: f64) -> String {
     let size = value.abs();
     if size > 0.0 && !(1e-3..1e4).contains(&size) {

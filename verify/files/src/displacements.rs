@@ -17,7 +17,7 @@ struct Row {
     theta_rad: f64,
 }
 
-/// Joint between a rib and its bracket, mm: undeformed position and displacement.
+/// Undeformed position and displacement, mm, of the joint between a rib and its bracket.
 #[derive(Serialize)]
 struct Hinge {
     hinge_x_mm: f64,
@@ -26,8 +26,8 @@ struct Hinge {
     hinge_uy_mm: f64,
 }
 
-/// Displacements as CSV: `node,x_mm,y_mm,ux_mm,uy_mm,theta_rad`, one row per key node, with its undeformed position. If the ribs have brackets, also
-/// `hinge_x_mm,hinge_y_mm,hinge_ux_mm,hinge_uy_mm` of the joint between bracket and rib.
+/// Displacements as CSV: `node,x_mm,y_mm,ux_mm,uy_mm,theta_rad`, one row per key node, with its undeformed position. If the ribs have brackets, each
+/// row also has `hinge_x_mm,hinge_y_mm,hinge_ux_mm,hinge_uy_mm` of the joint between bracket and rib.
 ///
 /// # Errors
 /// A `csv::Error` from the CSV writer; none is expected, because the text is written to memory.
@@ -55,7 +55,7 @@ pub fn to_csv(shape: &FingerShape, finger: &Finger) -> Result<String, csv::Error
 /// Reads the displacements of all key nodes from the columns `node,ux_mm,uy_mm,theta_rad`. The file has one row per key node, in any order.
 ///
 /// # Errors
-/// [`FileError`] with the line of a node that this finger does not have or that is listed twice, and for missing nodes.
+/// [`FileError`] if a node is missing; also, with the line, if a node is listed twice or does not exist in this finger.
 pub fn load_shape(path: &Path, finger: &Finger) -> Result<FingerShape, FileError> {
     let table = Table::read(path, &["node", "ux_mm", "uy_mm", "theta_rad"])?;
     let mut motions: Vec<Option<(Vector, f64)>> = vec![None; finger.key_node_count()];

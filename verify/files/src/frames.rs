@@ -49,7 +49,7 @@ pub enum FrameError {
 enum Samples {
     /// Red, green and blue of each pixel.
     Rgb,
-    /// A plane of luma, and two planes of chroma. These numbers are the ratios of the image's width and height to the width and height of a chroma
+    /// A plane of luma, and two planes of chroma. The two numbers are the ratios of the image's width and height to the width and height of a chroma
     /// plane. `None` for luma without chroma.
     Yuv(Option<[usize; 2]>),
 }
@@ -62,7 +62,8 @@ pub struct FrameLayout {
     /// Frames per second, if the stream states it.
     pub per_second: Option<f64>,
     samples: Samples,
-    /// Whether luma and chroma use all values from 0 to 255. Otherwise luma ranges from 16 to 235 and chroma from 16 to 240 (ITU-R BT.601).
+    /// Whether luma and chroma use all values from 0 to 255. Without the full range, luma ranges from 16 to 235 and chroma from 16 to 240 (ITU-R
+    /// BT.601).
     is_full_range: bool,
 }
 
@@ -120,7 +121,7 @@ impl FrameLayout {
     /// pixels.
     ///
     /// # Panics
-    /// If row or columns are outside the frame, or `bytes` are not those of a whole frame.
+    /// Panics if `row` or `columns` are outside the frame, or if `bytes` are not those of a whole frame.
     ///
     /// # Reference
     /// ITU-R BT.601: R = Y + 1.402 Cr, G = Y - 0.344136 Cb - 0.714136 Cr, B = Y + 1.772 Cb.
@@ -130,7 +131,7 @@ impl FrameLayout {
         let Samples::Yuv(chroma) = self.samples else {
             return &bytes[3 * pixels.start..3 * pixels.end];
         };
-        // Gain of luma (in 1/65536), value of luma for black, and gains of chroma (in 1/65536).
+        // Gain of luma (in units of 1/65536), value of luma for black, and gains of chroma (in units of 1/65536).
         let (gain, black, of_chroma) = if self.is_full_range {
             (65536, 0, [91881, -22554, -46802, 116130])
         } else {
@@ -158,7 +159,7 @@ impl FrameLayout {
         match across {
             1 => converted.zip(blue).zip(red).for_each(|(((pixel, y), cb), cr)| set(pixel, *y, *cb, *cr)),
             _ => {
-                // Shifts, because a division takes longer than the rest of the conversion. Ratios are powers of two.
+                // Bit shifts replace divisions, because a division takes longer than the rest of the conversion. Ratios are powers of two.
                 let (before, shift) = (columns.start % across, across.ilog2());
                 converted.enumerate().for_each(|(i, (pixel, y))| {
                     let of = (before + i) >> shift;
@@ -170,12 +171,12 @@ impl FrameLayout {
     }
 }
 
-/// A byte from a value in 1/65536, limited to 0 to 255.
+/// Converts a value in units of 1/65536 to a byte, limited to 0 to 255.
 fn byte(value: i32) -> u8 {
     ((value + 32768) >> 16).clamp(0, 255) as u8
 }
 
-/// A frame of a stream, whose pixels are converted where they are read.
+/// A frame of a stream; its pixels are converted to red, green and blue only when they are read.
 #[derive(Debug, Clone)]
 pub struct VideoFrame {
     layout: FrameLayout,
@@ -251,7 +252,7 @@ impl<R: BufRead> FrameReader<R> {
     /// Reads the next frame into the memory of `frame`. Returns false at the end of the stream.
     ///
     /// # Errors
-    /// [`FrameError`] if the stream cannot be read, ends within the frame, or continues with something else.
+    /// [`FrameError`] if the stream cannot be read, ends within the frame, or continues with something other than a frame.
     pub fn read(&mut self, frame: &mut VideoFrame) -> Result<bool, FrameError> {
         let (number, expected) = (self.frame, self.layout.byte_count());
         if self.has_headers {

@@ -50,7 +50,7 @@ fn orientation(bytes: &[u8], format: ImageFormat) -> Orientation {
     }
 }
 
-/// The orientation in the eXIf chunk of a PNG file. The chunk may follow the pixels, and the decoder does not search there.
+/// The orientation in the eXIf chunk of a PNG file. The chunk may follow the pixels, where the decoder does not search.
 fn after_pixels(png: &[u8]) -> Option<Orientation> {
     const SIGNATURE: usize = 8;
     // Bytes of a chunk besides its data: length (4), name (4) and checksum (4).
@@ -66,7 +66,7 @@ fn after_pixels(png: &[u8]) -> Option<Orientation> {
     }
 }
 
-/// Names of images in a table. Each name is the file name, preceded by the folders that distinguish the image from the others, joined by `/`.
+/// Names of images in a table. An image is named by its file name, preceded by the folders that distinguish the image from the others, joined by `/`.
 ///
 /// # Errors
 /// [`FileError`] if an image is given twice.
@@ -100,11 +100,11 @@ fn parts_of(path: &Path) -> Vec<String> {
     })
 }
 
-/// Finds an image of a table by name or path. The first match counts: an image with exactly this name, the longest name with which the path ends, or the only
-/// name that ends with the path.
+/// Finds an image of a table by name or path. The first match counts, in this order: an image with exactly this name, the longest name with which the
+/// path ends, or the only name that ends with the path.
 ///
 /// # Errors
-/// A message if no image, or more than one, matches.
+/// A message if no image matches, or if more than one matches.
 pub fn image_named<'n>(wanted: &str, names: &[&'n str]) -> Result<&'n str, String> {
     let path: PathBuf = Path::new(wanted).components().filter(|part| *part != Component::CurDir).collect();
     let given = names.iter().copied().filter(|name| !name.is_empty() && path.ends_with(name));

@@ -19,18 +19,19 @@ pub struct FrameInfo {
     pub dropped: usize,
 }
 
-/// A line of the result: one frame.
+/// One line of the result, for one frame.
 #[derive(Serialize)]
 pub struct Line<'a> {
     /// Number of the frame in the stream, from 0.
     frame: usize,
     /// Time of the frame in its stream, s.
     time_s: Option<f64>,
-    /// State of the finger. For several fingers: the first of the states contact, refused, lost and none that occurs among the fingers.
+    /// State of the finger. With several fingers, this is the first state in the order contact, refused, lost, none that at least one finger has.
     pub state: FrameState,
-    /// The contacts, by finger, then in the order of their positions if these are estimated.
+    /// The contacts, sorted by finger; the contacts of a finger are sorted by position if the positions are estimated.
     contacts: Vec<ContactLine<'a>>,
-    /// Component of the sum of all forces along the undeformed inward normal of the front plate, N. For several fingers: the sum of the components.
+    /// Component of the sum of all forces along the undeformed inward normal of the front plate, N. With several fingers, `total_n` is the sum of the
+    /// fingers' components.
     total_n: f64,
     /// Number of markers found.
     markers: usize,
@@ -58,8 +59,8 @@ struct FingerLine<'a> {
     refused: Option<String>,
 }
 
-/// One contact: its finger if there are several, position (mm from the base) and direction (degrees), its force, and the standard deviation and 95 %
-/// interval of the force (N).
+/// One contact: position (mm from the base), direction (degrees), force, and standard deviation and 95 % interval of the force (N); with several
+/// fingers, also the finger's name.
 #[derive(Serialize)]
 struct ContactLine<'a> {
     #[serde(skip_serializing_if = "str::is_empty")]

@@ -8,11 +8,11 @@ use finray_model::observation::LargestClampedMotion;
 use finray_model::{Finger, Load, Mesh, Vector};
 use std::path::Path;
 
-/// Reads `case,load_node,fx_n,fy_n,node,ux_mm,uy_mm`; every row of a load case repeats the load. `noise_mm` is the standard deviation of the noise in one
-/// coordinate, mm. Rows of clamped nodes are ignored if this noise explains their displacement.
+/// Reads `case,load_node,fx_n,fy_n,node,ux_mm,uy_mm`; every row of a load case repeats the load. `noise_mm` is the standard deviation of the noise in
+/// one coordinate, mm. Rows of clamped nodes are ignored if noise of this standard deviation explains their displacement.
 ///
 /// # Errors
-/// [`FileError`] with the line of a row that does not fit the finger, or of a load that differs from the first row of its case.
+/// [`FileError`] with the line of a row that does not fit the finger, or whose load differs from the load in the first row of its case.
 pub fn load(path: &Path, finger: &Finger, noise_mm: Option<f64>) -> Result<Vec<CalibrationCase>, FileError> {
     let mesh = Mesh::key_nodes(finger);
     let table = Table::read(path, &["case", "load_node", "fx_n", "fy_n", "node", "ux_mm", "uy_mm"])?;

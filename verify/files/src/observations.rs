@@ -24,7 +24,7 @@ const SHOWN: usize = 5;
 /// Columns from which a table's marker coordinates are read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Coordinates {
-    /// Displacements `ux_mm,uy_mm`, or `hinge_ux_mm,hinge_uy_mm` if the scene has its markers on hinges and the table has these columns.
+    /// Displacements `ux_mm,uy_mm`; or `hinge_ux_mm,hinge_uy_mm`, if the scene's markers are on the hinges and the table has these columns.
     Displacements,
     /// Located positions of the markers, `x_mm,y_mm`.
     Positions,
@@ -96,7 +96,7 @@ impl ObservationTable {
         of_image.find(|reason| !reason.is_empty())
     }
 
-    /// The observation of the named image. Without a name, the table must have a single image or no column `image`.
+    /// The observation of the named image. If no image is named, the table must have a single image or no column `image`.
     ///
     /// # Errors
     /// [`FileError`] with the line of an invalid cell, or for an image that is missing, ambiguous or refused.
@@ -161,7 +161,7 @@ impl ObservationTable {
         })
     }
 
-    /// The rows of an image with a visible marker; a row without coordinates belongs to a hidden marker.
+    /// The rows of the visible markers in an image; a row without coordinates belongs to a hidden marker.
     fn rows_of(&self, image: Option<&str>) -> Vec<&StringRecord> {
         let is_seen = |row: &&StringRecord| !matches!(self.table.vector(row, self.xy), Ok(None));
         match image.and_then(|image| self.rows.get(image)) {
@@ -196,7 +196,7 @@ impl ObservationTable {
         self.table.has(&[SIGMA, OWN_SIGMA]) && self.table.has(&BASE_COLUMNS)
     }
 
-    /// Pose of the base and its uncertainty from a row; all rows of an image repeat them.
+    /// Reads the pose of the base and its uncertainty from a row; all rows of an image repeat these values.
     fn base(&self, row: &StringRecord) -> Result<Option<ObservedBase>, FileError> {
         if !self.table.has(&POSE_COLUMNS) {
             return Ok(None);
@@ -245,8 +245,9 @@ struct RefusedRow<'o> {
     refused: &'o str,
 }
 
-/// Observations as CSV: `image,node,u_px,v_px,x_mm,y_mm,ux_mm,uy_mm,sigma_mm`, one row per marker. If all images show the base, also
-/// `base_x_mm,base_y_mm,base_deg,base_sigma_mm,base_sigma_deg,marker_sigma_mm`. If images were refused, also `refused`; a refused image has one row.
+/// Observations as CSV: `image,node,u_px,v_px,x_mm,y_mm,ux_mm,uy_mm,sigma_mm`, one row per marker. If all located images show the base, the table
+/// also has the columns `base_x_mm,base_y_mm,base_deg,base_sigma_mm,base_sigma_deg,marker_sigma_mm`. If images were refused, the table also has the
+/// column `refused`; a refused image has one row.
 ///
 /// # Errors
 /// A `csv::Error` from the CSV writer; none is expected, because the text is written to memory.

@@ -22,12 +22,13 @@ pub struct Elsewhere {
     pub node: NodeId,
     /// Undeformed position in the file, mm.
     pub stated: Vector,
-    /// Undeformed position of the same node in the scene, mm.
+    /// Undeformed position of the key node in the scene, mm.
     pub own: Vector,
 }
 
-/// The key node whose undeformed position differs most from the scene's, if the difference shows another finger. `None` if all nodes agree, or if the
-/// file has no positions. A file may have undeformed positions (`solve`) or deformed ones (`locate`), of nodes or of markers; all four cases are tried.
+/// The key node whose undeformed position differs most from the scene's, if the difference shows that the file belongs to another finger. `None` if
+/// all nodes agree, or if the file has no positions. A file may have undeformed positions (`solve`) or deformed ones (`locate`), of nodes or of
+/// markers; all four combinations are tried.
 pub fn of_another_finger(path: &Path, text: &str, finger: &Finger) -> Option<Elsewhere> {
     let table = Table::of_text(path, text).ok().filter(|table| table.has(&AT_REST))?;
     let off_mm = |found: &Elsewhere| (found.stated - found.own).norm();
@@ -47,9 +48,9 @@ pub fn of_another_finger(path: &Path, text: &str, finger: &Finger) -> Option<Els
     (off_mm(&farthest) > UNLIKE_SHARE * finger.plate_length_mm(Plate::Front)).then_some(farthest)
 }
 
-/// Largest difference, mm, between a file of `locate` and the positions that the given scene yields for the same markers. Two kinds of positions are compared:
-/// undeformed positions, and positions to which the camera maps each pixel (plane of the markers, frame of the base). The result is 0 within rounding if the
-/// file was located with this scene, or if the file lacks the columns.
+/// Largest difference, mm, between a file of `locate` and the positions that the given scene yields for the same markers. Two kinds of positions are
+/// compared: the undeformed positions, and the positions that the camera assigns to the pixels, in the plane of the markers and the frame of the
+/// base. The result is 0 within rounding if the file was located with this scene, or if the file lacks the columns.
 ///
 /// # Errors
 /// [`FileError`] with the line of a cell that is not a number.

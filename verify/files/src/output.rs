@@ -6,7 +6,7 @@ use std::fs::{File, Metadata, OpenOptions};
 use std::io::{ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
-/// Rows as CSV text. The header has the field names of `R`; each number has the shortest form from which the same number is read back.
+/// Rows as CSV text. The header has the field names of `R`; each number is written in the shortest form that is read back as the same number.
 ///
 /// # Errors
 /// A `csv::Error` from the CSV writer; none is expected, because the text is written to memory.
@@ -136,7 +136,7 @@ fn keep_owner(file: &File, existing: &Metadata) {
 #[cfg(not(unix))]
 fn keep_owner(_: &File, _: &Metadata) {}
 
-/// Whether a path is standard output, a device or a pipe. Such a path cannot be replaced by a renamed temporary file.
+/// Whether a path is standard output, a device or a pipe. A renamed temporary file cannot replace a stream.
 pub fn is_stream(out: &Path) -> bool {
     is_standard_stream(out) || out.metadata().is_ok_and(|there| !there.is_file() && !there.is_dir())
 }

@@ -15,7 +15,7 @@ const MOST_ROWS: usize = 100_000;
 pub struct PositionFrame {
     /// Time of the frame, s, if it is stated.
     pub time_s: Option<f64>,
-    /// The markers of each finger, in the order in which the fingers appear, or the reason why a line of the frame is invalid.
+    /// The markers of each finger, in the order in which the fingers appear; or, if a line of the frame is invalid, the reason.
     pub seen: Result<Vec<FingerObservation>, String>,
 }
 
@@ -39,7 +39,7 @@ pub enum PositionError {
     Form(String),
 }
 
-/// Latest time of a frame, s: recordings count nanoseconds in 64 bits.
+/// Latest time of a frame, s; the limit exists because recordings store times as nanoseconds in 64 bits.
 const LATEST_S: f64 = 1e10;
 
 fn is_time(time_s: &f64) -> bool {
@@ -85,7 +85,7 @@ pub struct PositionReader<R> {
     bytes: Vec<u8>,
 }
 
-/// Name of a row's frame, and the row's marker with the name of its finger; `None` for a hidden marker.
+/// Name of a row's frame, name of the row's finger, and the row's marker; the marker is `None` if it is hidden.
 type Row = (String, Result<(String, Option<ObservedMarker>), String>);
 
 #[derive(Clone, Copy)]
@@ -116,7 +116,8 @@ impl<R: BufRead> PositionReader<R> {
     /// The next frame. `None` at the end of the stream.
     ///
     /// # Errors
-    /// [`PositionError`] if the stream cannot be read further. An invalid line is reported in [`PositionFrame::seen`] of its frame instead.
+    /// [`PositionError`] if the stream cannot be read further. An invalid line is not returned as an error, but reported in [`PositionFrame::seen`]
+    /// of its frame.
     pub fn read(&mut self) -> Result<Option<PositionFrame>, PositionError> {
         match self.columns {
             None => self.read_json(),

@@ -9,7 +9,7 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-/// Definition of `geometry_msgs/msg/WrenchStamped` and of the messages in it, as ROS 2 records it.
+/// Definition of `geometry_msgs/msg/WrenchStamped` and of the messages in it, in the form in which ROS 2 records definitions.
 const WRENCH_STAMPED: &str = "\
 std_msgs/Header header
 geometry_msgs/Wrench wrench
@@ -31,13 +31,14 @@ float64 x
 float64 y
 float64 z
 ";
-/// Definition of `std_msgs/msg/String`, which contains a line of JSON. Programs that read ROS 2 recordings reject channels with other encodings.
+/// Definition of `std_msgs/msg/String`; a message of this type contains a line of JSON. The line is sent in CDR encoding, because programs that read
+/// ROS 2 recordings reject channels with other encodings.
 const STRING: &str = "string data\n";
 /// Topic of the lines of JSON.
 const LINE_TOPIC: &str = "/finray/live";
 
-/// An MCAP file that receives messages one after another. Each message is in the file as soon as it is written, so the messages of a recording that
-/// was interrupted can be read up to the last.
+/// An MCAP file that receives messages one after another. Each message is in the file as soon as it is written, so an interrupted recording can be
+/// read up to its last message.
 pub struct Recording {
     writer: mcap::Writer<BufWriter<File>>,
     path: PathBuf,
@@ -52,7 +53,7 @@ pub struct Recording {
 /// A force at a contact of a finger.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactForce {
-    /// Name of the finger; empty for the only finger.
+    /// Name of the finger; empty if there is only one finger.
     pub finger: String,
     /// Number of the contact, from 1.
     pub contact: usize,
@@ -68,7 +69,7 @@ impl Recording {
     pub fn create(path: &Path) -> Result<Recording, FileError> {
         let file = File::create(path).map_err(|reason| FileError::Unwritable { path: path.to_owned(), reason })?;
         let begin = || {
-            // Chunks would keep the last messages in memory.
+            // The file has no chunks, because chunks would keep the last messages in memory.
             let options =
                 mcap::WriteOptions::new().compression(None).use_chunks(false).profile("ros2").library("finray");
             let mut writer = options.create(BufWriter::new(file))?;
@@ -83,9 +84,9 @@ impl Recording {
         Ok(Recording { writer, path, line_channel, wrench_schema, wrench_channels: Vec::new(), count: 0 })
     }
 
-    /// Writes the line of a frame, and the force at each contact as a `WrenchStamped` on the topic `/finray/FINGER/contact_N`. The axes of its frame
-    /// `FINGER_contact_N` are those of the finger frame, the origin is the contact, and the torque is zero. The time of publication and the stamp are
-    /// `time_s` (s), or the present time without it; the time of logging is the present time.
+    /// Writes the line of a frame, and the force at each contact as a `WrenchStamped` on the topic `/finray/FINGER/contact_N`. The frame of the
+    /// wrench, `FINGER_contact_N`, has the axes of the finger frame and its origin at the contact; the torque is zero. The time of publication and
+    /// the stamp are `time_s` (s), or the present time if `time_s` is `None`. The time of logging is the present time.
     ///
     /// # Errors
     /// [`FileError::Unwritable`].
@@ -139,7 +140,7 @@ fn unwritable(path: &Path, error: mcap::McapError) -> FileError {
     FileError::Unwritable { path: path.to_owned(), reason }
 }
 
-/// First bytes of a message in CDR (OMG Common Data Representation): its numbers are little-endian.
+/// First bytes of a message in CDR (OMG Common Data Representation); they state that its numbers are little-endian.
 const CDR: [u8; 4] = [0, 1, 0, 0];
 
 /// Appends a string in CDR: length, bytes and a zero byte. The string must begin at a multiple of four bytes.
@@ -155,10 +156,10 @@ fn string(text: &str) -> Vec<u8> {
     bytes
 }
 
-/// A `WrenchStamped` in CDR. Numbers are aligned to their size, counted after the first four bytes.
+/// A `WrenchStamped` in CDR. Each number starts at a multiple of its size, counted from the end of the first four bytes.
 fn wrench_stamped(stamp: Duration, frame_id: &str, force: Vector) -> Vec<u8> {
     let mut bytes = CDR.to_vec();
-    // After the year 2038, the seconds no longer fit into this message.
+    // After the year 2038, the seconds exceed the 32-bit integer of this message.
     bytes.extend(i32::try_from(stamp.as_secs()).unwrap_or(i32::MAX).to_le_bytes());
     bytes.extend(stamp.subsec_nanos().to_le_bytes());
     push_string(&mut bytes, frame_id);

@@ -26,7 +26,8 @@ pub fn load_scene_and_text(path: &Path) -> Result<(Scene, String), FileError> {
 /// `finger.ribs.bracket_mm` or `base.reference[2].at_mm`. Missing tables are added; `None` removes a key.
 ///
 /// # Errors
-/// A message if the text or a value is not valid TOML. Also a message if a key leads through a missing array entry or through a value that is not a table.
+/// A message if the text or a value is not valid TOML. A key that leads through a missing array entry, or through a value that is not a table, also
+/// yields a message.
 pub fn with_values(text: &str, values: &[(String, Option<impl std::fmt::Display>)]) -> Result<String, String> {
     let mut document: toml_edit::DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| error.to_string())?;
     for (path, value) in values {

@@ -133,8 +133,8 @@ fn byte_of(position: Option<&csv::Position>) -> usize {
     position.map_or(0, |position| position.byte() as usize)
 }
 
-/// Number of the line with the record that the CSV reader found at a byte. The reader's own line count is too small, because the reader starts a
-/// record before the preceding line end and empty lines.
+/// Number of the line on which a record starts, from the byte at which the CSV reader found the record. The reader's own line count is too small,
+/// because a record starts, for the reader, before the preceding line end and any empty lines.
 fn line_of(text: &str, byte: usize) -> usize {
     let ends = text[byte..].bytes().take_while(|b| matches!(b, b'\r' | b'\n')).count();
     1 + text[..byte + ends].bytes().filter(|b| *b == b'\n').count()

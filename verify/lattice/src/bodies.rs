@@ -7,7 +7,7 @@ use finray_model::frame::Section;
 use finray_model::mesh::{Load, LoadError};
 use finray_model::{Finger, NodeId, Vector};
 
-/// A rigid body. Undeformed, its axes are parallel to the axes of the finger frame.
+/// A rigid body. In the undeformed finger, the axes of the body are parallel to the axes of the finger frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Body {
     /// Undeformed position of the centre, mm, finger frame.
@@ -16,8 +16,8 @@ pub struct Body {
     pub fixed: bool,
 }
 
-/// The part of a dead load that acts on one body. With the body's displacement u and rotation theta, the work of this part is share F . u + F . (R(theta)
-/// lever - lever) + M theta.
+/// The part of a dead load that acts on one body. With the body's displacement u and rotation theta, the work of this part is share * (F . u) + F .
+/// (R(theta) lever - lever) + M theta.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyLoad {
     /// Body that carries this part of the load.
@@ -35,7 +35,7 @@ pub struct BodyLoad {
 /// A piece of the front plate that can carry a load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum FrontSpan {
-    /// A rigid arm that is fixed to a rod. Its anchor is at the position `at_mm` along the plate.
+    /// A rigid arm that is fixed to a rod. The arm's anchor is at the position `at_mm` along the plate.
     Arm { anchor: Anchor, at_mm: f64 },
     /// A segment between two bodies, from `from_mm` to `to_mm` along the plate.
     Segment { ends: [Anchor; 2], from_mm: f64, to_mm: f64 },
@@ -46,7 +46,7 @@ enum FrontSpan {
 pub struct FrontPiece {
     /// Body that carries the piece.
     pub body: BodyIndex,
-    /// Vectors from the body's centre to the ends of the piece, undeformed, mm; the end nearer to the base first.
+    /// Vectors from the body's centre to the two ends of the piece, undeformed, mm; the end nearer to the base comes first.
     pub ends: [Vector; 2],
     /// Position along the plate at which the piece starts, mm from the base.
     pub from_mm: f64,
@@ -216,10 +216,10 @@ impl Assembly {
 
     /// Distributes a load over the bodies that carry it, one entry per body.
     ///
-    /// Between two bodies the deflection of the plate is a cubic polynomial. Each of the two bodies therefore carries the share of the force given by
-    /// its cubic (Hermite) shape function, with a lever arm along the plate. The force component along the plate has the same shares, although linear
-    /// shares would be exact. With the cubic shares, up to a tenth of this component acts on the wrong end of one segment. This error changes only
-    /// the axial strain of that segment.
+    /// Between two bodies the deflection of the plate is a cubic polynomial. Each of the two bodies at the ends of a loaded segment therefore carries
+    /// the share of the force given by its cubic (Hermite) shape function. The share has a lever arm along the plate. The force component along the
+    /// plate has the same shares, although linear shares would be exact. With cubic instead of linear shares, up to a tenth of the force component
+    /// along the plate acts on the wrong end of one segment. The error of the shares changes only the axial strain of the loaded segment.
     ///
     /// # Errors
     /// [`LoadError`] if a node does not exist or is clamped, or if a position is not on the front plate.
@@ -267,8 +267,8 @@ impl Assembly {
 
 /// Largest accepted number of segments in a lattice, far above any useful number.
 const MOST_SEGMENTS: f64 = 20_000.0;
-/// Axial rigidity of an undeformable hinged rib, relative to that of the stiffer plate. Plates are much softer in bending, so the strain of the rib
-/// is negligible. With a much stiffer rib, the lattice would settle more slowly.
+/// Axial rigidity of an undeformable hinged rib, relative to that of the stiffer plate. Plates are much softer in bending than the rib is in tension,
+/// so the strain of the rib is negligible. With a much stiffer rib, the lattice would settle more slowly.
 const UNDEFORMABLE: f64 = 10.0;
 
 fn undeformable_bar(finger: &Finger) -> Section {
@@ -303,8 +303,8 @@ fn segments_of(length_mm: f64, target_mm: f64) -> usize {
     ((length_mm / target_mm).round() as usize).max(1)
 }
 
-/// Smallest length of the pieces on both sides of a segment border at the end of a zone, as a share of the target segment length. With a shorter,
-/// stiffer piece, the lattice would not settle. Without a border at the end of the zone, the modulus is averaged over the segment.
+/// A segment border is placed at the end of a zone only if the pieces on both sides are at least this share of the target segment length. A shorter
+/// piece would be stiffer, and the lattice would not settle. If no border is placed at the end of a zone, the modulus is averaged over the segment.
 const SHORTEST_CUT: f64 = 0.25;
 
 /// Positions of the segment ends of a member, mm: at the ends of zones and, between these ends, at distances of about `target_mm`.

@@ -80,7 +80,7 @@ impl Spring {
         let d_by = |along: Vector| {
             Vector6::new(-along.x, -along.y, along.perp(&arms[0]), along.x, along.y, -along.perp(&arms[1]))
         };
-        // The second derivative of a rotated arm with respect to the rotation is minus the arm.
+        // The second derivative of a rotated arm with respect to the rotation is minus the rotated arm.
         let turned = |along: Vector, curvature: &mut Matrix6<f64>| {
             curvature[(2, 2)] += along.dot(&arms[0]);
             curvature[(5, 5)] -= along.dot(&arms[1]);
@@ -154,8 +154,8 @@ pub struct Expansion {
     pub curvature: Vec<Triplet<usize, usize, f64>>,
 }
 
-/// Newton's method has converged if the energy decrease that a step predicts is at most this share of the largest predicted decrease. Convergence is
-/// quadratic, so a further step would gain nothing.
+/// Newton's method has converged if the energy decrease that a step predicts is at most this share of the largest decrease predicted so far.
+/// Convergence is quadratic, so a further step would gain nothing.
 const CONVERGED: f64 = 1e-16;
 /// Number of Newton steps after which the load increment is halved.
 const MOST_STEPS: usize = 30;
@@ -164,9 +164,9 @@ const SMALLEST_PART: f64 = 1e-4;
 /// Largest rotation of a body in one load increment, rad. A larger rotation may be a jump to another equilibrium, so the increment is halved.
 const MOST_TURN: f64 = 0.6;
 
-/// A spring counts as rigid if its stiffness exceeds the median stiffness by this factor, because rounding then hides its force. Positions of 150 mm are
-/// rounded by 1e-14 mm. The resulting error of the force is 2e-12 N at 240 N/mm, a usual stiffness of a TPU finger, but 1e-4 N in the springs of a segment of
-/// 0.007 mm.
+/// A spring counts as rigid if its stiffness exceeds the median stiffness by this factor, because rounding then hides its force. Positions of 150 mm
+/// are rounded by 1e-14 mm. The resulting error of the force is 2e-12 N at 240 N/mm, a usual stiffness of a TPU finger. In the springs of a segment
+/// of 0.007 mm, the error is 1e-4 N.
 const STIFF: f64 = 1e4;
 
 /// Sparsity pattern and elimination order, shared by all second derivatives under the same loads.
@@ -339,7 +339,7 @@ impl<'a> Energy<'a> {
         Ok(steps)
     }
 
-    /// Newton's method from an initial guess. Returns the number of steps, or `None` if it does not converge to a stable equilibrium.
+    /// Newton's method from an initial guess. Returns the number of steps, or `None` if Newton's method does not converge to a stable equilibrium.
     fn converge(
         &self,
         motions: &mut [BodyMotion],

@@ -27,7 +27,7 @@ pub(in crate::statics) struct Balance<'m, R: Number = f64> {
     rung_ys: Vec<Ends<R>>,
     /// Forward substitution y = L^-1 g of the tip.
     tip_y: [R; 3],
-    /// Elastic energy of all lines, N mm.
+    /// Elastic energy of all lines (plate members and ribs), N mm.
     pub(in crate::statics) energy: R,
     /// Work of the residual on the correction, N mm.
     work: R,
@@ -171,8 +171,8 @@ impl<'m, R: Number> Balance<'m, R> {
         work
     }
 
-    /// Adds Newton's correction without the [`Retraction`], so the interior nodes of a line move straight. Returns the squared energy norm of the
-    /// correction, N mm.
+    /// Adds Newton's correction without the [`Retraction`], so the inner nodes of a line move along straight lines. Returns the squared energy norm
+    /// of the correction, N mm.
     #[inline(always)]
     pub(super) fn correct_nodes(&mut self, stiffness: &Factor<R>, motion: &mut FrameMotion<R>) -> R {
         if let Some(retraction) = &mut self.retraction {

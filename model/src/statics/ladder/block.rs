@@ -1,9 +1,9 @@
-//! One step of block elimination. A step eliminates N unknowns; M neighbouring unknowns remain.
+//! One step of block elimination. An elimination step eliminates N unknowns; M neighbouring unknowns remain.
 //!
-//! Every elimination step of the ladder has this form, whether it eliminates a node, the rotations of a pinned member, the tip or a rung. Let K be
-//! the block's stiffness, C the block's coupling to the neighbours, and g the block's gradient. The block moves by x = -K^-1 (g + C neighbours). It
-//! adds -C^T K^-1 C to the stiffness of the neighbours and -C^T K^-1 g to their gradient. With K = L D L^T, both terms need only W = L^-1 C and y =
-//! L^-1 g.
+//! Every elimination step of the ladder uses a [`Block`], whether it eliminates a node, the rotations of a pinned member, the tip or a rung. Let K be
+//! the block's stiffness, C the block's coupling to the neighbours, and g the block's gradient. The block moves by x = -K^-1 (g + C n), where n is
+//! the motion of the neighbours. The elimination of the block adds -C^T K^-1 C to the stiffness of the neighbours and -C^T K^-1 g to their gradient.
+//! With K = L D L^T, the added stiffness and gradient need only W = L^-1 C and y = L^-1 g.
 
 use crate::number::Number;
 use finray_numerics::linear::{Ldl, copy_lane};
@@ -49,7 +49,7 @@ impl<R: Number, const N: usize, const M: usize> Block<R, N, M> {
                 weights[i] = self.with[i][row];
             }
             let weights = self.factor.divided(&weights);
-            // For scalars, each row starts at an even column, so that the compiler pairs two numbers in one instruction.
+            // For scalars, each row starts at an even column, so that the compiler can process two numbers in one instruction.
             let first = if R::LANES == 1 { row & !1 } else { row };
             for column in first..M {
                 let mut sum = neighbours[row][column];

@@ -1,8 +1,9 @@
 //! Rigid brackets between the ends of a chain (a condensed rib) and the key nodes.
 //!
-//! A bracket v rotates with its key node. If the node moves by u and rotates by w, the end of the chain moves by u + w quarter_turn(v). The equations
-//! of a chain use the rotations of the chain's ends. These rotations equal the rotations of the key nodes unless the chain is pinned. The chain rule
-//! for rigid arms then transforms stiffness and gradient from the ends of the chain to the key nodes.
+//! A bracket, given by the vector v, rotates with its key node. If a key node moves by u and rotates by w, the end of the chain at its bracket v
+//! moves by u + w quarter_turn(v). The equations of a chain use the rotations of the chain's ends. The rotations of the chain's ends equal the
+//! rotations of the key nodes unless the chain is pinned. The chain rule for rigid arms then transforms stiffness and gradient from the ends of the
+//! chain to the key nodes.
 
 use super::ends::{Ends, EndsMatrix};
 use crate::finger::Part;

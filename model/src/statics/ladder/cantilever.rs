@@ -1,11 +1,12 @@
 //! The elements from the first end of a chain to one of its nodes, as a cantilever that grows element by element.
 //!
 //! The motion of the second end relative to the rotating first end (the *deflection*) determines how the elements deform. With the deflection as
-//! unknown, the stiffness matrix contains only the elements' stiffness. With nodal positions as unknowns, the matrix also resists a motion of one end
-//! alone. The resistance to a common motion of both ends would then be a small difference of large numbers. Eliminating n elements node by node would
-//! amplify rounding errors by n^3. The deflection of the next element is therefore eliminated instead of the node before that element. Consecutive
-//! elements act as springs in series. The stiffness S of the preceding elements and the stiffness k of the next element combine to S - S (S + k)^-1
-//! S. Little is subtracted, because k is large compared with S.
+//! unknown, the stiffness matrix contains only the elements' stiffness. With nodal positions as unknowns, the stiffness matrix also contains the
+//! resistance to a motion of one end alone. With nodal positions as unknowns, the resistance to a common motion of both ends would be a small
+//! difference of large numbers. Eliminating n elements node by node would amplify rounding errors by n^3. The deflection of the next element is
+//! therefore eliminated instead of the node before that element. Consecutive elements act as springs in series. The stiffness S of the preceding
+//! elements and the stiffness k of the next element combine to S - S (S + k)^-1 S. The subtracted term S (S + k)^-1 S is small, because the stiffness
+//! k of one element is large compared with S.
 //!
 //! A fourth unknown is the rotation of the whole cantilever, which rotates the elements' forces. A translation of the whole cantilever changes no forces.
 
@@ -32,7 +33,8 @@ pub(super) struct Forces<R: Number> {
 }
 
 impl<R: Number> Forces<R> {
-    /// Converts a gradient with respect to the motions of the two ends to forces. `lever` is the vector from the first to the second end, mm.
+    /// Computes the forces on a cantilever from a gradient with respect to the motions of the two ends. `lever` is the vector from the first to the
+    /// second end, mm.
     #[inline(always)]
     pub(super) fn on(gradient: &Ends<R>, lever: Vector2<R>) -> Forces<R> {
         let [x, y, moment, end_x, end_y, end_moment] = *gradient;
@@ -66,7 +68,7 @@ impl<R: Number> Forces<R> {
         g[0] += x;
         g[1] += y;
         g[TURN] += arm.x * x + arm.y * y + next.by_deflection[TURN];
-        // Moves the gradient to the new second end; the next element rotates with the old second end.
+        // Transforms the gradient to the new second end; `next.by_deflection[TURN]` appears because the next element rotates with the old second end.
         g[2] += next.by_deflection[TURN] - next_arm.x * g[0] - next_arm.y * g[1];
         let by_next = &next.by_deflection;
         let y = joint.block.forward(&[by_next[0] - g[0], by_next[1] - g[1], by_next[2] - g[2]]);
@@ -97,7 +99,8 @@ impl<R: Number> Joint<R> {
         (one.lever.x, one.lever.y) = (self.lever.x.lane(lane), self.lever.y.lane(lane));
     }
 
-    /// Deflection of the cantilever without this element, given its deflection with this element and y = L^-1 g of the residual g.
+    /// Deflection of the cantilever without this element, computed from its deflection `longer` with this element and from y = L^-1 g of the residual
+    /// g.
     #[inline(always)]
     pub(super) fn shortened(&self, y: &[R; 3], longer: &Deflection<R>) -> Deflection<R> {
         let [x, y, rotation] = self.block.motion(y, longer);
@@ -119,8 +122,9 @@ pub(super) struct Cantilever<R: Number> {
 impl<R: Number> Cantilever<R> {
     /// The cantilever of one element without loads. `carried` is the force at the element's second end, N, which rotates with the element.
     ///
-    /// The stiffness with respect to the deflection is the stiffness of the second end alone. A rotation of the whole cantilever by w changes the
-    /// force f by w quarter_turn(f). This change of the force has the moment w f . lever about the first end.
+    /// The stiffness with respect to the deflection is the stiffness with respect to the motion of the element's second end. A rotation of the whole
+    /// cantilever by w changes the force f by w quarter_turn(f). A change of the force f by w quarter_turn(f) has the moment w f . lever about the
+    /// first end.
     #[inline(always)]
     pub(super) fn of_element(element: &Response<R>, carried: Vector2<R>, lever: Vector2<R>) -> Cantilever<R> {
         let mut stiffness = [[lever.x.zero(); 4]; 4];
@@ -201,7 +205,7 @@ impl<R: Number> Cantilever<R> {
         let s = &self.stiffness;
         let arm = quarter_turn(self.lever);
         let upper = |i: usize, j: usize| s[i.min(j)][i.max(j)];
-        // Column of the first end's rotation. This rotation changes the deflection by minus the arm.
+        // Column of the first end's rotation. A unit rotation of the first end changes the deflection in x and y by minus `arm`.
         let mut held = [arm.x; 3];
         for i in 0..3 {
             held[i] = upper(i, 0) * arm.x + upper(i, 1) * arm.y + upper(i, 2) - s[i][TURN];

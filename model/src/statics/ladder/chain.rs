@@ -200,8 +200,8 @@ impl<R: Number> Chain<R> {
         }
     }
 
-    /// Gradient with respect to the motions of the chain's two ends, or of the key nodes if the chain has brackets. This gradient is equivalent to
-    /// the gradients `on_element` with respect to the motions of each element's nodes.
+    /// Gradient with respect to the motions of the chain's two ends, or of the key nodes if the chain has brackets. The result replaces the gradients
+    /// `on_element` of the elements, which refer to the motions of each element's two nodes.
     pub(super) fn condensed_gradient(&self, joints: &[Joint<R>], on_element: impl Fn(usize) -> Ends<R>) -> Ends<R> {
         let mut gradient = on_element(0);
         if !joints.is_empty() {
@@ -288,8 +288,8 @@ pub(super) struct ChainForces<R: Number> {
     pins_y: [R; 2],
     /// Gradient with respect to the motions of the two ends, or of the key nodes if the chain has brackets; N and N mm.
     pub gradient: Ends<R>,
-    /// Gradient at both ends before any condensation, N and N mm: for the first end, only the first element contributes; for the second end, only the
-    /// last element.
+    /// Gradient at both ends before any condensation, N and N mm. Only the first element contributes at the first end, and only the last element at
+    /// the second end.
     pub raw: Ends<R>,
     /// Work of the residual on the corrections of the eliminated unknowns, N mm.
     pub work: R,

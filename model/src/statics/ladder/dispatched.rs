@@ -1,7 +1,8 @@
 //! Elimination of one finger with the widest SIMD instructions of the machine, bitwise equal to the scalar elimination. SIMD lanes condense several
 //! lines at a time; rungs are eliminated one after the other.
 //!
-//! Each task is a struct, not a closure. The compiler uses the wide instructions for code that is inlined into [`WithSimd::with_simd`], but not for closures.
+//! Each task that uses SIMD instructions is a struct, not a closure. The compiler uses the wide instructions for code that is inlined into
+//! [`WithSimd::with_simd`], but not for closures.
 
 use super::balance::Balance;
 use super::factor::Factor;

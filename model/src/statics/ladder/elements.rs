@@ -1,4 +1,4 @@
-//! The elements of one line, or of several lines in SIMD lanes, behind one trait.
+//! The elements of one line, or of several lines in SIMD lanes, accessed through one trait.
 //!
 //! Lines are independent until they are condensed onto the key nodes. Lines with the same number of elements can therefore be computed by the same
 //! instructions, one line per lane. Each line keeps its own beams, motion and loads.
@@ -27,7 +27,7 @@ pub(super) trait Elements<R: Number>: Copy {
     fn rotation(&self, index: usize) -> RotationSlot;
 }
 
-/// One line of a frame. Its indices refer to the motion of the frame.
+/// One line of a frame. The indices of the line's nodes and rotations refer to the motion of the frame.
 #[derive(Clone, Copy)]
 pub(super) struct OneLine<'a, R> {
     pub frame: &'a PlaneFrame,
@@ -66,7 +66,8 @@ pub(super) struct ParallelLines<'a, R> {
     /// The line in each lane. Unused lanes repeat the last line.
     lines: [&'a Line; MOST_LANES],
     members: [&'a [Member]; MOST_LANES],
-    /// Indices of each line's first inner node and of this node's rotation slot. The other inner nodes follow in order.
+    /// Indices of each line's first inner node and of this node's rotation slot. The indices of the line's other inner nodes and rotation slots
+    /// follow consecutively.
     inner: [(NodeIndex, RotationSlot); MOST_LANES],
     like: R,
 }

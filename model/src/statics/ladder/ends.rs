@@ -1,4 +1,4 @@
-//! Vectors and matrices with one entry or row per motion of two ends.
+//! Vectors and matrices with one entry or one row for each motion of the two ends of a chain or element.
 
 use crate::number::Number;
 use nalgebra::SVector;

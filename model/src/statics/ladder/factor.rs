@@ -59,8 +59,8 @@ impl<R: Number> Factor<R> {
         }
     }
 
-    /// Line indices of the back and front plate member that end at rung `level` on its base side, or at the tip if `level` is the number of rungs.
-    /// Lines are ordered back, front, ribs; each group starts at the base.
+    /// Indices of the lines of the back and front plate member on the base side of rung `level`. If `level` is the number of rungs, the two members
+    /// that end at the tip. Lines are ordered back, front, ribs; each group starts at the base.
     pub(super) fn plate_members(&self, level: usize) -> [usize; 2] {
         [level, self.rungs.len() + 1 + level]
     }

@@ -25,7 +25,7 @@ pub(super) struct Applied<R> {
     nothing: OnNode<R>,
     /// Potentials on key nodes: back and front node of each rib, then the tip.
     on_nodes: Vec<OnNode<R>>,
-    /// Indices of loaded elements, with the potential of the loads between their nodes or on their first node.
+    /// Index of each loaded element, with the potential of the loads between its two nodes or on its first node.
     on_members: Vec<(usize, Response<R>)>,
 }
 

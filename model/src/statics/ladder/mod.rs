@@ -6,8 +6,9 @@
 //! heap memory. Tests compare the solution with the sparse solver ([`SparseEquations`](super::SparseEquations)).
 //!
 //! Stiffness and forces are stored separately. [`Factor`] stores the factored tangent. The tangent at rest is computed only once per mesh. Linear
-//! solutions need only the tangent at rest, and co-rotational solutions start with it. [`Balance`] stores the forces. Both types are generic over
-//! [`Number`](crate::number::Number), for one load or for several loads in SIMD lanes.
+//! solutions need only the tangent at rest. Co-rotational solutions start with the tangent at rest if the ribs are deformable and all loads act on
+//! nodes. [`Balance`] stores the forces. [`Factor`] and [`Balance`] are generic over [`Number`](crate::number::Number), for one load or for several
+//! loads in SIMD lanes.
 
 mod balance;
 mod block;
@@ -33,9 +34,9 @@ pub(super) use balance::Balance;
 use ends::Ends;
 pub(super) use factor::Factor;
 
-/// A pivot below this share of the members' diagonal terms may have lost significant digits to cancellation. The same limit applies to the stiffness
-/// of a chain after an element is appended, relative to the stiffness before. For the paper's finger, the share is at least 2e-2 on any mesh. Shares
-/// below the limit occur for thin plates, and for all random fingers with errors above 1e-8.
+/// A pivot below this share of the members' diagonal terms may have lost significant digits to cancellation. The same limit applies when an element
+/// is appended to a chain: each diagonal term is compared with its value before. For the paper's finger, every pivot is at least 2e-2 of the members'
+/// diagonal terms, on any mesh. Pivots below the limit occur for thin plates, and for all random fingers with errors above 1e-8.
 const SMALL_PIVOT: f64 = 1e-3;
 
 /// Location of a frame node or of a load in the ladder.
@@ -61,10 +62,10 @@ pub struct Ladder<'m> {
     kinematics: Kinematics,
     /// The factored stiffness at motions other than rest.
     own: Factor,
-    /// Whether the last linearised motion uses the stiffness at rest, which the mesh stores.
+    /// Whether the last linearisation used the stiffness at rest, which the mesh stores.
     rests: bool,
     balance: Balance<'m>,
-    /// Gradients on each rung while sensitivities are computed, then the forward substitutions of these gradients.
+    /// While sensitivities are computed: first the gradients on each rung, then the forward substitutions of these gradients.
     waiting: Vec<Ends>,
 }
 
@@ -96,8 +97,8 @@ impl<'m> Ladder<'m> {
         dispatched::factorise(&mut self.balance, &mut self.own, motion);
     }
 
-    /// Whether the tangent equals the stiffness at rest. With nonlinear kinematics, both are equal if nothing has moved, the ribs are deformable, and
-    /// all loads act on nodes. Loads on arms or between nodes contribute to the tangent.
+    /// Whether the tangent equals the stiffness at rest. With nonlinear kinematics, the tangent equals the stiffness at rest if nothing has moved,
+    /// the ribs are deformable, and all loads act on nodes. Loads on arms or between nodes contribute to the tangent.
     fn has_rest_stiffness(&self, unmoved: bool, loads: &[FrameLoad]) -> bool {
         if self.linear() {
             return true;

@@ -35,7 +35,7 @@ impl Ladder<'_> {
     pub fn moved_load(&mut self, motion: &FrameMotion, load: &FrameLoad, out: &mut [Vector]) {
         let frame = self.mesh.frame();
         let slope = match *load {
-            // Elements of the front plate point from base to tip, in the direction of the derivative.
+            // The elements of the front plate point from base to tip, the direction in which the load moves.
             FrameLoad::Interior { member, xi, force } => {
                 frame.interior_load_slope(motion, member, self.kinematics, xi, force)
             }
@@ -49,8 +49,8 @@ impl Ladder<'_> {
     }
 
     /// Writes to `out` the markers' first-order displacements per unit of ln(modulus), mm, at the last linearised `motion`. `shares` pairs a member's
-    /// index with the derivative of the member's ln(stiffness). The additional load consists of the member's nodal forces times this derivative.
-    /// `out` is indexed by key node from 0.
+    /// index with the derivative of the member's ln(stiffness). The additional load consists of the member's nodal forces times the derivative of the
+    /// member's ln(stiffness). `out` is indexed by key node from 0.
     pub fn stiffened(&mut self, motion: &FrameMotion, shares: &[(usize, f64)], out: &mut [Vector]) {
         let members = self.mesh.frame().members();
         let mut share_of = vec![0.0; members.len()];

@@ -2,15 +2,16 @@
 //!
 //! Newton's method adds displacements and rotations linearly. A correction that rotates a plate member by `a` rotates its nodes by `a`. The chords of
 //! the member's elements rotate only by atan(a) = a - a^3 / 3 (by `a e` less if the chords also elongate by the strain `e`). Both ends of an element
-//! of length h then rotate by phi = a^3 / 3 relative to the element's chord. This rotation causes a shear force of 12 EI phi / h^2. The shear force
-//! is negligible for an element that spans a whole member. On finer meshes, however, the tangent stays positive definite only for smaller rotations,
-//! which shrink as h^(2/3). Finer meshes would therefore need more load steps. The effect is larger at the end of a rigid arm or link, which moves on
-//! a circle while its neighbours move along straight lines.
+//! of length h then rotate by phi = a^3 / 3 relative to the element's chord. A rotation phi of both ends relative to the chord causes a shear force
+//! of 12 EI phi / h^2. The shear force is negligible for an element that spans a whole member. On finer meshes, however, the tangent stays positive
+//! definite only up to a rotation that shrinks as h^(2/3). Without a retraction, finer meshes would therefore need more load steps. The shear force
+//! is larger at the end of a rigid arm or link, which moves on a circle while its neighbours move along straight lines.
 //!
-//! A *retraction* is an update that agrees with Newton's update to first order; it converges as fast as Newton's update. Here, the retraction keeps
-//! Newton's update at the key nodes. It moves the nodes between key nodes along a smooth curve that follows arms and links, and rotates these nodes
-//! with their chords. A fine mesh then needs no more load steps and iterations than a coarse mesh. The curve must meet the key nodes without a kink.
-//! A curve correct to second order does not suffice, because the stiffness of elements grows without bound as they become shorter.
+//! A *retraction* is an update that agrees with Newton's update to first order. Newton's method converges as fast with a retraction as without it.
+//! Here, the retraction keeps Newton's update at the key nodes. The retraction moves the nodes between key nodes along a smooth curve that follows
+//! arms and links, and rotates these nodes with their chords. With the retraction, a fine mesh needs no more load steps and iterations than a coarse
+//! mesh. The curve through the inner nodes must meet the key nodes without a kink. A curve that is correct only to second order does not suffice,
+//! because the stiffness of elements grows without bound as they become shorter.
 //!
 //! Reference: Absil, Mahony, Sepulchre, Optimization Algorithms on Matrix Manifolds (2008), sec. 4.1 and 6.3.
 
@@ -78,9 +79,9 @@ impl<R: Number> Retraction<R> {
         let end_chord = chord_in(motion, &last);
         let last_slope = slope(whole, count, end_chord, -self.surplus(count - 1, end_chord));
         let mut slopes = end_slopes([first_slope, last_slope], count);
-        // The current slopes rotate the end chords exactly, but Newton's rotations apply at the end nodes, half an element away. The difference would
-        // cause a shear force that grows as 1 / h. The effect of axial forces would grow with this shear force, so the tangent might lose positive
-        // definiteness.
+        // The slopes so far rotate the end chords by exactly Newton's rotations. These rotations, however, apply at the end nodes, half an element
+        // away from the middle of the end chords. This offset of half an element would cause a shear force that grows as 1 / h with the element
+        // length h. A larger shear force would increase the effect of axial forces, so the tangent might lose positive definiteness.
         if count > 2 {
             let mut more = slopes;
             for (end, (at, next)) in [(0, 1), (count - 1, count - 2)].into_iter().enumerate() {
@@ -202,7 +203,7 @@ fn cross<R: Number>(a: Vector2<R>, b: Vector2<R>) -> R {
     a.x * b.y - a.y * b.x
 }
 
-/// End slope of the [`cubic`] across `whole` that rotates the chord of one of `count` elements by `turn`, rad.
+/// End slope of the [`cubic`] across `whole` that rotates `chord`, the chord of one of `count` elements, by `turn`, rad.
 #[inline(always)]
 fn slope<R: Number>(whole: Vector2<R>, count: usize, chord: Vector2<R>, turn: R) -> R {
     let ((sine, versine), across) = (sine_and_versine(turn), quarter_turn(chord));

@@ -57,7 +57,7 @@ impl<R: Number> RigidRib<R> {
                 full[i][j] = stiffness[j][i];
             }
         }
-        // K is symmetric. T^T K T therefore follows by applying T^T to each row, transposing, and applying T^T to each row again.
+        // K is symmetric. T^T K T is computed by applying T^T to each row of the symmetric K, transposing, and applying T^T to each row again.
         let half = transposed(&full.map(|row| self.generalised(&row)));
         let mut whole = half.map(|row| self.generalised(&row));
         let turns = if self.together { 2..3 } else { 2..5 };
@@ -95,8 +95,8 @@ struct TiedNode<R> {
 }
 
 impl<R: Number> TiedNode<R> {
-    /// Moves the stiffness between the tied and the other node to `coupling`. Stores the tied node's own stiffness, and replaces this stiffness by
-    /// unit stiffness. Rows of `coupling` are the unknowns of this rung, columns are the unknowns of the rung below.
+    /// Moves the stiffness between the tied node and the other node of the rung to `coupling`. Stores the tied node's own stiffness, and replaces
+    /// this stiffness by unit stiffness. The rows of `coupling` are the unknowns of this rung, and its columns are the unknowns of the rung below.
     #[inline(always)]
     fn release(&mut self, stiffness: &mut EndsMatrix<R>, coupling: &mut EndsMatrix<R>) {
         let (row, other, zero) = (self.row, 3 - self.row, stiffness[0][0].zero());
@@ -113,7 +113,7 @@ impl<R: Number> TiedNode<R> {
 }
 
 /// A rung: the back and front node of one rib, with the unknowns x, y and rotation of the back node, then of the front node. Elimination of a rung
-/// adds to the rung below.
+/// adds terms to the stiffness and gradient of the rung below.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rung<R: Number> {
     pub(super) block: Block<R, 6, 6>,
@@ -163,7 +163,8 @@ impl<R: Number> Rung<R> {
         }
     }
 
-    /// Lanes in which each pivot exceeds its limit. `None` for an undeformable rib, because such a rung has other unknowns.
+    /// Lanes in which each pivot exceeds its limit. `None` for an undeformable rib, because the unknowns are then generalised coordinates, to which
+    /// the limits do not apply.
     #[inline(always)]
     pub(super) fn pivots_exceed(&self, limits: &Ends<R>) -> Option<R::Mask> {
         self.rib.is_none().then(|| self.block.factor.pivots_exceed(limits))
@@ -182,7 +183,8 @@ impl<R: Number> Rung<R> {
         }
     }
 
-    /// Forward substitution y = L^-1 g for a gradient with respect to the motions of the rung's nodes; g is the gradient in generalised coordinates.
+    /// Forward substitution y = L^-1 g for a `gradient` with respect to the motions of the rung's nodes. With an undeformable rib, g is this gradient
+    /// in generalised coordinates.
     #[inline(always)]
     pub(super) fn forward(&self, gradient: &Ends<R>) -> Ends<R> {
         match self.rib {

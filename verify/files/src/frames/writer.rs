@@ -31,10 +31,10 @@ impl<W: Write> FrameWriter<W> {
         Ok(FrameWriter { out, layout, samples: Vec::new() })
     }
 
-    /// Writes a frame, and passes it on at once.
+    /// Writes a frame, and flushes the output.
     ///
     /// # Errors
-    /// [`std::io::Error`] if the frame cannot be written, or if the image has another size than the stream.
+    /// [`std::io::Error`] if the frame cannot be written, or if the size of the image differs from that of the stream.
     ///
     /// # Reference
     /// ITU-R BT.601: Y = 0.299 R + 0.587 G + 0.114 B, Cb = (B - Y) / 1.772, Cr = (R - Y) / 1.402.
@@ -64,7 +64,7 @@ fn yuv(rgb: [u8; 3]) -> [u8; 3] {
     [luma, 128.0 + (blue - luma) / 1.772, 128.0 + (red - luma) / 1.402].map(|value| (value + 0.5) as u8)
 }
 
-/// A frame rate as `numerator:denominator`, with the smallest power of ten that represents it as denominator.
+/// A frame rate as `numerator:denominator`; the denominator is the smallest power of ten that makes the numerator whole, up to `LARGEST_DENOMINATOR`.
 fn ratio(per_second: f64) -> String {
     let mut denominator = 1;
     while denominator < LARGEST_DENOMINATOR && (per_second * f64::from(denominator)).fract() != 0.0 {

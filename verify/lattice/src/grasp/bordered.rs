@@ -20,8 +20,8 @@ impl Inner<'_> {
         3 * self.order.body_count()
     }
 
-    /// Returns A⁻¹ r in the first column and A⁻¹ B in the others, with one row per unknown. A is the finger's matrix, r a right-hand side, and B the
-    /// derivatives with respect to the border's unknowns.
+    /// Returns A⁻¹ r in the first column and A⁻¹ B in the other columns, with one row per unknown of the finger. A is the finger's matrix, r a
+    /// right-hand side, and B the derivatives with respect to the border's unknowns.
     fn solved(&mut self, right: &[f64], border_count: usize) -> Option<Vec<f64>> {
         let columns = 1 + border_count;
         let mut solved = vec![0.0; self.unknown_count() * columns];
@@ -35,7 +35,7 @@ impl Inner<'_> {
     }
 }
 
-/// Matrix of the equations. The unknowns belong to the fingers' bodies, finger by finger, and then to the border.
+/// Matrix of the equations. The unknowns of the fingers' bodies come first, finger by finger; the unknowns of the border follow.
 pub(super) struct Bordered<'o> {
     fingers: Vec<Inner<'o>>,
     border: DMatrix<f64>,
@@ -62,7 +62,8 @@ impl<'o> Bordered<'o> {
         (order, blocks)
     }
 
-    /// Adds a derivative to one element. Panics if row and column belong to two different bodies; such a derivative belongs in the [`blocks`](Self::blocks).
+    /// Adds a derivative to one element. Panics if row and column belong to two different bodies; a derivative between two bodies belongs in the
+    /// [`blocks`](Self::blocks).
     pub fn add(&mut self, row: usize, column: usize, derivative: f64) {
         let first = self.first;
         if row.min(column) >= first {
@@ -111,7 +112,8 @@ mod tests {
     use super::*;
     use nalgebra::DVector;
 
-    /// Compares with dense elimination, for two chains of bodies of different length with a shared border and without symmetry.
+    /// Compares the solution with that of dense elimination, for two chains of bodies of different length. The chains share a border, and the matrix
+    /// is not symmetric.
     #[test]
     fn a_bordered_matrix_is_solved_as_a_dense_one_is() {
         const BODIES: [usize; 2] = [4, 3];

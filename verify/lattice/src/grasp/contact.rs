@@ -86,8 +86,9 @@ pub struct Touching {
 pub struct Tangent {
     /// Derivatives of the slip, mm per mm and mm per rad.
     pub slip_by: Unknowns,
-    /// Generalised forces of a contact force of 1 N along the normal, and of a contact force of 1 N along the tangent. Entries: N and N mm on the
-    /// body in the finger's frame, then on the object in the world frame. The first vector is also the gradient of the gap.
+    /// Generalised forces due to a contact force of 1 N along the normal, and due to a contact force of 1 N along the tangent. Each vector has the
+    /// force (N) and moment (N mm) on the body in the finger's frame, then the force and moment on the object in the world frame. The vector for the
+    /// normal direction is also the gradient of the gap.
     pub pull: [Unknowns; 2],
     /// Derivatives of both vectors in `pull` with respect to each unknown (mm or rad), one row per unknown.
     pub pull_by: [[Unknowns; 2]; 6],
@@ -192,7 +193,7 @@ impl Pair {
                 (height - half_mm - disc_mm, -outward, on_object(corner) - outward.map(|x| x * disc_mm))
             }
         };
-        // Positions in the poses `before` of the two material points that are in contact now.
+        // Positions, in the poses `before`, of the two material points that are now in contact.
         let arms = [times(axes.transpose(), point - body_world), point - object];
         let (in_body, in_object) = (turned(-rotation, arms[0]), turned(-angle, arms[1]));
         let then = constant::<D>(rest + before.body.displacement) + turned(before.body.rotation.into(), in_body);

@@ -34,7 +34,7 @@ pub(super) struct Order {
 }
 
 impl Order {
-    /// Elimination order for free bodies and the links between them. In each step, the body with the fewest links is eliminated.
+    /// Elimination order for free bodies and the links between them. In each step, the body with the fewest links to remaining bodies is eliminated.
     pub fn of(body_count: usize, links: &[Option<[usize; 2]>]) -> Order {
         let mut linked = vec![BTreeSet::new(); body_count];
         let mut places: BTreeMap<[usize; 2], usize> = (0..body_count).map(|body| ([body, body], body)).collect();
@@ -87,8 +87,8 @@ impl Order {
 
     /// Factorises the blocks in place, always in the same order. `None` if a pivot block is exactly singular.
     ///
-    /// The elimination is stable if the stiffness of the finger with its contacts is positive definite. During a snap the stiffness may be indefinite. The
-    /// correction is then less accurate, and Newton's method takes further steps or fails.
+    /// The elimination is stable if the stiffness of the finger with its contacts is positive definite. During a snap the stiffness may be
+    /// indefinite. If the stiffness is indefinite, the correction is less accurate, and Newton's method takes further steps or fails.
     pub fn factorise(&self, blocks: &mut [Matrix3<f64>]) -> Option<()> {
         for Pivot { body, later, changed } in &self.pivots {
             let inverse = blocks[*body].try_inverse()?;
@@ -145,7 +145,7 @@ mod tests {
     use super::*;
     use nalgebra::DMatrix;
 
-    /// Compares with dense elimination, for a ring of bodies with additional links and unsymmetric blocks.
+    /// Compares the solution with that of dense elimination, for a ring of bodies with additional links and unsymmetric blocks.
     #[test]
     fn blocks_are_eliminated_as_a_dense_matrix_is() {
         const BODIES: usize = 9;

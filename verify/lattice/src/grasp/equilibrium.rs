@@ -2,8 +2,8 @@
 //!
 //! The unknowns are the motions of the fingers' bodies, the object's pose, and the normal and friction force of every contact pair. Signorini's and
 //! Coulomb's laws become equations without inequalities (Alart and Curnier 1991). With a stiffness c, a contact is open if normal force minus c times
-//! gap is negative. It sticks if friction minus c times slip lies within the friction cone, and slips otherwise. Each Newton step fixes the contact
-//! status of every pair, then re-evaluates it (semi-smooth Newton).
+//! gap is negative. A contact sticks if friction minus c times slip lies within the friction cone; otherwise a closed contact slips. Each Newton step
+//! fixes the contact status of every pair, then re-evaluates it (semi-smooth Newton).
 //!
 //! Reference: Alart, Curnier, "A mixed formulation for frictional contact problems prone to Newton like solution methods" (Comput. Methods Appl.
 //! Mech. Eng. 92, 1991).
@@ -16,19 +16,20 @@ use std::collections::BTreeMap;
 
 /// A solve is abandoned after this number of Newton steps; 99 % of the solves that converge take fewer.
 const MOST_STEPS: usize = 30;
-/// A solve is abandoned if the object or a body moves by more than this factor times the allowed distance; 99 % of the solves that converge never
-/// exceed this distance.
+/// A solve is abandoned if the object or a body moves by more than this multiple of the allowed distance. 99 % of the solves that converge stay
+/// within this multiple.
 const ASTRAY: f64 = 2.5;
-/// From this Newton step on, friction uses the normal force of the previous step. This mostly ends alternation between sticking and slipping.
+/// From this Newton step on, friction uses the normal force of the previous step. Using the earlier normal force mostly ends alternation between
+/// sticking and slipping.
 const LAGGING: usize = 15;
-/// The iteration counts as cycling if all contact statuses are the same as in an earlier step (from step `LAGGING` on), and the lengths of the two
-/// steps differ by at most this share.
+/// The iteration counts as cycling if a step has the same contact statuses as an earlier step (from step `LAGGING` on), and their lengths differ by
+/// at most this share.
 const ROUND: f64 = 1e-3;
 /// A step shorter than this share of the object's size never counts as cycling, because the iteration may still converge.
 const ROUND_MM: f64 = 1e-6;
 /// Largest Newton step of a body or the object: translation as a share of the object's size, and rotation, rad. A longer step is scaled down.
 const LONGEST: [f64; 2] = [0.3, 0.2];
-/// The iteration converges only when a Newton step moves every body and the object by at most this share of the object's size.
+/// The iteration counts as converged only if a Newton step moves every body and the object by at most this share of the object's size.
 const CONVERGED: f64 = 1e-11;
 /// A solution with an overlap above this share of the object's size is rejected, because a contact pair was overlooked.
 const OVERLAP: f64 = 1e-6;
@@ -96,7 +97,8 @@ impl Scene<'_> {
         !pulls && !self.near_pairs(state, before, around).iter().any(overlaps)
     }
 
-    /// Largest share of a correction that respects `LONGEST`, and the correction's largest displacement, mm (rotations times the object's size).
+    /// Returns the largest share of a correction that respects `LONGEST`, and the correction's largest motion, mm; a rotation is multiplied by the
+    /// object's size.
     fn share(&self, correction: &[f64]) -> (f64, f64) {
         let object = self.first(self.fingers.len());
         let (mut moved_mm, mut turned_rad) = (0.0_f64, 0.0_f64);
