@@ -3,7 +3,7 @@
 //! Each layer is a crate that depends only on the layers below it:
 //! - [`figures`] draws charts and is independent of fingers; [`files`] reads and writes files.
 //! - [`lattice`] models a finger, or two fingers and an object, as rigid bodies and springs.
-//! - The studies: [`truths`] are reference models of the finger, [`estimators`] are tested on them, and [`sampling`] draws the test cases.
+//! - The studies: [`truths`] are reference models of the finger, [`estimators`] are tested on these models, and [`sampling`] draws the test cases.
 //!   [`problems`] have known answers, [`experiments`] are the individual studies, [`study`] runs all of them for a scene, and [`claims`] compares the
 //!   results with the paper's statements.
 //! - [`report`] presents the results as pages.

@@ -1,6 +1,6 @@
-//! The program `finray`: reads arguments, runs a command, writes files. Physics lives in `finray_model`, checks and maps in `finray_verify`.
+//! The program `finray`: reads arguments, runs a command, writes files. The physics is in `finray_model`; checks and maps are in `finray_verify`.
 #![forbid(unsafe_code)]
-// The denied macros panic if standard output or error is closed; `print_message` and `write_file` do not.
+// The macros that these lints deny panic if standard output or error is closed; `print_message` and `write_file` do not.
 #![deny(clippy::print_stderr, clippy::print_stdout)]
 
 mod commands;
@@ -109,7 +109,7 @@ fn main() -> ExitCode {
 /// Prints the man page of a command, or of the program.
 fn man_page(command: Option<&str>) -> Result<(), Failure> {
     let mut program = Arguments::command();
-    // Building names the subcommands "finray sense" and adds the options of all commands to them.
+    // `build` gives the subcommands full names such as "finray sense", and adds global options such as `--quiet` to each subcommand.
     program.build();
     let page_of = match command {
         None => program,

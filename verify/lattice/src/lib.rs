@@ -1,20 +1,22 @@
 //! A finger as a lattice of rigid bodies and springs: a second discretisation that verifies the beam solver.
 //!
-//! The lattice uses neither the elements nor the solver of the beam model. Its springs have the stiffnesses EA / l, 12 EI / l^3 and EI / l of the
-//! beams' sections; shear deformation reduces the second. It therefore verifies solver and kinematics, but not beam theory.
+//! The lattice uses neither the elements nor the solver of the beam model. The lattice's springs have the stiffnesses EA / l, 12 EI / l^3 and EI / l
+//! of the beams' sections; shear deformation reduces 12 EI / l^3. The lattice therefore verifies solver and kinematics of the beam model, but not
+//! beam theory.
 //!
-//! Plates and ribs are cut into short segments, with a rigid body between two segments and at every rod (junction). Each segment becomes one axial spring and
-//! up to three bending springs ([`springs`]). The equilibrium is found in two ways. [`settling`] lets the bodies move in the physics engine rapier until they
-//! rest; Newton's method minimises the springs' [`energy`]. Comparing both results separates errors of the lattice from errors of settling.
+//! Plates and ribs are cut into short segments, with a rigid body between two segments and at every rod (junction). Each segment becomes one axial
+//! spring and up to three bending springs ([`springs`]). The equilibrium is found in two ways. [`settling`] lets the bodies move in the physics
+//! engine rapier until they rest; Newton's method minimises the springs' [`energy`]. Comparing the results of rapier and of Newton's method separates
+//! errors of the lattice from errors of settling.
 //!
-//! No parameter is fitted. For small displacements the displacements of the key nodes are exact, as in a frame of beams. The geometrically
-//! nonlinear error decreases with the third to fourth power of the segment length.
+//! No parameter is fitted. For small displacements the displacements of the key nodes are exact, as in a frame of beams. For large displacements, the
+//! error decreases with the third to fourth power of the segment length.
 //!
-//! The lattice supports every finger: rigid arms, zones, hinged ribs and undeformable ribs. An undeformable rib with rigid joints forms one body with its two
-//! rods. An undeformable rib with hinges is a bar with ten times the axial rigidity of the stiffer plate.
+//! The lattice supports every finger, including fingers with rigid arms, zones, hinged ribs or undeformable ribs. An undeformable rib with rigid
+//! joints forms one body with its two rods. An undeformable rib with hinges is a bar with ten times the axial rigidity of the stiffer plate.
 //!
-//! [`grasp`] finds the equilibrium of two fingers with an object between them. [`pressing`] uses the same method for one finger and an object held
-//! by a hand; rapier verifies it ([`pressing::settled`]).
+//! [`grasp`] finds the equilibrium of two fingers with an object between them. [`pressing`] uses the method of [`grasp`] for one finger and an object
+//! held by a hand; rapier verifies the results ([`pressing::settled`]).
 #![forbid(unsafe_code)]
 
 pub mod bodies;
@@ -61,7 +63,7 @@ pub enum LatticeError {
         /// Largest movement between the last two position checks, relative to the largest displacement; infinite before the second check.
         residual: f64,
     },
-    /// The front plate tapers. Contact assumes an outline parallel to the plate's middle line.
+    /// The front plate tapers. The computation of contacts assumes that the plate's outline is parallel to the plate's middle line.
     #[error("finger.front.tip_thickness_mm: expected a front plate of constant thickness where an object touches it")]
     Tapered,
     /// The object overlaps the finger at the start.
@@ -167,8 +169,8 @@ impl Lattice {
         }
     }
 
-    /// Equilibria under the loads times each of `factors`, which must increase; each is followed from the previous one. If the path ends before the last
-    /// factor, the second value is [`LatticeError::NoEquilibrium`] with the share of the load at which the path ended.
+    /// Equilibria under the loads times each of `factors`, which must increase; each equilibrium is followed from the previous one. If the path ends
+    /// before the last factor, the second value is [`LatticeError::NoEquilibrium`] with the share of the load at which the path ended.
     ///
     /// # Errors
     /// [`LatticeError::Load`] or [`LatticeError::LoadNotFinite`] for a bad load.

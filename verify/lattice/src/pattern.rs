@@ -1,4 +1,4 @@
-//! Sparsity pattern of a matrix. Its entries are sorted once, for all matrices with entries at the same indices.
+//! Sparsity pattern of a matrix. The entries of a pattern are sorted once, for all matrices with entries at the same indices.
 
 use faer::sparse::{Argsort, Pair, SparseColMat, SymbolicSparseColMat, Triplet};
 

@@ -1,8 +1,8 @@
 //! Simulates the lattice in the physics engine rapier until all bodies rest.
 //!
-//! Only the position at rest is meaningful: masses, time step and damping are chosen for fast convergence. In every step, rapier solves for the spring
-//! forces at the end of the step, by sweeps over the springs (projected Gauss-Seidel). The mass of a body is dt^2 times its stiffness, divided by
-//! `SOFTNESS`. The error then decreases by the same factor per sweep in every lattice.
+//! Only the position at rest is meaningful: masses, time step and damping are chosen for fast convergence. In every step, rapier solves for the
+//! spring forces at the end of the step, by sweeps over the springs (projected Gauss-Seidel). The mass of a body is dt^2 times its stiffness, divided
+//! by `SOFTNESS`. With these masses, the error decreases by the same factor per sweep in every lattice.
 //!
 //! Damping is kinetic: all bodies are stopped after each peak of the kinetic energy. The springs have no damping.
 //!
@@ -18,19 +18,21 @@ use rapier2d::prelude::{
     PhysicsWorld, Pose, RigidBodyBuilder, RigidBodyHandle, SpringJointBuilder, Vector as RapierVector,
 };
 
-/// Time step, s. It only scales the masses. It must not be 1: rapier then treats a motor without force limit as a rigid constraint and
-/// subtracts it from the joint's other rows.
+/// Time step, s. It only scales the masses. The time step must not be 1: rapier then treats a motor without force limit as a rigid constraint, which
+/// it subtracts from the joint's other rows.
 const STEP_S: f64 = 0.5;
-/// Stiffness times dt^2 over mass, dimensionless. With a larger value bodies move farther per step, but need more sweeps for the same error.
+/// Stiffness times dt^2 over mass, dimensionless. With a larger value, bodies move farther per step but need more sweeps for the same error.
 const SOFTNESS: f64 = 4.0;
 /// Sweeps over the springs per step. The remaining force residual shifts the position at rest; more sweeps reduce the shift. Rapier's warm start of
-/// joints would not help. It applies a joint's old impulse only when the sweep reaches the joint, and a sweep does not depend on its initial values.
+/// joints would not help. Rapier applies a joint's old impulse only when the sweep reaches the joint, and the result of a sweep does not depend on
+/// its initial values.
 pub const SWEEPS: usize = 32;
 
-/// The lattice counts as at rest if, during its slowest motion, no body moves by more than this share of the largest displacement. The slowest motion is
-/// assumed to last `PATIENCE` times the number of steps to the first peak of the kinetic energy.
+/// The lattice counts as at rest if, within the duration of its slowest motion, no body moves by more than this share of the largest displacement.
+/// The slowest motion is assumed to last `PATIENCE` times the number of steps to the first peak of the kinetic energy.
 pub const AT_REST: f64 = 2e-5;
-/// Duration of the slowest motion, in units of the time to the first peak of the kinetic energy. The peak comes a quarter of a period after the start.
+/// Duration of the slowest motion, in units of the time to the first peak of the kinetic energy. The first peak comes a quarter of a period after the
+/// start.
 const PATIENCE: usize = 2;
 /// Position checks are at least this number of steps apart.
 const SHORTEST_WATCH: usize = 20;
@@ -40,7 +42,7 @@ const RESOLUTION: f64 = 1e-9;
 /// Shorter segments need proportionally more.
 pub const MOST_STEPS: usize = 200_000;
 
-/// Numerical settings of settling. With the defaults, the lattice reaches the minimum of its energy.
+/// Numerical settings of settling. With the default settings, the lattice reaches the minimum of its energy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settling {
     /// Number of solver sweeps over the springs per time step.
@@ -92,9 +94,9 @@ pub(crate) struct Dynamics<'a> {
     assembly: &'a Assembly,
     /// The rapier world.
     pub(crate) world: PhysicsWorld,
-    /// Handles of the lattice's bodies, in their order.
+    /// Handles of the lattice's bodies, in the order of the bodies.
     pub(crate) handles: Vec<RigidBodyHandle>,
-    /// All moving bodies: the bodies of the lattice, then others such as a pressed object.
+    /// All moving bodies: the bodies of the lattice, then other bodies, such as a pressed object.
     moving: Vec<Moving>,
     /// Precision of the stored positions.
     positions: Precision,
@@ -125,7 +127,7 @@ pub(crate) fn mass_for(stiffness: f64) -> f64 {
     STEP_S * STEP_S * stiffness / SOFTNESS
 }
 
-/// A rapier joint that acts like the spring. Its motor applies a force, not an acceleration, proportional to the deformation.
+/// A rapier joint that acts like the spring. The joint's motor applies a force, not an acceleration, proportional to the deformation.
 fn joint(spring: &Spring) -> GenericJoint {
     let [first, second] = spring.ends.map(|end| rapier(end.arm));
     let motor = |axis: JointAxis, angle: f64| {
@@ -259,7 +261,7 @@ impl<'a> Dynamics<'a> {
         self.moving.iter().map(|moving| self.world.bodies[moving.handle].translation() - moving.start).collect()
     }
 
-    /// Motion of every body of the lattice from its undeformed pose. Rotations are between half a turn backwards and half a turn forwards.
+    /// Motion of every body of the lattice from its undeformed pose. Rotations are between -pi and pi, rad.
     pub(crate) fn motions(&self) -> Vec<BodyMotion> {
         let motion = |(handle, rest): (&RigidBodyHandle, &super::bodies::Body)| {
             let body = &self.world.bodies[*handle];
@@ -292,7 +294,7 @@ impl<'a> Dynamics<'a> {
         self.watch(loads, (PATIENCE * steps).max(SHORTEST_WATCH), steps, most_steps)
     }
 
-    /// Simulates from step `steps` on, until no body moves by more than [`AT_REST`] of the largest displacement during `watch` steps.
+    /// Simulates from step `steps` on, until no body moves by more than the share [`AT_REST`] of the largest displacement during `watch` steps.
     ///
     /// # Errors
     /// [`LatticeError::NotSettled`] with the last residual if bodies still move after `most_steps`.
@@ -324,8 +326,8 @@ impl<'a> Dynamics<'a> {
     }
 }
 
-/// Mass and moment of inertia of every body: dt^2 k / softness. The stiffness k is a diagonal entry of the undeformed lattice's stiffness matrix: the larger
-/// of the two translational entries for the mass, and the rotational entry for the moment of inertia.
+/// Mass and moment of inertia of every body: dt^2 k / softness. The stiffness k is a diagonal entry of the undeformed lattice's stiffness matrix. For
+/// the mass, k is the larger translational entry; for the moment of inertia, k is the rotational entry.
 fn inertia(assembly: &Assembly) -> Vec<(f64, f64)> {
     let energy = Energy::new(assembly);
     let at_rest = vec![BodyMotion::default(); assembly.bodies.len()];

@@ -54,7 +54,7 @@ pub struct Touch {
 #[derive(Clone, Copy)]
 pub(crate) enum Skin {
     Rod(NodeId),
-    /// A piece of plate. The fields give the start of the piece: along the plate, mm, and relative to the body's centre, mm.
+    /// A piece of plate. The fields give the start of the piece, as position along the plate (mm) and as vector from the body's centre (mm).
     Plate {
         from_mm: f64,
         from_arm: Vector,
@@ -64,7 +64,7 @@ pub(crate) enum Skin {
 const FINGER: Group = Group::GROUP_1;
 const OBJECT: Group = Group::GROUP_2;
 
-/// Collision groups of a collider. With them the finger touches the object, but not itself.
+/// Collision groups of a collider. With these groups, the finger touches the object but not itself.
 fn groups(own: Group, other: Group) -> InteractionGroups {
     InteractionGroups::new(own, other, InteractionTestMode::And)
 }
@@ -82,7 +82,7 @@ pub(crate) fn require_one_thickness(lattice: &Lattice) -> Result<(), LatticeErro
     if lattice.finger().tapers(Plate::Front) { Err(LatticeError::Tapered) } else { Ok(()) }
 }
 
-/// Adds the contact surface to the rapier world: a disc at every key node of the front plate, and capsules between them.
+/// Adds the contact surface to the rapier world: a disc at every rod of the front plate, and capsules between the rods.
 pub(crate) fn add_skin(
     lattice: &Lattice,
     rod_radius_mm: f64,
@@ -121,8 +121,8 @@ pub(crate) fn add_skin(
 }
 
 impl Lattice {
-    /// Equilibrium under the forces of given contacts as fixed loads, by Newton's method, without contact search and without physics engine. Correct
-    /// contact forces yield the shape in which the contacts were found.
+    /// Equilibrium under the forces of the given contacts, applied as fixed loads. Newton's method finds the equilibrium, without contact search or
+    /// physics engine. Correct contact forces yield the shape in which the contacts were found.
     ///
     /// # Errors
     /// [`LatticeError::NoEquilibrium`] if no stable equilibrium is found.

@@ -25,13 +25,13 @@ impl Anchor {
 /// Kind of deformation that a spring resists.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Deformation {
-    /// Change of the distance between its two points, mm.
+    /// Change of the distance between the spring's two points, mm.
     Distance {
         /// Vector from the first point to the second, undeformed, mm.
         rest: Vector,
     },
-    /// Displacement of the second point relative to the first point, mm. It is measured normal to a direction that rotates with the first body.
-    /// Undeformed, the two points coincide.
+    /// Displacement of the second point relative to the first point, mm. The displacement is measured normal to a direction that rotates with the
+    /// first body. Undeformed, the two points coincide.
     Across {
         /// Unit vector of the direction, undeformed.
         direction: Vector,
@@ -40,7 +40,7 @@ pub enum Deformation {
     Turn,
 }
 
-/// A linear spring between two bodies. Its energy is stiffness / 2 * deformation^2.
+/// A linear spring between two bodies. The energy of the spring is stiffness / 2 * deformation^2.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spring {
     /// Point of attachment on each of the two bodies.
@@ -68,12 +68,13 @@ pub struct Segment {
 
 /// Distance of the axial spring's points from the unpinned ends of a segment, as a share of the segment length.
 ///
-/// Bending brings the ends of a beam closer together without axial strain. If the ends rotate by -phi and phi against the chord, an arc of length l has the
-/// chord l (1 - phi^2 / 6). Consider two points, each fixed to one end and at the distance c l from that end. The distance of the two points is l (1 - 2 c) +
-/// l (c - 1 / 6) phi^2, which is constant for c = 1 / 6. The same share applies to a segment with one pinned end.
+/// Bending brings the ends of a beam closer together without axial strain. If the ends rotate by -phi and phi against the chord, an arc of length l
+/// has the chord l (1 - phi^2 / 6). Consider two points, each fixed to one end and at the distance c l from that end. The distance of the two points
+/// is l (1 - 2 c) + l (c - 1 / 6) phi^2, which is constant for c = 1 / 6. The share 1 / 6 also applies to a segment with one pinned end.
 pub const AXIAL_INSET: f64 = 1.0 / 6.0;
 
-/// Properties of the segments' axial springs. The default has the values of a slender beam; studies use other values to show their effect.
+/// Properties of the segments' axial springs. The default has the values of a slender beam; studies use other values to show the effect of inset and
+/// stiffness.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxialSprings {
     /// Distance of the spring's points from the segment ends, as a share of the segment length; see [`AXIAL_INSET`].
@@ -97,11 +98,11 @@ impl Segment {
     /// Springs that replace the segment: one axial spring and the bending springs. A segment without pinned ends has three bending springs, a segment
     /// with one pinned end has one, and a segment with two pinned ends has none.
     ///
-    /// Between two unpinned ends the elastic energy of a slender beam is EI / (2 l) turn^2 + 12 EI / (2 l^3) across^2. Here `turn` is the relative rotation
-    /// of the ends, and `across` the gap at the middle if both halves stayed straight. For symmetry, two springs of half the stiffness resist the
-    /// gap: one normal to the direction of the first end, one normal to the direction of the second end. A segment with one pin is a cantilever,
-    /// clamped at the unpinned end, with the stiffness 3 EI / l^3. A segment with two pins has only the axial spring. With shear deformation, the
-    /// stiffness 12 EI / l^3 is divided by 1 + Phi, and 3 EI / l^3 by 1 + Phi / 4, with the shear parameter Phi.
+    /// Between two unpinned ends the elastic energy of a slender beam is EI / (2 l) turn^2 + 12 EI / (2 l^3) across^2. Here `turn` is the relative
+    /// rotation of the ends, and `across` the gap at the middle if both halves stayed straight. For symmetry, two springs of half the stiffness
+    /// resist the gap `across`: one normal to the direction of the first end, one normal to the direction of the second end. A segment with one pin
+    /// is a cantilever, clamped at the unpinned end, with the stiffness 3 EI / l^3. A segment with two pins has only the axial spring. With shear
+    /// deformation, the stiffness 12 EI / l^3 is divided by 1 + Phi, and 3 EI / l^3 by 1 + Phi / 4, with the shear parameter Phi.
     pub fn springs(&self, axial: AxialSprings) -> Vec<Spring> {
         let length = self.length_mm;
         let bending = self.section.bending_rigidity_nmm2;

@@ -49,7 +49,7 @@ impl Drawing {
     }
 }
 
-/// The members of a finger: at rest, or displaced by `motion`.
+/// The members of a finger as lines, at rest or displaced by `motion`.
 pub(crate) fn lines(mesh: &Mesh, motion: Option<&FrameMotion>) -> Vec<Polyline> {
     let at = |node: &usize| {
         let rest = mesh.frame().position(*node);

@@ -1,8 +1,8 @@
 //! Functions that a page calls. The page writes a question into the memory that [`question`] returns, and calls [`answer`], which returns the length of the
 //! answer. The page then reads the answer at the address that [`text`] returns.
 //!
-//! An exported function needs the attribute `no_mangle` to keep its name. The attribute counts as unsafe, because a linker would confuse two functions of the
-//! same name. The names here are used nowhere else, and the functions themselves have no unsafe code.
+//! An exported function needs the attribute `no_mangle` to keep its name. The attribute counts as unsafe, because a linker would confuse two
+//! functions of the same name. No other function has one of the names in this file, and the functions contain no unsafe code.
 #![allow(unsafe_code)]
 
 use crate::Session;

@@ -1,9 +1,9 @@
-//! Simulation of a finger that a user pushes on a web page: the equilibrium under one force, and the force that a sensor estimates from the noisy displacements
-//! of the markers.
+//! Simulation of a finger that a user pushes on a web page. The simulation computes the equilibrium under one force, and the force that a sensor
+//! estimates from the noisy displacements of the markers.
 //!
-//! The report embeds this crate as WebAssembly (`push.wasm`), so that the page of the report computes with the same beam model and the same sensor as the
-//! program. A page sends a question and receives an answer, both in JSON (see [`Session::answer`]); a Rust program uses [`PushedFinger`]. Lengths are in mm,
-//! forces in N, angles in degrees, vectors in the finger frame of [`finray_model`].
+//! The report embeds this crate as WebAssembly (`push.wasm`). The page of the report therefore computes with the same beam model and the same sensor
+//! as the program. A page sends a question and receives an answer, both in JSON (see [`Session::answer`]); a Rust program uses [`PushedFinger`].
+//! Lengths are in mm, forces in N, angles in degrees, vectors in the finger frame of [`finray_model`].
 
 mod drawing;
 #[cfg(target_arch = "wasm32")]
@@ -45,7 +45,7 @@ pub struct Push {
     pub angle_deg: f64,
     /// The true force, N.
     pub force_n: f64,
-    /// Whether the true finger is the finger of `other` in [`PushedFinger::new`]. The sensor always assumes the finger of the scene.
+    /// Whether the true finger is the finger of the scene `other`, see [`PushedFinger::new`]. The sensor always assumes the finger of the scene.
     #[serde(default)]
     pub is_other: bool,
     /// What the sensor knows of the contact.
@@ -64,8 +64,8 @@ pub struct Push {
 pub enum Knowledge {
     /// Position and direction are known.
     Known,
-    /// The sensor assumes a position and a direction that deviate from the true values by these amounts. An assumed position beyond the tip is moved
-    /// to the tip.
+    /// The sensor assumes a position and a direction that deviate from the true values by `by_mm` and `by_deg`. An assumed position beyond the tip is
+    /// moved to the tip.
     Off {
         /// Assumed minus true position, mm.
         by_mm: f64,
@@ -74,7 +74,8 @@ pub enum Knowledge {
     },
     /// The sensor estimates position and direction together with the force.
     Sought,
-    /// The sensor is not asked. A page that shows a moving finger then gets the shape without delay, and can ask for the force when the finger rests.
+    /// The sensor is not asked. If the sensor is not asked, a page that shows a moving finger gets the shape without delay. The page can ask for the
+    /// force when the finger rests.
     Unasked,
 }
 
@@ -143,8 +144,8 @@ pub struct PushedFinger {
 }
 
 impl PushedFinger {
-    /// The finger of the scene with the text `scene` (TOML). `other` is the text of a scene with another finger of the same number of nodes. The
-    /// other finger can be the true finger, so that the sensor assumes a wrong finger.
+    /// The finger of the scene with the text `scene` (TOML). `other` is the text of a scene whose finger differs but has the same number of nodes.
+    /// The other finger can be the true finger, so that the sensor assumes a wrong finger.
     ///
     /// # Errors
     /// [`SceneError`] if a scene cannot be read.
@@ -205,8 +206,8 @@ impl PushedFinger {
         }
     }
 
-    /// The force at the known, assumed or estimated contact; the error is the reason why the sensor gave no force. `at` returns the point of the bent front
-    /// plate at a position (both in mm).
+    /// The force at the known, assumed or estimated contact. `Err` holds the reason why the sensor gave no force. `at` returns the point of the bent
+    /// front plate at a position (both in mm).
     fn sensed(&self, seen: &Observation, push: &Push, at: impl Fn(f64) -> Option<[f64; 2]>) -> Result<Sensed, String> {
         let Some(question) = self.question(push) else { return Ok(Sensed::Unasked) };
         let estimator = estimators().find(|estimator| estimator.name() == push.estimator).ok_or_else(|| {

@@ -12,7 +12,7 @@ enum Asked {
     Finger {
         /// Text of the scene.
         scene: String,
-        /// Text of a scene with another finger, which can be the true one.
+        /// Text of a scene with a second finger, which a push can use as the true finger.
         other: Option<String>,
     },
     /// Pushes the finger. The answer is [`Pushed`](crate::Pushed).
@@ -26,9 +26,9 @@ pub struct Session {
 }
 
 impl Session {
-    /// Answers a question in JSON: `{"finger": {"scene": TEXT, "other": TEXT}}` loads the finger of a scene and returns a [`Drawing`](crate::Drawing);
-    /// `{"push": {...}}`, with the fields of [`Push`], returns [`Pushed`](crate::Pushed). An invalid question returns `{"error": TEXT}` and leaves the loaded
-    /// finger unchanged.
+    /// Answers a question in JSON. The question `{"finger": {"scene": TEXT, "other": TEXT}}` loads the finger of a scene and returns a
+    /// [`Drawing`](crate::Drawing). The question `{"push": {...}}` has the fields of [`Push`] and returns [`Pushed`](crate::Pushed). An invalid
+    /// question returns `{"error": TEXT}` and leaves the loaded finger unchanged.
     pub fn answer(&mut self, question: &str) -> String {
         self.answered(question).unwrap_or_else(|error| json!({ "error": error })).to_string()
     }

@@ -14,7 +14,8 @@ use finray_studies::experiments::causes::ContactKnowledge;
 use finray_studies::experiments::coverage::CoverageRow;
 use finray_studies::experiments::direction::DirectionStudy;
 
-/// The verdict in a few lines: where forces can be trusted and why not elsewhere, unknown directions, coverage of intervals, checks, and real images.
+/// The verdict in a few lines: where forces can be trusted, why forces fail elsewhere, how well an unknown direction is identified, coverage of
+/// intervals, checks, and real images.
 pub(super) fn verdict(study: &Study) -> Vec<[String; 2]> {
     let situations = situations(study);
     given([
@@ -46,7 +47,7 @@ fn places(study: &Study, situations: &[Situation]) -> Option<String> {
     ))
 }
 
-/// Main reasons of failures, with the contact known and assumed.
+/// Main reasons why sensed forces fail, with a known contact and with an assumed contact.
 fn reasons(study: &Study, situations: &[Situation]) -> Option<String> {
     let known = situations.first()?;
     let (failed, by_noise) = failures(known);
@@ -154,7 +155,8 @@ pub(super) fn caveat(study: &Study) -> String {
     )
 }
 
-/// Answered cells of the situation's map with an error above the trusted limit, and the number of them in which the spread by noise exceeds the bias.
+/// The answered cells of the situation's map whose error is above the trusted limit, and the number of these cells in which the spread due to noise
+/// exceeds the bias.
 fn failures<'s>(situation: &Situation<'s>) -> (Vec<&'s MapCell>, usize) {
     let is_wrong = |cell: &&MapCell| cell.state() == CellState::Answered && cell.is_above(TRUSTED_ERROR) == Some(true);
     let failed: Vec<&MapCell> = situation.map.cells.iter().filter(is_wrong).collect();

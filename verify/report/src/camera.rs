@@ -53,7 +53,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("camera", "From camera to force", blocks).saying(says(camera))))
 }
 
-/// Chart by contact node of the noise at which a force errs by [`ASKED_ERROR`], and of the noise of the paper's camera.
+/// Chart by contact node with two lines: the noise at which a force errs by [`ASKED_ERROR`], and the noise of the paper's camera.
 fn needed(camera: &CameraStudy) -> Result<Option<Block>, FigureError> {
     let asked = percent_two_digits(ASKED_ERROR);
     let title = format!("Noise at which a force of {} N errs by {asked}", camera.force_n);
@@ -71,7 +71,7 @@ fn needed(camera: &CameraStudy) -> Result<Option<Block>, FigureError> {
     Ok(drawn.map(|svg| Block::Figure(Figure::narrow(svg, caption, NEEDED_CSV))))
 }
 
-/// How the errors are computed; `is_paper`: the camera is the paper's.
+/// Text on how the errors are computed; `is_paper` states whether the camera is the paper's camera.
 fn about(camera: &CameraStudy, is_paper: bool) -> String {
     let CameraStudy { force_n, nodes, size_px: [width, height], px_a_mm, .. } = camera;
     let nodes = list(nodes, " and ");
@@ -107,12 +107,13 @@ fn setting(row: &CameraRow) -> String {
 /// Reads a numeric column of the table from a row.
 type CameraQuantity = fn(&CameraRow) -> Option<f64>;
 
-/// Label of a row of the drawing. Camera conditions share a row if they differ only in the undeformed positions to which displacements refer.
+/// Label of a row of the drawing. Two camera conditions share a row if they differ only in the source of the undeformed positions (scene or image at
+/// rest) to which displacements refer.
 fn line(row: &CameraRow) -> String {
     if row.item == AS_IT_IS { "nothing changed".to_owned() } else { format!("{}: {}", row.item, row.setting) }
 }
 
-/// Chart of the errors, one row per condition, the paper's camera last. `None` if no error can be drawn on a logarithmic axis.
+/// Chart of the errors with one row per condition; the last row is the paper's camera. `None` if no error can be drawn on a logarithmic axis.
 fn drawing(
     camera: &CameraStudy,
     (title, axis): (&str, &str),

@@ -13,7 +13,7 @@ use finray_studies::experiments::causes::{
 };
 
 const CSV: &str = "causes.csv";
-/// Number of maps of the largest cause: one of least squares with known contact, one with assumed contact.
+/// Number of drawn maps of the largest cause: least squares with known contact, and least squares with assumed contact.
 const DRAWN: usize = 2;
 /// The simulated true finger that equals the scene's finger.
 const OWN: TruthId = TruthId::Corotational;
@@ -50,7 +50,7 @@ fn failing(study: &Study, truth: TruthId, contact: ContactKnowledge) -> Option<V
     Some(Region::ENDS_AND_MIDDLE.into_iter().filter_map(of_region).collect())
 }
 
-/// A cause as the end of a sentence.
+/// The cause in words, for the end of a sentence.
 fn because(cause: Cause) -> &'static str {
     match cause {
         Cause::Noise => "because of noise",
@@ -83,7 +83,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("causes", "Causes of errors, and remedies", blocks)))
 }
 
-/// Errors of the assumed contact, and how shares are computed.
+/// Text on the errors of the assumed contact, and on how the shares of the causes are computed.
 fn about(study: &Study) -> String {
     let fitted = match study.causes.iter().any(|map| map.truth == FITTED) {
         true => {

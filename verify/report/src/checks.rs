@@ -15,7 +15,7 @@ const ABOUT: &str = "External checks compare with other programs: OpenSees and M
 /// Text for a finger that no program solved as a continuum.
 const NO_CONTINUUM: &str =
     "Beam theory is not verified here either, because this finger was not solved as a continuum.";
-/// The same on the first page, with the guide that contains the figures of other fingers.
+/// Text on the first page for a finger that no program solved as a continuum. The text names the guide that states the errors for other fingers.
 const NO_CONTINUUM_IN_SHORT: &str = "This finger was not solved as a continuum. The guide \"your-finger\" states the error of beam theory on other fingers.";
 /// Text on the checks that exist only for the paper's scene.
 const OF_ANOTHER_FINGER: &str = "Reference values of other programs (OpenSees), the paper's Table I, the spring lattice and the hard cases exist \
@@ -37,7 +37,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("checks", "Cross-checks", blocks).saying([in_words(study)])))
 }
 
-/// What beam theory neglects, and where beams are worst, from the comparison with a plane continuum.
+/// Text on what beam theory neglects, and on the load under which the beam model errs most, from the comparison with a plane continuum.
 fn beam_theory(continuum: &ContinuumStudy) -> String {
     let of = |constants| continuum.with_rods(constants);
     let (Some(modulus), Some(arms)) = (of(Constants::Modulus), of(Constants::ArmsAndShear)) else {
@@ -58,7 +58,7 @@ fn beam_theory(continuum: &ContinuumStudy) -> String {
     )
 }
 
-/// What beam theory costs and where, in two sentences for the first page.
+/// Two sentences for the first page: how much beams differ from a continuum, and under which force they differ most.
 pub(super) fn beam_theory_in_short(study: &Study) -> String {
     let of = |constants| study.continuum.with_rods(constants);
     let (Some(modulus), Some(best)) = (of(Constants::Modulus), of(Constants::ArmsAndShear)) else {
@@ -120,7 +120,7 @@ fn disagreements(study: &Study) -> Result<Option<Figure>, FigureError> {
     if sources.is_empty() {
         return Ok(None);
     }
-    // Reversed, because rows of a figure are numbered from the bottom.
+    // The order is reversed, because rows of a figure are numbered from the bottom.
     sources.reverse();
     let row = |of: &str| sources.iter().position(|source| *source == of).unwrap_or(0) as f64;
     let of_kind = |kind: Kind| {

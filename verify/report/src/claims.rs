@@ -41,7 +41,7 @@ pub fn verdict(verdict: ClaimVerdict) -> Cell {
     match verdict {
         ClaimVerdict::Reproduced => Cell::shaded(words, Shade::Pass),
         ClaimVerdict::Refuted | ClaimVerdict::NotReproduced => Cell::shaded(words, Shade::Fail),
-        // These verdicts neither confirm nor refute a measurement.
+        // `InSimulation`, `LessInSimulation`, `Depends` and `NotTested` neither confirm nor refute a measurement.
         ClaimVerdict::InSimulation
         | ClaimVerdict::LessInSimulation
         | ClaimVerdict::Depends

@@ -14,7 +14,7 @@ const CSV: &str = "contact_scenes.csv";
 /// Length of the arrow of the largest force, as a share of the front plate's length.
 const LONGEST_ARROW: f64 = 0.2;
 
-/// A force of a scene. If the force was sensed: also the noise samples of its step, and the index of the force in these samples.
+/// A force of a scene. For a sensed force, the row also has the noise samples of the step, and the index of the force in these samples.
 type StepRow<'s> = (&'s SceneStudy, &'s ForceRow, Option<(&'s NoiseSamples, usize)>);
 
 fn rows(scene: &SceneStudy) -> impl Iterator<Item = StepRow<'_>> {
@@ -139,7 +139,7 @@ fn drawing(press: &DrawnPress) -> Result<String, FigureError> {
     Chart::to_scale(Frame::half(press.name, alt), [ALONG_AXIS, ACROSS_AXIS], series).svg()
 }
 
-/// Text that names the two nodes between which the position `s_mm` on the front plate lies; empty if there are none.
+/// Text that names the two nodes between which the position `s_mm` on the front plate lies; empty if `s_mm` is not between two nodes.
 fn between(finger: &Finger, s_mm: f64) -> String {
     let (nodes, places) = (finger.plate_nodes(Plate::Front), finger.plate_positions_mm(Plate::Front));
     let after = places.iter().position(|place| *place > s_mm).filter(|after| *after > 0);
@@ -156,7 +156,7 @@ fn force_over_travel(press: &DrawnPress) -> Result<Option<String>, FigureError> 
     let DrawnPress { name, noise_mm, .. } = press;
     let alt = format!("True forces of the scene {name} over the travel, and forces sensed with {noise_mm} mm noise.");
     let frame = Frame::half(format!("{name}: true (lines), sensed (symbols)"), alt);
-    // The axis extends beyond the last point, so that its symbol does not touch the edge of the plot.
+    // The axis extends beyond the last point, so that the symbol of this point does not touch the edge of the plot.
     let axes = [Axis::linear("travel of the object, mm").within(0.0, 1.06 * end_mm), Axis::linear("force, N")];
     Ok(Some(Chart::new(frame, axes, series).svg()?))
 }
@@ -164,7 +164,7 @@ fn force_over_travel(press: &DrawnPress) -> Result<Option<String>, FigureError> 
 /// Series of true forces (lines) and sensed forces (symbols), for each contact and for the total. The line of a contact that exists in one step only is
 /// twice `half_mm` long.
 fn courses(finger: &Finger, rows: &[ForceRow], half_mm: f64) -> Vec<Series> {
-    // For each contact: points of travel and true force, points of travel and sensed force, and intervals.
+    // For each contact: points (travel, true force), points (travel, sensed force), and the intervals of the sensed forces.
     let mut courses: BTreeMap<(usize, String), [Vec<Point>; 3]> = BTreeMap::new();
     for row in rows {
         let name = match row.contact.as_str() {

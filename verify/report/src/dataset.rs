@@ -1,4 +1,5 @@
-//! Numbers that appear as a table of the page, a CSV file and an array of `summary.json`. Each column is defined once for all three.
+//! Numbers that appear as a table of the page, a CSV file and an array of `summary.json`. Each column is defined once for the table, the CSV file and
+//! the array.
 //!
 //! [`Columns`] define the key in files, and the heading and [`Format`] on the page. A [`Dataset`] adds rows to the columns.
 
@@ -10,7 +11,7 @@ use super::page::{self, Cell, Table};
 use finray_files::csv_text;
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
-/// Columns of a table with rows of type `R`: the columns of the files with their keys, and the columns of the page.
+/// Columns of a table with rows of type `R`. The files and the page have separate lists of columns.
 pub struct Columns<'c, R> {
     in_files: Vec<(&'static str, Accessor<'c, R, Value>)>,
     on_page: Vec<(page::Column, Accessor<'c, R, Cell>)>,
@@ -30,7 +31,7 @@ impl<'c, R: 'c> Columns<'c, R> {
         Self::default()
     }
 
-    /// Adds a column that only the files have: its key, which includes the unit, and its values.
+    /// Adds a column that only the files have; `key` is its name with the unit, and `of` gives its values.
     pub fn file<V: Into<Value>>(mut self, key: &'static str, of: impl Fn(&R) -> V + 'c) -> Self {
         self.in_files.push((key, Box::new(move |row: &R| of(row).into())));
         self
@@ -112,7 +113,7 @@ impl Serialize for Fields {
 }
 
 impl<'s> Dataset<'s> {
-    /// A dataset from columns and rows. `csv` names the CSV file; without its suffix it names the summary's array.
+    /// A dataset from columns and rows. `csv` is the name of the CSV file; without the suffix it is the key of the summary's array.
     pub fn new<R: 's>(csv: &str, columns: &Columns<'s, R>, rows: impl IntoIterator<Item = R>) -> Self {
         let fields = |row: R| Fields(columns.in_files.iter().map(|(key, of)| (*key, of(&row))).collect());
         Self::records(csv, rows.into_iter().map(fields))

@@ -84,7 +84,8 @@ fn degree_classes() -> Vec<Class> {
     green.map(|(class, up_to)| Class { up_to, label: format!("up to {up_to} deg"), ..class }).collect()
 }
 
-/// Shares of the cells in which force and direction are identifiable, and positions where all or no directions are.
+/// Text on the shares of the cells in which force and direction are identifiable, on the positions at which all directions are identifiable, and on
+/// the positions at which no direction is.
 fn where_identifiable(directions: &DirectionStudy) -> Option<String> {
     let share = |force_n: &f64| match directions.identified(*force_n) {
         [_, 0] => None,

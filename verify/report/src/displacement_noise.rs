@@ -12,7 +12,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
     vec![Dataset::records(CSV, study.displacement_noise.iter().flat_map(|noise| &noise.rows))]
 }
 
-/// Rows of one set of contacts, one per noise model: independent, two images, motor angle.
+/// Rows of one set of contacts. Each row is for one noise model: independent, two images or motor angle.
 type OfSet<'s> = &'s [DisplacementNoiseRow];
 
 /// The row of a noise model.
@@ -37,7 +37,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(section.saying(says(noise))))
 }
 
-/// Errors of the displacements under each noise model.
+/// Text on the errors of the displacements under each noise model.
 fn about(DisplacementNoiseStudy { image_sd_mm, rows, .. }: &DisplacementNoiseStudy) -> String {
     let cases = rows.first().map_or(0, |row| row.cases);
     format!(

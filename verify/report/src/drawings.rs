@@ -7,8 +7,8 @@ use finray_model::finger::{FingerPoint, Part};
 use finray_studies::experiments::table_one::TableOne;
 use finray_studies::settings::GROSS_ERROR;
 
-/// Palette of errors: largest error of each class, %, and its colour (red, green, blue). The three shades of green mean trusted; amber and red do not.
-/// Lightness decreases on both sides of the 10 % threshold, so that colour-blind readers and grey prints show the order.
+/// Palette of errors: largest error of each class, %, and its colour (red, green, blue). The three shades of green mean trusted; amber and red do
+/// not. Colours become darker on both sides of the 10 % threshold, so that the order is visible to colour-blind readers and in grey prints.
 const ERROR_CLASSES: [(f64, [u8; 3]); 5] = [
     (2.0, [0x1f, 0x8a, 0x57]),
     (5.0, [0x6c, 0xbf, 0x8b]),
@@ -27,7 +27,8 @@ pub(super) const ALONG_AXIS: &str = "base to tip, mm";
 /// Label of the finger frame's transverse axis, mm.
 pub(super) const ACROSS_AXIS: &str = "back to front, mm";
 
-/// Ranks of cells without an error: refused, then without equilibrium. They follow the ranks of the error classes.
+/// Ranks of the cells that have no error: refused cells, then cells without an equilibrium. The ranks of cells without an error follow the ranks of
+/// the error classes.
 const REFUSED: usize = ERROR_CLASSES.len();
 const NO_EQUILIBRIUM: usize = REFUSED + 1;
 
@@ -145,7 +146,8 @@ pub(super) fn plate_map(finger: &Finger, frame: Frame, classes: Vec<Class>, cell
     Map { top: Some(node_axis(finger)), ..Map::new(frame, [x, y], classes, vec![Some(cells)]) }
 }
 
-/// Small maps of ranked errors over the whole plate and all directions; `columns` and `rows` name them.
+/// Small maps of ranked errors over the whole plate and all directions. `columns` contains the column names; `rows` contains the name and the cells
+/// of each row.
 pub(super) fn small_maps(
     finger: &Finger,
     frame: Frame,
@@ -162,7 +164,7 @@ pub(super) fn small_maps(
     Map { rows, columns, rest_label, ..Map::new(frame, [x, y], error_classes(), plots.concat()) }
 }
 
-/// Round positions along a plate, mm, from 0. The step is the largest round length that fits into the plate `times` times.
+/// Positions along a plate at round numbers of mm, starting at 0. The step is the largest round length for which `times` steps fit into the plate.
 pub(super) fn plate_ticks(length_mm: f64, times: f64) -> impl Iterator<Item = f64> {
     let step_mm =
         [500.0, 200.0, 100.0, 50.0, 20.0, 10.0].into_iter().find(|step| times * step <= length_mm).unwrap_or(5.0);
@@ -263,7 +265,8 @@ pub(super) fn true_and_sensed(
 /// A line of a chart by contact: its text in the legend, and the function that reads its value from a row (`None` if the value is missing).
 pub(super) type Line<'l, R> = (&'l str, fn(&R) -> Option<f64>);
 
-/// Chart of quantities by contact on a logarithmic axis, one line each; values that are not above zero are left out. `None` if there is nothing to draw.
+/// Chart of quantities by contact on a logarithmic axis, with one line per quantity; values that are not above zero are left out. `None` if there is
+/// nothing to draw.
 pub(super) fn by_contact<R>(
     frame: Frame,
     axis: &str,

@@ -9,7 +9,7 @@ use finray_studies::settings::CAMERA_FRAME_S;
 
 const CSV: &str = "coverage.csv";
 const ESTIMATORS_CSV: &str = "estimators.csv";
-/// What stated intervals include, and when an estimator warns.
+/// Text on what stated intervals include, and on when an estimator warns.
 const INTERVALS: &str = "Sigma, the stated standard deviation, includes the noise and the known error of the model: linearisation, mesh, training. An \
                          estimator warns if the measurement contradicts its model (chi-squared test, one false alarm in a hundred) or if its model errs by \
                          more than the noise. If the ends are softer than modelled, intervals miss the force too often, and often without a warning, \
@@ -83,8 +83,8 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("estimators", "Four estimators side by side", blocks).saying(says(study))))
 }
 
-/// Sentences on the recommended estimator, and on the time per force of the fastest and the slowest estimator. `None` if the slowest takes at least a
-/// tenth of the time between two frames.
+/// Sentences on the recommended estimator, and on the time per force of the fastest and the slowest estimator. `None` if the slowest estimator takes
+/// at least a tenth of the time between two frames.
 fn says(study: &Study) -> Option<String> {
     let times: Vec<f64> = rows(study).filter_map(|row| row.seconds).collect();
     let [fastest, slowest] = [f64::min, f64::max].map(|of| times.iter().copied().reduce(of));

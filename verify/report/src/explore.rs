@@ -97,7 +97,7 @@ fn of_causes(map: &CauseMap, force_n: f64, off: &str) -> Value {
     })
 }
 
-/// For a pair of contacts and each of two estimators: mean error over both single forces, and mean error of the sum of the forces.
+/// Data of a pair of contacts, for each of two estimators: mean error of the two single forces, and mean error of the sum of the forces.
 fn of_pair((nonlinear, linear): (&ScatterRow, &ScatterRow)) -> Value {
     let errors = |row: &ScatterRow| json!([row.mean_error().map(number), row.sum.map(|sum| number(sum.mean_error))]);
     let of = |row: &ScatterRow| (row.estimator.label().to_owned(), errors(row));
@@ -106,7 +106,8 @@ fn of_pair((nonlinear, linear): (&ScatterRow, &ScatterRow)) -> Value {
     Value::Object(pair)
 }
 
-/// Steps of a pressed object. Each contact has its true force along its normal, and the force sensed from one noise sample along the measured normal.
+/// Steps of a pressed object. For each contact, a step contains the true force along the true normal, and the force along the measured normal that
+/// was sensed from one noise sample.
 fn of_scene(finger: &Finger, scene: &SceneStudy) -> Value {
     let step = |studied: &StudiedStep| {
         let pressed = &studied.step.pressed;

@@ -43,7 +43,7 @@ pub fn percent_two_digits(share: f64) -> String {
     }
 }
 
-/// A time with three significant digits: `228 \u{b5}s`.
+/// A time with three significant digits, such as `228 \u{b5}s`.
 pub fn time(seconds: f64) -> String {
     let (value, unit) = match seconds {
         s if s < 1e-3 => (1e6 * s, "\u{b5}s"),
@@ -54,7 +54,7 @@ pub fn time(seconds: f64) -> String {
     format!("{value:.digits$} {unit}")
 }
 
-/// An error in percent: amber above 10 %, red above 25 %, the shades of the paper's Table I.
+/// An error in percent. The cell is amber above 10 % and red above 25 %, with the shades of the paper's Table I.
 pub fn error(share: f64) -> Cell {
     let shade = match share {
         e if e > GROSS_ERROR => Some(Shade::Red),
@@ -96,7 +96,7 @@ pub fn share_of_counts(counts: impl Iterator<Item = [usize; 2]>) -> String {
     if refused == 0 { "0".to_owned() } else { percent(refused as f64 / (refused + answered) as f64) }
 }
 
-/// Mean, least and greatest: `5.1 % (4.2\u{2013}6.0)`.
+/// Mean, least and greatest value of a span as text, such as `5.1 % (4.2\u{2013}6.0)`.
 pub fn span_in_words(span: Span) -> String {
     let bare = |share: f64| percent(share).trim_end_matches(" %").to_owned();
     let [least, greatest] = [span.least, span.greatest].map(bare);
@@ -106,7 +106,7 @@ pub fn span_in_words(span: Span) -> String {
     }
 }
 
-/// Least and greatest: `4.2 % to 6.0 %`.
+/// Least and greatest value of a span as text, such as `4.2 % to 6.0 %`.
 pub fn range_of(span: Span) -> String {
     format!("{} to {}", percent(span.least), percent(span.greatest))
 }

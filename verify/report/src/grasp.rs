@@ -25,7 +25,7 @@ const ABOUT: &str = "In simulation, two lattice fingers on the paper's linkage c
     Sensing also receives which parts touch, and the coefficient of friction. Nothing was tested on a real gripper. \
     The object lies on rails, between which the fingers pass. A grasp ends if the fingers touch each other.";
 
-/// First column of a row of forces: the scene.
+/// First column of the file of forces; it names the scene.
 #[derive(Serialize)]
 struct OfScene<'s> {
     scene: &'s str,
@@ -78,7 +78,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("grasp", "Grasping an object", blocks).saying(says(first))))
 }
 
-/// How grasps are computed, then every grasp with its forces.
+/// Section with a text on how grasps are computed, followed by every grasp with its forces.
 pub(super) fn all(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let mut blocks = vec![text(ABOUT)];
     for (n, grasp) in study.grasps.iter().enumerate() {
@@ -89,7 +89,7 @@ pub(super) fn all(Results { study, .. }: Results) -> Result<Option<Section>, Rep
     Ok((!study.grasps.is_empty()).then(|| Section::new("grasps", "Grasps step by step", blocks)))
 }
 
-/// Sentence on the sensed forces of a grasp; `None` if no total was sensed.
+/// Sentence on the sensed forces of a grasp; `None` if no total force was sensed.
 fn says(GraspStudy { name, noise_mm, noisy, clean, .. }: &GraspStudy) -> Option<String> {
     let Summary { largest_total_n, sensed, .. } = noisy;
     let SensedSummary { mean_total_error, worst_total_error, worst_contact_error, totals_within_95, asked, .. } =

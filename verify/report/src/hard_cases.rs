@@ -36,7 +36,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("hard-cases", "Hard cases", blocks).saying([in_words(&study.hard_cases)])))
 }
 
-/// What hard cases are, and how they are checked.
+/// Text on what hard cases are, and on how they are checked.
 fn about() -> String {
     format!(
         "Variants of the finger at the limits of what can be computed. Each variant is compared with a scaling law, another method, a known limit or \

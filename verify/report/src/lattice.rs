@@ -22,9 +22,11 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
     data(study.lattice.as_ref())
 }
 
-/// Datasets of the section: errors and times by fineness and force, results with other axial springs, and settings of settling.
+/// Datasets of the section: errors and times by fineness and force, errors with other axial springs, and errors with several settings for settling
+/// the lattice.
 pub fn data(lattice: Option<&LatticeStudy>) -> Vec<Dataset<'_>> {
-    // Errors are relative to the largest displacement. The equilibrium is compared with converged beams, the settled lattice with its equilibrium.
+    // Errors are relative to the largest displacement. `error` compares the equilibrium of the lattice with converged beams; `settling_error`
+    // compares the settled lattice with the equilibrium of the lattice.
     let fineness = Columns::<(&FinenessRow, usize)>::new()
         .file("segments_a_stretch", |(row, _)| row.fineness)
         .file("bodies", |(row, _)| row.bodies)

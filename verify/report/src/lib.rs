@@ -62,7 +62,7 @@ pub enum ReportError {
     /// A table could not be written.
     #[error(transparent)]
     Csv(#[from] csv::Error),
-    /// The program of the finger that the reader can push could not be compressed.
+    /// The WebAssembly program of the finger that the reader can push could not be compressed.
     #[error("cannot compress a program: {0}")]
     Program(#[from] std::io::Error),
     /// The summary could not be written.
@@ -80,9 +80,9 @@ struct Results<'s> {
 /// The files of a report, not yet written to disk.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
-    /// Relative path and text of each file: `index.html` and the pages behind it, `summary.json`, and a CSV file behind every figure.
+    /// Relative path and text of each file: `index.html` and the other pages, `summary.json`, and the CSV files with the numbers of the figures.
     pub files: Vec<(PathBuf, String)>,
-    /// Conclusions: the answers at the top of the page, then the conclusions of its sections.
+    /// Conclusions: the answers on the first page, the conclusions of all sections, and the assumptions of the answers.
     pub verdict: Vec<String>,
 }
 
@@ -110,7 +110,7 @@ pub fn report(study: &Study, claims: &[Claim]) -> Result<Report, ReportError> {
     Ok(Report { files, verdict })
 }
 
-/// Text of `summary.json`, which has every number that the page shows. Each dataset writes its array.
+/// Text of `summary.json`, which has the scene, the version, the verdict and the arrays of the datasets. Each dataset writes its array.
 fn summary(scene: &str, verdict: &[String], data: &[Dataset]) -> Result<String, ReportError> {
     let mut fields = vec![
         ("scene", serde_json::to_string(scene)?),

@@ -12,7 +12,7 @@ use tables::{EXPLANATIONS_CSV, OVERVIEW_CSV};
 
 pub(super) use tables::{datasets, map_csv_name};
 
-/// A map of the overview. It has only the cells of the coarse grid, to keep the page small.
+/// A map of the overview. The returned map has only the cells of the coarse grid, to keep the page small.
 pub(super) fn small(study: &Study, truth: TruthId, estimator: EstimatorId, noisy: bool) -> Option<AccuracyMap> {
     let map = study.map_by(truth, estimator, noisy)?;
     let coarse = study.map_by(truth, EstimatorId::Ridge, noisy).map(|map| &map.request);

@@ -10,7 +10,8 @@ use finray_studies::statistics::{mean, rms};
 
 const CSV: &str = "measured_forces.csv";
 const COVERAGE_CSV: &str = "measured_coverage.csv";
-/// Number of kinds of contact knowledge that are listed image by image: the measured direction, and the scene's friction (no friction if it states none).
+/// Number of kinds of contact knowledge that are listed image by image. The first kind is the measured direction; the second kind is the scene's
+/// friction, or no friction if the scene states none.
 const OF_SCENE: usize = 2;
 const RESIDUALS_CSV: &str = "measured_residuals.csv";
 /// Length of the longest drawn residual, mm on the page; all residuals have the same magnification.
@@ -87,7 +88,7 @@ fn says(Outcome { images, known, error, within, forces, .. }: Outcome) -> String
     )
 }
 
-/// Images of one object, or of all objects, sensed with the same knowledge of the contact (for instance its direction or friction).
+/// Images of one object or of all objects, sensed with the same knowledge of the contact, such as its direction or friction.
 struct Coverage<'s> {
     known: &'static str,
     object: Option<&'s str>,
@@ -164,7 +165,8 @@ pub(super) struct Outcome {
     pub objects: Vec<String>,
 }
 
-/// Numbers for the conclusion, with friction if the scene states it, otherwise with the measured direction.
+/// Key figures for the conclusion. If the scene states its friction, they are for sensing with this friction, otherwise for sensing with the measured
+/// direction.
 pub(super) fn outcome(measured: &MeasuredStudy) -> Option<Outcome> {
     let all = coverages(measured);
     let first = all.iter().find(|of| of.known.starts_with("friction") && of.object.is_none()).or(all.first())?;

@@ -9,7 +9,7 @@ use finray_studies::statistics::mean;
 
 const CSV: &str = "networks.csv";
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
-    // One row for the mean of the forces, and one for their sum if there are several.
+    // Each set of contacts has a row for the mean of the forces, and a row for the sum of the forces if several forces act.
     let quantities = |row: &'s ScatterRow| [Some((row, None)), sum(row).map(|sum| (row, Some(sum)))];
     let rows = study.networks.iter().flat_map(|networks| &networks.rows).flat_map(quantities).flatten();
     let columns = Columns::<(&ScatterRow, Option<&Scatter>)>::new()
@@ -51,7 +51,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok((!blocks.is_empty()).then(|| Section::new("networks", "The sensing network", blocks).saying(says)))
 }
 
-/// What the networks were trained on, and what they sense.
+/// Text on what the networks were trained on, and on what they sense.
 fn about(noise_mm: f64) -> String {
     let forces_n = list(FORCES_N, " to ");
     format!(

@@ -15,7 +15,7 @@ pub const SCRIPT: &str = include_str!("explore/explore.js");
 /// Style sheet of the interactive section.
 pub const STYLE: &str = include_str!("explore/explore.css");
 
-/// Script and style sheet of the finger that one can push, and script of the page that edits its scene.
+/// Script and style sheet of the finger that the reader can push, and script of the page on which the reader edits the scene of this finger.
 const PUSH: [&str; 3] = [include_str!("push/push.js"), include_str!("push/push.css"), include_str!("push/own.js")];
 
 /// Content of one page.
@@ -25,7 +25,7 @@ pub struct Page {
     pub title: String,
     /// First screen of the report; `None` on all pages but the first.
     pub first: Option<First>,
-    /// The finger that the reader can push; `None` on a page without this picture.
+    /// The finger that the reader can push; `None` on a page without this finger.
     pub push: Option<Pushable>,
     /// Data of the interactive section; `None` on a page without this section.
     pub explore: Option<String>,
@@ -33,7 +33,7 @@ pub struct Page {
     pub has_film: bool,
     /// The results, in the order of the page.
     pub sections: Vec<Section>,
-    /// All pages of the report, this one included.
+    /// All pages of the report, including this page.
     pub pages: Vec<PageLink>,
     /// Text in small print at the end of the page.
     pub footer: String,
@@ -68,11 +68,11 @@ pub struct Pushable {
 /// Link to a page of the report, for the navigation of another page.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PageLink {
-    /// File of the linked page, beside the linking page.
+    /// File name of the linked page, which is in the same folder as the linking page.
     pub file: String,
     /// Heading of the linked page in the navigation.
     pub heading: String,
-    /// Whether the link leads to the page that shows it.
+    /// Whether the linked page is the page that shows the link.
     pub is_this: bool,
     /// Sections of the linked page: anchor and heading of each.
     pub sections: Vec<[String; 2]>,
@@ -112,11 +112,11 @@ pub enum Block {
 /// A drawing with a caption.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Figure {
-    /// SVG of the drawing. It is inserted unescaped, so it must not contain foreign text.
+    /// SVG of the drawing. The SVG is inserted unescaped, so it must not contain foreign text.
     pub svg: String,
     /// Text below the drawing.
     pub caption: String,
-    /// File with the drawn numbers, relative to the page.
+    /// Path, relative to the page, of the file with the drawn numbers.
     pub csv: Option<String>,
     /// Whether the drawing scrolls sideways on a narrow screen instead of shrinking.
     pub wide: bool,
@@ -128,7 +128,7 @@ impl Figure {
         Figure { svg, caption: caption.into(), csv: Some(csv.into()), wide: true }
     }
 
-    /// A drawing for half a row, or for a phone.
+    /// A drawing that is narrow enough for half a row of the page, or for a phone.
     pub fn narrow(svg: String, caption: impl Into<String>, csv: impl Into<String>) -> Figure {
         Figure { wide: false, ..Figure::wide(svg, caption, csv) }
     }
@@ -143,7 +143,7 @@ pub struct Table {
     pub columns: Vec<Column>,
     /// The rows, with one cell per column.
     pub rows: Vec<Vec<Cell>>,
-    /// File with the same numbers, relative to the page.
+    /// Path, relative to the page, of the file with the same numbers.
     pub csv: Option<String>,
 }
 
@@ -163,7 +163,7 @@ pub struct Cell {
     pub text: String,
     /// Background of the cell.
     pub shade: Option<Shade>,
-    /// File to which the text links, relative to the page.
+    /// Path, relative to the page, of the file to which the text links.
     pub link: Option<String>,
 }
 

@@ -33,7 +33,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
     vec![Dataset::new(CSV, &columns, rows)]
 }
 
-/// Ratio of root mean square error to Cramer-Rao bound, dimensionless: the larger ratio of the two forces of a pair.
+/// Ratio of root mean square error to Cramer-Rao bound, dimensionless. Of the ratios of the two forces of a pair, the larger is returned.
 fn worse_over_bound(row: &ScatterRow) -> Option<f64> {
     row.forces.iter().filter_map(|force: &Scatter| Some(force.bound?.over_bound)).reduce(f64::max)
 }
@@ -52,7 +52,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("pairs", "Two contacts at once", blocks)))
 }
 
-/// Forces, cases and noise of the pairs.
+/// Text on the forces, cases and noise of the pairs.
 fn about(NoiseStudy { pairs, noise_mm, .. }: &NoiseStudy, forces_n: [f64; 2]) -> String {
     let cases = |of: fn(usize, usize) -> usize| pairs.iter().map(ScatterRow::drawn).reduce(of).unwrap_or(0);
     let cases = match [usize::min, usize::max].map(cases) {
@@ -79,7 +79,7 @@ fn matrix(noise: &NoiseStudy, title: &str, value: impl Fn(&ScatterRow) -> Option
     };
     let names: Vec<String> = nodes.iter().map(ToString::to_string).collect();
     let at: Vec<f64> = (0..nodes.len()).map(|n| n as f64).collect();
-    // Reversed, because rows of a map are numbered from the bottom.
+    // The positions are reversed, because rows of a map are numbered from the bottom.
     let down: Vec<f64> = at.iter().rev().copied().collect();
     let values = (0..nodes.len()).map(|row| (0..nodes.len()).map(|column| cell(row, column)).collect()).collect();
     let cells = vec![Some(Cells::new(&at, &down, values))];
@@ -128,7 +128,7 @@ fn trusted(NoiseStudy { pairs, linear_pairs, .. }: &NoiseStudy) -> Option<String
 /// Sentence on the errors of neighbouring nodes.
 fn neighbours(noise: &NoiseStudy) -> Option<String> {
     let pairs = || noise.pairs.iter().zip(&noise.condition_numbers);
-    // Errors and condition numbers of the pairs whose distance in nodes is `wanted`.
+    // Errors and condition numbers of the pairs whose difference of node numbers satisfies `wanted`.
     let apart = |wanted: fn(usize) -> bool| {
         let of = pairs().filter(move |(row, _)| wanted(row.nodes[1] - row.nodes[0]));
         let errors = range_of(Span::of(of.clone().filter_map(|(row, _)| row.mean_error()))?);

@@ -10,7 +10,7 @@ use std::io::Write;
 
 /// Largest force that the reader can choose, relative to the largest force of the maps.
 const MOST: f64 = 1.5;
-/// Names of the situations in the script, and in the files.
+/// Two names of each situation: the name in the script, and the name in the files.
 const SITUATIONS: [(&str, &str); 3] =
     [("known", "contact known"), ("off", "contact assumed"), ("other", "softer ends")];
 
@@ -21,7 +21,8 @@ pub(super) fn of(study: &Study) -> Result<Pushable, ReportError> {
     Ok(Pushable { program: data_encoding::BASE64.encode(&packed.finish()?), data: data(study), is_edited: false })
 }
 
-/// Program and data for the page on which the reader edits the scene. It has no maps, because they hold only for the report's finger.
+/// Program and data for the page on which the reader edits the scene. The data contain no maps, because the report's maps hold only for the report's
+/// finger.
 pub(super) fn edited(pushed: &Pushable, study: &Study) -> Pushable {
     let [most_n, first_n] = forces_n(study);
     let data = json!({
@@ -50,7 +51,8 @@ fn data(study: &Study) -> String {
         "scene": study.scene_text,
         "other": study.is_paper.then_some(finray_fixtures::TWIN_SCENE),
         "maps": SITUATIONS.into_iter().filter_map(map).collect::<serde_json::Map<String, Value>>(),
-        // The map of assumed contacts has all combinations of signs. With these signs, the errors of position and direction do not compensate each other.
+        // The map of assumed contacts covers all combinations of signs of the position error and the direction error. Here the position error is
+        // negative and the direction error positive, because with these signs the two errors do not compensate each other.
         "off": { "by_mm": -POSITION_OFF_MM, "by_deg": DIRECTION_OFF_DEG },
         "noise_mm": study.noise_mm,
         "most_n": most_n,

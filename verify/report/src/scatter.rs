@@ -9,7 +9,7 @@ use finray_studies::settings::{ONE_FORCE_N, TWO_FORCES_N};
 const CSV: &str = "noise.csv";
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
-    // One row per force, and one for the sum if there are several.
+    // Each set of contacts has one row per force, and a row for the sum of the forces if several forces act.
     let quantities = |row: &'s ScatterRow| {
         let forces = row.nodes.iter().zip(&row.forces).map(|(node, scatter)| (format!("force at {node}"), *scatter));
         let sum = row.sum.filter(|_| row.nodes.len() > 1).map(|sum| ("sum".to_owned(), sum));
@@ -38,7 +38,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let title = format!("Error of a force along the normal, {} mm noise", noise.noise_mm);
     let alt = format!("{title}, by contact node, beside the mean error at the Cramer-Rao bound.");
     let rows: Vec<(String, &ScatterRow)> = noise.single.iter().rev().map(|row| (list(&row.nodes, ", "), row)).collect();
-    // A row has no force if the finger has no equilibrium under any force of the range at this node.
+    // A row contains no force if the finger has no equilibrium at the node of this row under any force of the range.
     let lines: [Line<&ScatterRow>; 2] = [
         ("nonlinear estimator", |row| Some(100.0 * row.forces.first()?.mean_error)),
         ("at the bound", |row| Some(100.0 * row.forces.first()?.bound?.mean_error_bound)),

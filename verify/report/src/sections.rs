@@ -1,4 +1,4 @@
-//! All sections of the report. Each contributes to the page, the CSV files and the summary.
+//! All sections of the report. Each section contributes to the page, the CSV files and the summary.
 
 use super::dataset::Dataset;
 use super::page::{First, Page, PageLink, Section};
@@ -8,7 +8,7 @@ use super::{
     scatter, shapes, speed_error, table_one, table_two, times, trust, twin,
 };
 
-/// A section: its page, its part of that page (`None` if the scene has no such study), and its data.
+/// A section: its page, a function for its content on this page (`None` if the scene has no such study), and a function for its data.
 struct Entry(On, fn(Results) -> Result<Option<Section>, ReportError>, for<'s> fn(Results<'s>) -> Vec<Dataset<'s>>);
 
 /// A page of the report.
@@ -80,7 +80,7 @@ pub(super) fn datasets(results: Results) -> Vec<Dataset> {
     first.into_iter().chain(SECTIONS.iter().flat_map(|Entry(.., datasets)| datasets(results))).collect()
 }
 
-/// All pages with their sections: file and content, the first page first.
+/// All pages with their sections, each page as file name and content; the first page comes first.
 pub(super) fn pages(results: Results) -> Result<Vec<(&'static str, Page)>, ReportError> {
     let study = results.study;
     let mut filled = Vec::new();

@@ -72,7 +72,7 @@ fn validity_columns<'s>(limits: StrainLimits) -> Columns<'s, &'s BentFinger> {
         .both("shear_in", "shear in", Format::Words, |bent| bent.validity.shear_at.map(|member| member.to_string()))
 }
 
-/// Among all drawn co-rotational shapes: the fibre strain that is largest relative to the limit of its material.
+/// The fibre strain that is largest relative to the limit of its material, over all drawn co-rotational shapes.
 fn most_strained(study: &Study) -> Option<&FibreStrain> {
     let limits = &study.strain_limits;
     let share = |at: &FibreStrain| at.strain / limits.of(at.member.part);

@@ -46,7 +46,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(section.saying(says(study).into_iter().chain(sensing(points)))))
 }
 
-/// Forces and noise of the timed tasks, and which times are included.
+/// Text on the forces and the noise of the timed tasks, and on which times are included.
 fn about(solved_n: f64, sensed_n: [f64; 2], noise_mm: f64) -> String {
     let sensed_n = list(sensed_n, " to ");
     format!(
@@ -59,10 +59,10 @@ fn about(solved_n: f64, sensed_n: [f64; 2], noise_mm: f64) -> String {
     )
 }
 
-/// A shape counts as accurate if its relative error is at most this, the tolerance of the paper's mesh of key nodes.
+/// A shape counts as accurate if its relative error is at most this value, which is also the tolerance of the paper's mesh of key nodes.
 const GOOD_SHAPE: f64 = 0.01;
 
-/// Sentence on three models of the finger: the fastest of sufficient accuracy, the most accurate, and the fastest.
+/// Sentence on three models of the finger: the fastest model that is accurate enough, the most accurate model, and the fastest model.
 fn says(study: &Study) -> Option<String> {
     let points = study.speed_error.iter().filter(|point| point.task == Task::Solve && !is_peer(point));
     let points: Vec<&SpeedErrorPoint> = points.filter(|point| point.error.is_finite()).collect();
@@ -81,7 +81,7 @@ fn says(study: &Study) -> Option<String> {
     ))
 }
 
-/// Sentence on the times of sensing one force: the recommended estimator, and the fastest one.
+/// Sentence on the time to sense one force with the recommended estimator, and with the fastest estimator.
 fn sensing(points: &[SpeedErrorPoint]) -> Option<String> {
     let of = |point: &SpeedErrorPoint| {
         let (name, setting, seconds, error) = (name(point), setting(point), time(point.seconds), percent(point.error));
@@ -116,7 +116,7 @@ pub(super) fn setting(point: &SpeedErrorPoint) -> String {
     point.mesh().replace(" nodes", " mesh nodes")
 }
 
-/// Coordinates of a point in the chart: time, microseconds, and error. Errors of forces are in percent.
+/// Coordinates of a point in the chart: time (microseconds) and error. Errors of forces are in percent.
 fn place(point: &SpeedErrorPoint) -> [f64; 2] {
     [1e6 * point.seconds, if point.task == Task::Solve { 1.0 } else { 100.0 } * point.error]
 }
@@ -133,7 +133,7 @@ pub fn drawing(
     let mut series: Vec<Series> = Vec::new();
     for group in drawn.chunk_by(|a, b| name(a) == name(b)) {
         let one = Series::nth(series.len(), name(group[0]), group.iter().map(|point| place(point)).collect());
-        // A point that another point beats in both time and error has a label only if it failed. The table names all points.
+        // A point that is worse than another point in both time and error has a label only if some of its answers failed. The table names all points.
         let labels = group.iter().map(|point| match point.failed {
             0 if point.on_front => setting(point),
             0 => String::new(),

@@ -48,7 +48,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("table-one", "The paper's Table I", blocks).saying([says(tables)])))
 }
 
-/// The paper's experiment, and its simulation; `least` and `greatest` are the extreme ratios of calibrated to true modulus.
+/// Text on the paper's experiment and its simulation; `least` and `greatest` are the extreme ratios of calibrated to true modulus.
 fn about([least, greatest]: [f64; 2]) -> String {
     format!(
         "The paper hangs 50 to 300 g on single nodes and senses these weights with the linear model, which was \
@@ -58,8 +58,8 @@ fn about([least, greatest]: [f64; 2]) -> String {
     )
 }
 
-/// Errors of the same protocol on the finger as a plane continuum, over the assumed directions. Also counts the nodes with large errors in the paper
-/// at which these errors exceed half of the paper's error.
+/// Text on the errors of the paper's protocol on the finger as a plane continuum, over the assumed directions of the weights. The text also counts
+/// the nodes at which the paper's error is large and the error on the continuum exceeds half of the paper's error.
 fn on_continuum(tables: &[TableOne]) -> String {
     let Some(first) = tables.first() else { return String::new() };
     let by_node = (0..first.rows.len()).map(|row| tables.iter().map(|table| &table.rows[row]).collect::<Vec<_>>());

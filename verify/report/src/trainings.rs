@@ -27,7 +27,7 @@ pub fn blocks(records: &Records) -> Vec<Block> {
     ]
 }
 
-/// The recipes, each with its number of seeds.
+/// Text on the recipes, each with its number of seeds.
 fn about(recorded: &[RecipeRow]) -> String {
     let [a, spread, b, c] = RECIPES.map(|(recipe, _)| {
         let seeds = recorded.iter().filter(|row| row.recipe == recipe).map(|row| row.seed);

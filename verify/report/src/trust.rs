@@ -1,4 +1,4 @@
-//! First screen: drawings, counts and files that show where a force can be trusted, by the worst force of each cell.
+//! First screen: drawings, counts and files that show where a force can be trusted. In each cell the force with the largest error counts.
 
 use super::drawings::{ACROSS_AXIS, ALONG_THE_PLATE, at_rest, error_classes, plate_ticks, point, rank_of};
 use super::format::{capitalised, list, percent};
@@ -13,7 +13,7 @@ const CSV: &str = "trust.csv";
 pub(super) const ASSUMED_CSV: &str = "map_corotational_nonlinear_contact_assumed.csv";
 /// Largest number of contact nodes at which the drawing has a fan of all directions.
 const FANS: usize = 6;
-/// Length of a fan's rays: the first share of the distance between fans, but at most the second share of the plate length.
+/// Two upper limits of the length of a fan's rays: a share of the distance between fans, and a share of the plate length. The smaller limit applies.
 const REACH: [f64; 2] = [0.48, 0.1];
 /// Half the width of the coloured plate in the drawing, as a share of the plate length.
 const HALF_WIDTH: f64 = 0.012;
@@ -24,9 +24,9 @@ pub(super) struct Situation<'s> {
     pub name: &'static str,
     /// Text that states which quantities are known and which are not.
     pub about: String,
-    /// Text of `about` as part of a sentence.
+    /// Content of `about`, worded as part of a sentence.
     pub in_words: String,
-    /// Text of `about` in a few words.
+    /// Content of `about` in a few words.
     pub in_short: String,
     /// Whether the contact is known exactly, or assumed with an error of position and direction.
     pub contact: ContactKnowledge,
@@ -49,8 +49,8 @@ impl Situation<'_> {
         TrustCounts::of(&self.cells)
     }
 
-    /// Share of the failing cells in which the wrong direction of an assumed contact outweighs its wrong position, to first order; `None` if no such cell
-    /// was explained.
+    /// Share of the answered, untrusted cells in which the wrong direction of an assumed contact causes a larger error than its wrong position, to
+    /// first order; `None` if the study explains no such cell.
     pub(super) fn failed_by_direction(&self, study: &Study) -> Option<f64> {
         let by_direction = |cell: &WorstCell| {
             let is_there = |of: &&Explanation| of.s_mm == cell.s_mm && of.angle_deg == cell.angle_deg;

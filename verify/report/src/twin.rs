@@ -1,4 +1,5 @@
-//! The finger with softer ends (the twin), one of several fingers that fit Table I, and the gain in sensing if its zones are known.
+//! The finger with softer ends (the twin), which is one of several fingers that fit Table I; and the gain in sensing accuracy if the zones of the
+//! twin are known.
 
 pub mod words;
 
@@ -14,7 +15,7 @@ const CSV: &str = "twin.csv";
 const SETS_CSV: &str = "twin_zone_sets.csv";
 const CALIBRATION_CSV: &str = "twin_calibration.csv";
 
-/// One contact node: its rows of Table I, if any, on the uniform finger and on the twin; then errors with noise on the twin.
+/// One contact node: its rows of Table I, if any, on the uniform finger and on the twin; and the errors at this node on the twin with noise.
 struct NodeComparison<'s> {
     before: Option<&'s TableOneRow>,
     after: Option<&'s TableOneRow>,
@@ -46,7 +47,7 @@ fn by_node<'s>(study: Option<&'s TwinStudy>) -> Dataset<'s> {
     Dataset::new(CSV, &columns, study.into_iter().flat_map(at_nodes))
 }
 
-/// A calibrated factor: number of the repetition (from 1), the estimate of the repetition, and the index of the factor in it.
+/// A calibrated factor: number of the repetition (from 1), the estimate of the repetition, and the index of the factor in that estimate.
 type Factor<'s> = (usize, &'s FactorEstimate, usize);
 
 fn calibrated<'s>() -> Columns<'s, Factor<'s>> {

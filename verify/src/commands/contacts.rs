@@ -7,8 +7,8 @@ use finray_model::sensor::{AskedContact, AskedDirection, SensorContacts};
 const AT_NODES: &str = "contact";
 const AT_POSITIONS: &str = "contact-at";
 
-/// Values of `--contact` and `--contact-at` in the order in which they stand on the command line. Clap's derive macro keeps only the order within each
-/// option.
+/// Values of `--contact` and `--contact-at` in the order in which they stand on the command line. Clap's derive macro keeps the order of values only
+/// within each option.
 pub struct Contacts(Vec<AskedContact>);
 
 impl Contacts {

@@ -33,10 +33,10 @@ pub struct Arguments {
     /// Standard deviation of the noise in one coordinate of a node or outline point, mm [default: the scene's value, or 0]
     #[arg(long, help_heading = "Sensing", value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
-    /// Sense from rendered images of each finger; --noise-mm then applies to outlines only
+    /// Sense from rendered images of each finger; --noise-mm then applies only to outline points, not to markers
     #[arg(long, help_heading = "Sensing")]
     images: bool,
-    /// Standard deviation of pixel noise, grey levels of 255
+    /// Standard deviation of pixel noise, in grey levels from 0 to 255
     #[arg(long, help_heading = "Sensing", value_name = "S", default_value_t = 2.0, value_parser = not_negative, requires = "images")]
     grey_noise: f64,
     /// Standard deviation of the Gaussian image blur, px
@@ -45,7 +45,7 @@ pub struct Arguments {
     /// Write the images of a finger (left or right) as YUV4MPEG2, one frame per step, for `finray live`; - for standard output
     #[arg(long, help_heading = "Sensing", value_name = "FINGER=FILE", value_parser = stream_of_finger, requires = "images")]
     stream: Vec<(usize, PathBuf)>,
-    /// Estimator, as in `finray sense`; it assumes exact contacts without friction
+    /// Estimator, as in `finray sense`; it treats the measured contacts as exact and frictionless
     #[arg(long, help_heading = "Sensing", value_name = "E", value_parser = listed(EstimatorId::ALL, EstimatorId::name))]
     estimator: Option<EstimatorId>,
     /// Seed of the noise

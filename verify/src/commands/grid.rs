@@ -33,7 +33,7 @@ pub struct GridArguments {
     /// Approximate number of contact positions along the front plate
     #[arg(long, help_heading = "Cells", value_name = "N", default_value_t = 48, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     places: u32,
-    /// Step between force directions from -80 to 80 degrees; 90: only the normal
+    /// Step between force directions from -80 to 80 degrees; a step of 90 gives only the normal direction
     #[arg(long, help_heading = "Cells", value_name = "D", default_value_t = 5.0, value_parser = degrees_between)]
     step_deg: f64,
     /// Compute only shard I of N; `finray merge` joins the shards
@@ -45,7 +45,7 @@ pub struct GridArguments {
 }
 
 /// Computes a table and writes it row by row. For a map, it also writes the figure. `noise_mm` has the standard deviations of the noise in one
-/// coordinate, mm; if it is empty, the noise of the scene's camera is used, or 0 without a camera.
+/// coordinate, mm. If `noise_mm` is empty, the scene's value is used, or 0 if the scene states none.
 pub fn run(
     arguments: &GridArguments,
     table: Table,
@@ -89,7 +89,8 @@ fn grid(
     scene: &Scene,
     truths: &[Box<dyn Truth + '_>],
 ) -> Result<Grid, Failure> {
-    // A true finger from exported data has fixed contact positions and directions; the whole grid then uses those that all such fingers share.
+    // True fingers from exported data have fixed contact positions and directions. If there are such fingers, the whole grid uses the positions and
+    // directions common to all of them.
     let given = truths.iter().map(|truth| truth.positions(&arguments.force_n)).collect::<Result<Vec<_>, _>>()?;
     let (positions_mm, angles_deg) = given
         .into_iter()
@@ -116,7 +117,7 @@ fn grid(
     })
 }
 
-/// Figures (mm or degrees) that both lists have.
+/// Values (mm or degrees) that are in both lists.
 fn shared(one: Vec<f64>, other: &[f64]) -> Vec<f64> {
     one.into_iter().filter(|figure| other.iter().any(|theirs| (figure - theirs).abs() < SAME)).collect()
 }
@@ -183,7 +184,7 @@ pub fn map_of(request: &Request, table: impl Read) -> Result<Option<AccuracyMap>
     is_map.then(|| AccuracyMap::from_csv(request, table).map_err(bad_input)).transpose()
 }
 
-/// Path and text of the map's figure, beside its table `out`.
+/// Path and SVG text of the map's figure, which is written beside the table `out`.
 pub fn figure(finger: &Finger, map: &AccuracyMap, out: &Path) -> Result<(PathBuf, String), Failure> {
     let figure = map_figure_svg(finger, map, None).map_err(not_computed)?;
     Ok((figure_path(out), standalone(&figure)))
@@ -205,7 +206,7 @@ pub fn trusted(map: &AccuracyMap) -> String {
     format!("{share} of {cells} trusted (error up to {limit} %, {noise}){without}")
 }
 
-/// The path of a table; for a map, the suffix becomes csv if the path is the figure's.
+/// Path of a table; for a map, the suffix becomes csv if the figure would have the same path as the table.
 pub fn table_path(table: Table, out: &Path) -> PathBuf {
     if table == Table::Map { path_beside_figure(out) } else { out.to_owned() }
 }

@@ -123,7 +123,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
             })?;
             vec![motor_deg]
         }
-        // Multiples of the step within the range of the linkage.
+        // Motor angles: the multiples of `STEP_DEG` within the range of the linkage.
         (None, None) => {
             let [first, last] = [(from_deg / STEP_DEG).ceil() as i64, (to_deg / STEP_DEG).floor() as i64];
             (first..=last).map(|step| step as f64 * STEP_DEG).collect()

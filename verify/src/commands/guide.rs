@@ -37,7 +37,7 @@ pub fn run(arguments: &Arguments) -> Result<Option<String>, Failure> {
         },
     };
     write_file(Path::new("-"), &text)?;
-    // A printed guide has no summary line.
+    // No summary line follows a printed guide.
     Ok(None)
 }
 

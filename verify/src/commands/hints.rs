@@ -39,7 +39,7 @@ pub fn of_displacements(path: &Path, text: &str, finger: &Finger) {
     }
 }
 
-/// Warns of images that `finray locate` refused; the command leaves them out.
+/// Warns of images that `finray locate` refused; the running command leaves these images out.
 pub fn of_refused(refused: &[RefusedImage]) {
     for RefusedImage { image, reason } in refused {
         print_message(format_args!("warning: {image} is left out, because `finray locate` refused it: {reason}"));

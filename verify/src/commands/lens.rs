@@ -36,10 +36,10 @@ pub struct Arguments {
 }
 
 /// A warning is printed if the relative standard deviation of the focal length exceeds this share. Distances from the camera, and heights above the
-/// grid's plane, then have about the same relative error.
+/// grid's plane, have about the same relative error as the focal length.
 const LARGEST_FOCAL_SHARE: f64 = 0.05;
-/// The plane counts as moved if its normal in one image differs from the mean normal by more than this, degrees. It also counts as moved if its distance
-/// from the camera differs from the mean by more than the share `SAME_DISTANCE`.
+/// The plane counts as moved if its normal in one image differs from the mean normal by more than this, degrees. The plane also counts as moved if
+/// its distance from the camera differs from the mean distance by more than the share `SAME_DISTANCE`.
 const SAME_NORMAL_DEG: f64 = 0.5;
 const SAME_DISTANCE: f64 = 0.005;
 
@@ -148,7 +148,7 @@ fn to_toml(fit: &LensFit, pose: Option<Pose>, arguments: &Arguments, kind: GridK
     text
 }
 
-/// A warning if the focal length is too uncertain for distances from the camera and slants of planes.
+/// A warning if the focal length is so uncertain that distances from the camera and slants of planes are inaccurate.
 fn uncertain_focus(fit: &LensFit) -> Option<String> {
     let share = fit.sds[0] / fit.lens.focal_px()[0];
     (share > LARGEST_FOCAL_SHARE).then(|| {

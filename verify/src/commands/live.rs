@@ -70,14 +70,14 @@ pub struct Arguments {
     /// Recording for ROS 2 (MCAP): JSON lines and WrenchStamped forces
     #[arg(long, help_heading = "Output", value_name = "FILE")]
     record: Option<PathBuf>,
-    /// Address of a page that shows finger and forces; port 0: any free port
+    /// Address of a page that shows finger and forces; port 0 chooses any free port
     #[arg(long, help_heading = "Output", value_name = "ADDR:PORT", value_parser = address)]
     serve: Option<SocketAddr>,
 }
 
 /// Name and scene file of a finger, from `NAME=SCENE`.
 fn named_scene(text: &str) -> Result<(String, PathBuf), String> {
-    // Names of ROS 2 topics: a letter first, no two underscores in a row, none at the end.
+    // Names must be valid in ROS 2 topics: a name begins with a letter, has no two underscores in a row, and does not end with an underscore.
     let is_name = |name: &str| {
         let has_parts = name.split('_').all(|part| !part.is_empty() && part.chars().all(|c| c.is_ascii_alphanumeric()));
         has_parts && name.starts_with(|first: char| first.is_ascii_alphabetic())
@@ -208,7 +208,7 @@ fn watched_finger<'s>(
     Ok(WatchedFinger::new(name, scene, arguments.contacts.of(scene, 0.0, None)?, options, rest_frames)?)
 }
 
-/// The markers of a finger in a frame, or the state without markers and its reason.
+/// The markers of a finger in a frame; without markers, the state of the frame and the reason for it.
 fn observed(
     content: &Content,
     finger: &str,
@@ -229,7 +229,7 @@ fn observed(
     }
 }
 
-/// Reason why a frame of positions is refused: it has markers of a finger that was not named.
+/// Reason for refusing a frame of marker positions that has markers of a finger not named on the command line.
 fn unknown_finger(content: &Content, fingers: &[(String, PathBuf)]) -> Option<String> {
     let Content::Markers(found) = content else { return None };
     let unknown = found.iter().find(|found| fingers.iter().all(|(name, _)| *name != found.finger))?;

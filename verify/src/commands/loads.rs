@@ -1,4 +1,4 @@
-//! Loads on a finger and its shape under them, for `solve` and `render`.
+//! Loads on a finger, and the finger's shape under these loads, for `solve` and `render`.
 
 use super::Failure;
 use super::parse::{PositionLoad, node_load, position_load};
@@ -8,8 +8,9 @@ use finray_model::mesh::FingerShape;
 use finray_model::statics;
 use finray_model::{Finger, Kinematics, Load, Mesh, Scene};
 
-/// Elements per member of successively finer meshes. `render` draws the first mesh whose markers all lie within `DRAWN_MM`, mm, of those on the previous
-/// mesh. Errors fall with the square of the element length, so the remaining error is a third of the last change: 0.001 px at 10 px per mm.
+/// Elements per member of successively finer meshes. `render` draws the first mesh on which each marker lies within `DRAWN_MM`, mm, of its position
+/// on the previous mesh. Errors fall with the square of the element length. The remaining error of a marker is thus at most a third of `DRAWN_MM`:
+/// 0.001 px at 10 px per mm.
 const DRAWN_ELEMENTS: [usize; 7] = [4, 8, 16, 32, 64, 128, 256];
 const DRAWN_MM: f64 = 3e-4;
 
@@ -41,7 +42,7 @@ impl Loads {
         })
     }
 
-    /// Displacements for an image: on the requested mesh, or on meshes refined until each marker moves by at most `DRAWN_MM`.
+    /// Displacements for an image: on the requested mesh, or on a mesh refined until the last refinement moves no marker by more than `DRAWN_MM`.
     pub fn drawn_shape(&self, finger: &Finger) -> Result<FingerShape, Failure> {
         let loads = self.on(finger);
         let on = |mesh: &Mesh| Ok::<_, Failure>(statics::solve(mesh, &loads, Kinematics::Corotational)?);

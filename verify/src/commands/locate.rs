@@ -11,7 +11,8 @@ use finray_model::scene::{MarkerLook, Markers};
 use nalgebra::UnitComplex;
 use rayon::prelude::*;
 
-/// A warning is printed if the residual of the pose in the unloaded image exceeds this value, px. Image noise and lens errors alone stay below it.
+/// A warning is printed if the residual of the pose in the image of the unloaded finger exceeds this value, px. Image noise and lens errors alone
+/// cause a smaller residual.
 const SURE_REST_PX: f64 = 0.3;
 
 /// Help text below the options.
@@ -138,7 +139,8 @@ fn are_alike(one: &SeenImages, other: &SeenImages) -> bool {
     one.len() == other.len() && one.iter().zip(other).all(are_alike)
 }
 
-/// Locates the markers of all images in parallel. If markers are tracked, images are searched in order, each from the positions in the previous image.
+/// Locates the markers of all images in parallel. If markers are tracked, images are searched in order, each starting from the marker positions in
+/// the previous image.
 fn all_images(arguments: &Arguments, mut observer: Observer) -> SeenImages {
     if observer.is_tracking() {
         return arguments.image.iter().map(|path| observed(&mut observer, path)).collect();
@@ -146,7 +148,7 @@ fn all_images(arguments: &Arguments, mut observer: Observer) -> SeenImages {
     arguments.image.par_iter().map_init(|| observer.clone(), |observer, path| observed(observer, path)).collect()
 }
 
-/// An image is probably upside down if its base is rotated by more than this, degrees, relative to the base in half of the images.
+/// An image is probably upside down if its base is rotated by more than this, degrees, relative to the base in at least half of the images.
 const TURNED_DEG: f64 = 150.0;
 
 /// Warns of images whose base is rotated by more than `TURNED_DEG` relative to at least half of all images.
@@ -163,7 +165,8 @@ fn warn_of_turned(images: &[Result<Observation, RefusedImage>]) {
     }
 }
 
-/// A warning is printed if at most this share of the grey markers is found. Occlusion hides few markers; a wrong radius loses many.
+/// A warning is printed if at most this share of the grey markers is found. Occlusion hides few markers; with a wrong radius, many markers are not
+/// found.
 const MANY_LOST: f64 = 0.75;
 
 /// Warns if many grey markers are missing, which a wrong radius explains better than occlusion.
@@ -198,7 +201,7 @@ fn warn_of_base(path: &Path, finger: &Finger, seen: &Observation) {
 /// Builds the marker locator for a scene, with the image of the unloaded finger if one is given.
 fn observer<'s>(arguments: &Arguments, scene: &'s Scene) -> Result<Observer<'s>, Failure> {
     let path = &arguments.scene;
-    // Report missing tables of the scene before reading an image.
+    // Missing tables of the scene are reported before an image is read.
     camera_of(path, scene)?;
     let markers = markers_of(path, scene)?;
     let pose_is_sought = arguments.rest.is_some() && matches!(markers.look, MarkerLook::Coloured { .. });
@@ -212,7 +215,7 @@ fn observer<'s>(arguments: &Arguments, scene: &'s Scene) -> Result<Observer<'s>,
     })
 }
 
-/// Warns if markers in the unloaded image are far from those of the scene's unloaded finger.
+/// Warns if markers in the image of the unloaded finger are far from their positions on the scene's unloaded finger.
 fn warn_of_rest(arguments: &Arguments, observer: &Observer) {
     if let (Some(residual_px), Some(path)) = (observer.rest_residual_px, &arguments.rest)
         && residual_px > SURE_REST_PX
@@ -226,8 +229,8 @@ fn warn_of_rest(arguments: &Arguments, observer: &Observer) {
     }
 }
 
-/// Describes a contradiction between the markers of clamped nodes and the pose from which displacements are measured.
-/// `None` if the two agree, if the base moves, or if no clamped node has a marker.
+/// Describes a contradiction between the markers of clamped nodes and the pose from which displacements are measured. `None` if these markers and the
+/// pose agree, if the base is movable, or if no clamped node has a marker.
 fn doubt_of_pose(finger: &Finger, seen: &Observation) -> Option<String> {
     let mut nodes = finger.clamped_nodes().into_iter().filter(|node| finger.has_marker(*node)).peekable();
     if seen.base.is_some() || nodes.peek().is_none() {

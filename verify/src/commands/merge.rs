@@ -22,7 +22,7 @@ pub struct Arguments {
     /// Files that `map` or `sweep` wrote with --shard, in any order
     #[arg(value_name = "SHARD", required = true)]
     shards: Vec<PathBuf>,
-    /// Result file; a map also writes its figure with suffix .svg; - for standard output
+    /// Result file; for a map, the figure is also written, with suffix .svg; - for standard output
     #[arg(long, value_name = "FILE", default_value = "-")]
     out: PathBuf,
 }

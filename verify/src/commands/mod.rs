@@ -102,7 +102,7 @@ fn count(number: usize, noun: &str) -> String {
 /// A progress bar with the remaining time; hidden if standard error is not a terminal.
 fn progress_bar(steps: u64, what: &str) -> ProgressBar {
     let bar = ProgressBar::new(steps);
-    // `with_template` fails only for an invalid template; this one is a valid constant.
+    // `with_template` fails only for an invalid template, and this template is a valid constant.
     if let Ok(style) = ProgressStyle::with_template("{msg:24} {wide_bar} {pos}/{len} {eta} left") {
         bar.set_style(style);
     }
@@ -125,7 +125,7 @@ fn figure_path(table: &Path) -> PathBuf {
     table.with_extension("svg")
 }
 
-/// The path of a table; if it is also the path of the figure, the suffix becomes csv.
+/// Path of a table; the suffix becomes csv if the figure would have the same path as the table.
 fn path_beside_figure(table: &Path) -> PathBuf {
     if figure_path(table) == table { table.with_extension("csv") } else { table.to_owned() }
 }
@@ -138,7 +138,8 @@ fn require_one_standard_input<'p>(inputs: impl IntoIterator<Item = &'p PathBuf>)
     }
 }
 
-/// Checks that each output is a file of its own: neither an input nor another output, whatever the paths. Standard streams and devices pass.
+/// Checks that each output is a separate file: neither an input nor another output, even if different paths lead to the same file. Standard streams
+/// and devices pass.
 fn require_separate_files<'p>(
     outputs: impl IntoIterator<Item = &'p Path>,
     inputs: impl IntoIterator<Item = &'p Path>,

@@ -87,7 +87,7 @@ where
     })
 }
 
-/// Parser of `--kinematics` that accepts these names of [`Kinematics`].
+/// Parser of `--kinematics` that accepts only the given names of [`Kinematics`].
 pub fn kinematics<const N: usize>(names: [&'static str; N]) -> impl TypedValueParser<Value = Kinematics> {
     let of_name =
         |name: String| Kinematics::deserialize(IntoDeserializer::<serde::de::value::Error>::into_deserializer(name));

@@ -36,7 +36,7 @@ pub struct Arguments {
     /// Pose of a movable base, in the same frame as the camera's pose
     #[arg(long, value_name = "X_MM,Y_MM,DEG", value_parser = moved_base, allow_hyphen_values = true)]
     base: Option<Isometry2<f64>>,
-    /// Standard deviation of pixel noise, grey levels of 255
+    /// Standard deviation of pixel noise, in grey levels from 0 to 255
     #[arg(long, help_heading = "Camera", value_name = "S", value_parser = not_negative, default_value_t = 0.0)]
     grey_noise: f64,
     /// Standard deviation of a Gaussian blur, px

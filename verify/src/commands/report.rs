@@ -57,7 +57,8 @@ pub struct Arguments {
     open: bool,
 }
 
-/// A warning is printed if a marker's position in the file differs from that with this scene by more than this, mm: far below any noise, far above rounding.
+/// A warning is printed if a marker's position in the file differs from its position with this scene by more than this, mm. The limit is far below
+/// any noise and far above rounding errors.
 const SAME_MM: f64 = 1e-3;
 
 pub fn run(arguments: &Arguments) -> Result<String, Failure> {

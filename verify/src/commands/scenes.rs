@@ -25,7 +25,7 @@ pub fn scene_or_papers(path: Option<&Path>) -> Result<(Scene, String), Failure> 
     Ok((scene, text))
 }
 
-/// The networks for `estimators`: the network of a file, with the digest of the file, or without a path the shipped networks.
+/// The networks for `estimators`: with a path, the network of that file and the digest of the file; without a path, the shipped networks.
 pub fn networks_of(path: Option<&Path>, estimators: &[EstimatorId]) -> Result<(Networks, Option<String>), Failure> {
     let Some(path) = path else { return Ok((Networks::read(&finray_fixtures::NETWORKS)?, None)) };
     if !estimators.contains(&EstimatorId::Network) {

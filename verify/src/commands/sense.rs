@@ -38,7 +38,7 @@ pub struct Arguments {
     /// Standard deviation of the noise in one coordinate, mm [default: value in the scene, else in the file, else estimated from the residual]
     #[arg(long, help_heading = "Input", value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
-    /// Friction coefficient; limits the directions that are given with +-SD
+    /// Friction coefficient; limits directions that are given with a standard deviation (+-SD)
     #[arg(long, help_heading = "Question", value_name = "MU", value_parser = not_negative, default_value_t = 0.0)]
     friction: f64,
     /// Name of the image to evaluate, if the file has several images
@@ -58,7 +58,8 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// Row of a sensed force. With `--all-images` the row also has the name of the image. For a refused image it has the reason, and no numbers.
+/// Row of a sensed force. With `--all-images` the row also has the name of the image. For a refused image, the row has the reason for the refusal,
+/// and no numbers.
 #[derive(Serialize, Default)]
 struct Row {
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -103,7 +104,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
                 "--forces: expected a contact with the direction `measured`, for instance auto@measured",
             ));
         }
-        // Wrong contacts are reported before the images are evaluated: such contacts are wrong for every image.
+        // Wrong contacts are reported before the images are evaluated, because such contacts are wrong for every image.
         (None, _) => drop(question.sensor(&Observation::default())?),
     }
     if arguments.contacts.assume_normal() {
@@ -141,7 +142,7 @@ struct ImageQuestion<'a> {
     scene: &'a Scene,
     contacts: &'a Contacts,
     friction: f64,
-    /// Measured forces, if a direction is `measured`.
+    /// Measured forces, if a contact has the direction `measured`.
     forces: Option<Vec<MeasuredForce>>,
     options: SensorOptions<'a>,
 }
@@ -184,7 +185,8 @@ fn all_images(question: &ImageQuestion, table: &ObservationTable) -> Result<Vec<
                 warn(&format!("{image}: "), &sensed.warnings);
                 all.extend(rows(finger, &sensed).into_iter().map(|row| of_image(row, "")));
             }
-            // An invalid cell of the file ends the command. A refusal for another reason affects only the rows of its image.
+            // An invalid cell of the file ends the command. A refusal for any reason other than an invalid cell affects only the rows of the refused
+            // image.
             Err(Refusal::Observation(error)) => return Err(table.error(Some(image), &error).into()),
             Err(refusal) => all.extend(refused(&refusal.to_string())),
         }

@@ -55,7 +55,7 @@ pub struct Arguments {
     /// Widths of the hidden layers [default: 32,32; 128,128 with --any-of]
     #[arg(long, help_heading = "Network", value_name = "WIDTHS", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=4096))]
     hidden_layers: Vec<u16>,
-    /// Train the paper's network: all coordinates, no linear branch
+    /// Train as in the paper: displacement coordinates as inputs, no linear branch
     #[arg(long, help_heading = "Network")]
     plain: bool,
     /// Largest number of epochs [default: 100; 60 with --any-of or --plain]
@@ -69,7 +69,8 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// Parses the name of a true finger that is computed with the scene's beams. Training cases can be drawn only for such fingers.
+/// Parses the name of a true finger that is computed with the scene's beams. Training cases can be drawn only for true fingers that are computed with
+/// the scene's beams.
 fn own_beams(name: &str) -> Result<TruthId, String> {
     let own = || TruthId::ALL.iter().filter(|id| id.kinematics().is_some());
     let names: Vec<&str> = own().map(|id| id.name()).collect();

@@ -24,7 +24,8 @@ pub fn readable(words: impl Iterator<Item = OsString>) -> Vec<OsString> {
     words
 }
 
-/// Whether an argument is a list that starts with a negative number: only numbers and separators before any `@`, but not a single number.
+/// Whether an argument is a list that starts with a negative number: it has only numbers and separators before the first `@`, and is not a single
+/// number.
 fn begins_below_zero(word: &OsStr) -> bool {
     let Some(text) = word.to_str() else { return false };
     let numbers = text.split('@').next().unwrap_or_default();

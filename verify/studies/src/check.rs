@@ -46,8 +46,9 @@ pub struct Check {
     pub tolerance: f64,
     /// Whether the check passes.
     pub verdict: Verdict,
-    /// Difference relative to an external or analytical reference, dimensionless. If the reference is 0, this is the figure itself, a ratio or an
-    /// angle in radians. `None` for internal checks, because many of them compare balances, counts or multiples of a standard deviation.
+    /// Difference relative to an external or analytical reference, dimensionless. If the reference is 0, the disagreement is the magnitude of the
+    /// computed figure, which is then a ratio or an angle in radians. `None` for internal checks, because many of them compare balances, counts or
+    /// multiples of a standard deviation.
     pub disagreement: Option<f64>,
 }
 
@@ -65,7 +66,7 @@ impl Kind {
     }
 }
 
-/// Source of checks against shapes of finray's spring lattice at rest, as simulated by rapier2d. rapier2d is an independent program; finray defines
+/// Source of checks against shapes of finray's spring lattice at rest, as simulated by rapier2d. The program rapier2d is independent; finray defines
 /// the springs. Checks of forces sensed on the lattice name another source, because their references are the true forces.
 pub const SETTLED_LATTICE: &str = "rapier2d lattice";
 
@@ -74,7 +75,7 @@ pub const SETTLED_LATTICE: &str = "rapier2d lattice";
 pub enum Against {
     /// Other programs with independent models: [`Kind::External`] without the lattice.
     OtherPrograms,
-    /// finray's lattice, settled by a physics engine: [`SETTLED_LATTICE`].
+    /// The spring lattice of finray, simulated to rest by a physics engine: [`SETTLED_LATTICE`].
     SettledLattice,
     /// Closed forms and literature: [`Kind::Analytical`].
     Literature,
@@ -159,7 +160,7 @@ impl Check {
         self
     }
 
-    /// Group of references in which the check counts.
+    /// Group of references to which the check belongs.
     pub fn against(&self) -> Against {
         match self.kind {
             Kind::External if self.source == SETTLED_LATTICE => Against::SettledLattice,
@@ -184,7 +185,7 @@ pub struct Subject {
 }
 
 impl Kind {
-    /// Subject of a problem whose reference is of this kind and from this source.
+    /// Subject for a problem whose reference is of this kind and comes from `source`.
     pub fn on(self, problem: impl Into<String>, source: impl Into<String>) -> Subject {
         Subject { kind: self, problem: problem.into(), source: source.into() }
     }
@@ -216,7 +217,8 @@ pub fn worst(figures: impl IntoIterator<Item = f64>) -> f64 {
     figures.into_iter().reduce(larger).unwrap_or(f64::NAN)
 }
 
-/// A computed figure beside a reference, without a verdict. Either a difference is expected, or the figure was fitted to the reference.
+/// A computed figure beside a reference, without a verdict. There is no verdict because a difference is expected, or because the figure was fitted to
+/// the reference.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
     /// Name of the problem.

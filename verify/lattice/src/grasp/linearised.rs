@@ -1,7 +1,8 @@
 //! Linear equations of one Newton step: equilibrium of the fingers' bodies and of the object, and two contact laws per contact.
 //!
-//! The two laws of a contact involve only the two forces of that contact and the motions of its body and of the object. The laws are therefore solved for the
-//! forces of each contact. The remaining unknowns are the motions, whatever the number of contacts.
+//! The two laws of a contact involve only the contact's two forces, the motion of the finger's body in contact, and the motion of the object. The two
+//! laws of each contact are solved for the two forces of that contact. Once the contact forces are eliminated, only the motions are unknown, whatever
+//! the number of contacts.
 
 use super::bordered::Bordered;
 use super::contact::{Tangent, Touching};
@@ -23,7 +24,8 @@ struct Law {
     by_forces: [f64; 2],
 }
 
-/// Change of a contact's two forces by the contact's laws: minus (`value` + `by_motion` times the six motions).
+/// Change of a contact's two forces that follows from the contact's two laws: the negative of `value` + `by_motion` times the changes of the six
+/// motions.
 struct ForceChange {
     value: Vector2<f64>,
     by_motion: SMatrix<f64, 2, 6>,
@@ -41,14 +43,14 @@ impl ForceChange {
     }
 }
 
-/// Indices of a contact's six unknowns: three of the body (`None` if the body is clamped or is the support), then three of the object.
+/// Indices of a contact's six unknowns: three motions of the body (`None` if the body is clamped or is the support), then three of the object.
 fn unknowns(of_body: Option<usize>, object: usize) -> [Option<usize>; 6] {
     [0, 1, 2, 3, 4, 5].map(|i| if i < 3 { of_body.map(|first| first + i) } else { Some(object + i - 3) })
 }
 
 impl Scene<'_> {
-    /// Correction of one Newton step: motions of bodies, then of the object, then forces of the closed pairs. With `is_lagging`, the friction bound uses
-    /// the normal force of the previous step. `None` if the equations are singular.
+    /// Correction of one Newton step: changes of the bodies' motions, then of the object's pose, then of the forces of the closed pairs. With
+    /// `is_lagging`, the friction bound uses the normal force of the previous step. `None` if the equations are singular.
     pub(super) fn correction(
         &self,
         state: &State,
@@ -127,7 +129,7 @@ impl Scene<'_> {
         let loads = [around.weight.x, around.weight.y, arm.perp(&around.weight)];
         let from = around.carried_from(before.object);
         for i in 0..3 {
-            // If a hand holds a coordinate, the equation of balance is replaced by an equation that keeps the coordinate constant.
+            // If a hand holds the object in a coordinate, an equation that keeps this coordinate constant replaces the equation of balance.
             let (drag, load) = if self.held[i] { (1.0, 0.0) } else { (drags[i], loads[i]) };
             equations.residual[object + i] += drag * (state.object[i] - from[i]) - load;
             equations.derivatives.add(object + i, object + i, drag);
@@ -143,7 +145,7 @@ impl Scene<'_> {
         Some(self.first(pair.key.0) + self.fingers[pair.key.0].energy.first_unknown(body)?)
     }
 
-    /// Adds a pair's forces, and their change with the motions, to the equilibrium of body and object.
+    /// Adds a pair's forces, and the change of these forces with the motions, to the equilibrium equations of the pair's body and of the object.
     fn add_contact(
         &self,
         equations: &mut Equations,
@@ -166,7 +168,7 @@ impl Scene<'_> {
         }
     }
 
-    /// The two laws of a closed pair: for the normal force and for friction.
+    /// The two laws of a closed pair: one for the normal force, one for friction.
     fn laws(&self, grip: Grip, touching: &Touching, tangent: &Tangent, forces: [f64; 2], is_lagging: bool) -> [Law; 2] {
         let given = self.yield_mm(1.0);
         let [normal_n, friction_n] = forces;

@@ -1,5 +1,5 @@
-//! Contact pairs within a search distance. Each pair is a feature of the object and a part of a finger, or the support. In a Newton step, each pair is
-//! open, sticking or slipping.
+//! Contact pairs within a search distance. Each contact pair consists of a feature of the object and either a part of a finger or the support. In a
+//! Newton step, each contact pair is open, sticking or slipping.
 
 use super::contact::{Pair, PairPose, Tangent, Touching};
 use super::scene::{Key, Scene, State, Surroundings};
@@ -16,7 +16,7 @@ const NEXT: f64 = 1.5;
 /// Search distance: a pair takes part in a Newton step if its gap is below this share of the object's size.
 const NEAR: f64 = 0.2;
 
-/// A carried object counts as lifted off its support if the gap times the fingers' stiffness exceeds the contact force divided by this factor.
+/// The object counts as lifted off its support if the normal force is less than this factor times the fingers' stiffness times the gap.
 const LIFTED: f64 = 10.0;
 
 /// A contact counts as slipping if friction is within this relative distance of its bound. Rounding leaves slipping contacts slightly below the bound.
@@ -81,7 +81,7 @@ impl Scene<'_> {
             for (index, part) in standing.front.parts.iter().enumerate() {
                 let body = standing.lattice.assembly().bodies[part.body];
                 if body.fixed && self.held == [true; 3] {
-                    // Neither side can move, so the contact force would be undetermined.
+                    // Neither the finger's part nor the object can move, so the contact force would be undetermined.
                     continue;
                 }
                 let [now, then] = [state, before].map(|state| state.stand(finger, Some(part)));
@@ -114,9 +114,10 @@ impl Scene<'_> {
         pair.tangent(part.map_or(Vector::zeros(), rest), &now, &then)
     }
 
-    /// Contact forces of the pairs within the search distance. A new pair inherits the force of a pair that has left this distance. Both pairs must
-    /// have the same part of the finger, or the same corner of the object. If several new pairs qualify, the one with the smallest gap among
-    /// neighbours on the plate takes the force. Without neighbours, the nearest pair along the plate takes it.
+    /// Contact forces of the pairs within the search distance. A new pair inherits the force of a pair that has left the search distance. A new pair
+    /// and the pair whose force it inherits must have the same part of the finger, or the same corner of the object. If several new pairs could
+    /// inherit a force, neighbours on the plate come first; among the neighbours, the pair with the smallest gap inherits it. If no new pair is a
+    /// neighbour on the plate, the new pair nearest along the plate inherits the force.
     pub(super) fn inherited(&self, state: &State, pairs: &[ContactPair]) -> BTreeMap<Key, [f64; 2]> {
         let own = |pair: &ContactPair| (pair.key, state.forces.get(&pair.key).copied().unwrap_or_default());
         let mut forces: BTreeMap<Key, [f64; 2]> = pairs.iter().map(own).collect();
@@ -143,7 +144,7 @@ impl Scene<'_> {
         forces
     }
 
-    /// Distance along the plate between the starts of two parts of a finger, mm; 0 if one is the support.
+    /// Distance along the plate between the starts of two parts of one finger, mm; 0 between two pairs of the support.
     fn along_plate_mm(&self, a: Key, b: Key) -> f64 {
         let at_mm = |(finger, part, _): Key| {
             let standing = self.fingers.get(finger);
@@ -222,7 +223,8 @@ impl Scene<'_> {
     }
 }
 
-/// The touched part of the finger. On a flat piece, its position along the plate follows from `arm`, the vector from the body's centre to the contact, mm.
+/// The touched part of the finger. On a flat piece, the contact's position along the plate follows from `arm`, the vector from the body's centre to
+/// the contact, mm.
 pub(super) fn touched(part: &Part, arm: Vector) -> TouchedPart {
     match (part.touched, part.to) {
         (TouchedPart::Plate(from_mm), Some(to)) => {
@@ -233,7 +235,7 @@ pub(super) fn touched(part: &Part, arm: Vector) -> TouchedPart {
 }
 
 /// Unloaded pairs on consecutive pieces of the plate that would close beside a pair with a deeper overlap. When the plate moves out of the deepest
-/// overlap, the other pairs mostly open. Closing all of them at once would bend the plate without cause.
+/// overlap, the other pairs mostly open. Closing all overlapping pairs at once would bend the plate without cause.
 fn beside_deepest(
     pairs: &[ContactPair],
     forces: &BTreeMap<Key, [f64; 2]>,
@@ -244,7 +246,7 @@ fn beside_deepest(
         is_piece && forces[&pair.key] == [0.0; 2] && statuses[&pair.key].grip.is_some()
     };
     let closing: Vec<&ContactPair> = pairs.iter().filter(closes).collect();
-    // A flat piece is followed by the disc at its end, or directly by the next flat piece.
+    // In the list of parts, a flat piece is followed by the disc at the piece's first end, then by the next flat piece.
     let follows = |a: &&ContactPair, b: &&ContactPair| a.key.0 == b.key.0 && b.key.1 - a.key.1 <= 2;
     let mut shallow = Vec::new();
     for run in closing.chunk_by(follows) {

@@ -11,8 +11,8 @@ use std::collections::BTreeMap;
 
 /// A contact counts as unloaded below this force, relative to the force that would bend a finger by the object's size.
 const ROUNDING: f64 = 1e-11;
-/// Compliance of a contact, relative to the finger's compliance. It determines how friction is shared between two contacts of the rigid object with the rigid
-/// support.
+/// Compliance of a contact, relative to the finger's compliance. The compliance of contacts determines how friction is shared between two contacts of
+/// the rigid object with the rigid support.
 const YIELD: f64 = 1e-6;
 
 /// Identifies a contact pair by the index of the finger, the index of its part, and the object's feature. The support has the index after the last finger.
@@ -76,7 +76,7 @@ pub(super) struct State {
     pub forces: BTreeMap<Key, [f64; 2]>,
 }
 
-/// Loads on the object other than the fingers' contacts, and numerical resistance.
+/// Numerical resistance, and the loads on the object other than the contact forces of the fingers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Surroundings {
     /// Weight of the object, world frame, N.
@@ -89,8 +89,8 @@ pub(super) struct Surroundings {
     /// Numerical resistance to the object's translation since the start of the step, N/mm. Resistance to rotation is this value times the square of the
     /// object's size, in N mm per rad.
     pub drag: f64,
-    /// Numerical resistance to the motion of each body in its finger's frame, N/mm. With this resistance, a step over a snap is solvable although no
-    /// equilibrium path exists.
+    /// Numerical resistance to the motion of each body in its finger's frame, N/mm. With the numerical resistance, an increment across a snap is
+    /// solvable although no equilibrium path crosses the snap.
     pub finger_drag: f64,
 }
 
@@ -103,7 +103,8 @@ impl Surroundings {
 }
 
 impl Scene<'_> {
-    /// Largest displacement between two states, mm, of the object or of any body in its finger's frame. Rotations of the object count times its size.
+    /// Largest displacement between two states, mm, of the object or of any body in its finger's frame. A rotation of the object counts as its angle
+    /// times the object's size.
     pub(super) fn way_mm(&self, from: &State, to: &State) -> f64 {
         let [x, y, angle] = [0, 1, 2].map(|i| to.object[i] - from.object[i]);
         let bodies = from.motions.iter().flatten().zip(to.motions.iter().flatten());
@@ -126,7 +127,7 @@ impl Scene<'_> {
         ROUNDING * self.stiffness * self.size_mm
     }
 
-    /// Index of the first unknown of a finger. For the index after the last finger: the first unknown of the object.
+    /// Index of the first unknown of a finger. For the index after the last finger, returns the index of the object's first unknown.
     pub(super) fn first(&self, finger: usize) -> usize {
         self.fingers[..finger].iter().map(|standing| standing.energy.unknown_count()).sum()
     }

@@ -79,7 +79,7 @@ pub struct Shape {
     size_mm: f64,
 }
 
-/// A disc whose centre is deeper than this below a side, mm, is attributed to another side of a thin object.
+/// A disc whose centre is deeper than this below a side, mm, is assumed to touch another side of a thin object.
 const BEHIND_MM: f64 = 0.5;
 /// Margin of the coarse distance test, mm; it is larger than rounding errors.
 const FAR_MM: f64 = 1e-3;
@@ -123,7 +123,7 @@ impl Shape {
         self.disc_mm + self.corners.iter().map(|corner| (turn * corner).dot(&along)).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Corners (mm), and the radius of the disc about each (mm).
+    /// Corners of the outline (mm), and the radius of the disc about each corner (mm).
     pub fn corners(&self) -> (&[Vector], f64) {
         (&self.corners, self.disc_mm)
     }

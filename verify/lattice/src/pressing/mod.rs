@@ -1,12 +1,11 @@
 //! An object pressed onto the lattice: a sequence of quasi-static equilibria with Coulomb friction.
 //!
-//! The object is rigid and does not rotate. It touches only the front plate and the plate's rods; contact of the finger with itself is not modelled.
-//! A "hand" (the imposed motion or force) moves the object to a prescribed position, or pulls the object along a line. An object that is moved into the
-//! clamped end of the plate stops there.
-//! Every step is an equilibrium of one finger and a held object, found by the Newton method of [`grasp`](crate::grasp). The hand moves in short
-//! increments, because friction depends on the whole path.
+//! The object is rigid and does not rotate. The object touches only the front plate and the plate's rods; contact of the finger with itself is not
+//! modelled. A "hand" (the imposed motion or force) moves the object to a prescribed position, or pulls the object along a line. An object that is
+//! moved into the clamped end of the plate stops there. Every step is an equilibrium of one finger and a held object, found by the Newton method of
+//! [`grasp`](crate::grasp). The hand moves in short increments, because friction depends on the whole path.
 //!
-//! [`settled`] presses the same object in the physics engine rapier, to verify these equilibria.
+//! [`settled`] presses the same object in the physics engine rapier, to verify the equilibria found by Newton's method.
 
 pub mod settled;
 
@@ -84,8 +83,8 @@ impl Pressed {
 const WAY: f64 = 1.0 / 75.0;
 /// With friction, the hand moves by at most this share of the front plate's length. The error of the friction history is proportional to the increment.
 const WAY_WITH_FRICTION: f64 = 1.0 / 300.0;
-/// In one increment, the hand also moves by at most this share of a sum of radii: the radius of a disc-shaped object (0 for a polygon) plus half the plate's
-/// thickness. No contact is then overlooked.
+/// In one increment, the hand also moves by at most this share of the disc-shaped object's radius (0 for a polygon) plus half the plate's thickness.
+/// No contact is then overlooked.
 const WAY_OF_RADII: f64 = 0.5;
 /// Length scale of displacements for tolerances, as a share of the front plate's length.
 const SIZE: f64 = 1.0 / 8.0;
@@ -103,8 +102,8 @@ pub struct Pressing<'l> {
 }
 
 impl<'l> Pressing<'l> {
-    /// Places an object (shape, coefficient of friction), clear of the finger, with its reference point at `start`, mm, finger frame. It will be pressed
-    /// along the unit vector `along`.
+    /// Places an object (shape, coefficient of friction) clear of the finger; the object's reference point is at `start` (mm, finger frame). The
+    /// object will be pressed along the unit vector `along`.
     ///
     /// # Errors
     /// [`LatticeError::Overlap`] if the object overlaps the finger at the start; [`LatticeError::Tapered`] if the front plate tapers.
@@ -136,7 +135,7 @@ impl<'l> Pressing<'l> {
         })
     }
 
-    /// Moves the hand to a position or pull, without waiting for a pulled object to come to rest.
+    /// Moves the hand to a new position, or changes its pull, without waiting for a pulled object to come to rest.
     ///
     /// # Errors
     /// [`LatticeError::LetGo`] if the finger does not hold the object against the pull; [`LatticeError::NoContactEquilibrium`] if no equilibrium is
@@ -150,7 +149,7 @@ impl<'l> Pressing<'l> {
         Ok(())
     }
 
-    /// Moves the hand to a position or pull, and brings finger and object to rest.
+    /// Moves the hand to a new position, or changes its pull, and brings finger and object to rest.
     ///
     /// # Errors
     /// As for [`pass`](Self::pass).
@@ -173,7 +172,7 @@ impl<'l> Pressing<'l> {
         })
     }
 
-    /// Number of increments, not rounded, in which the hand changes from one position or pull to another.
+    /// Number of increments (not rounded) in which the hand moves to another position or changes its pull.
     fn parts(&self, from: Push, to: Push) -> f64 {
         let by_force = |change_n: f64| change_n.abs() / (self.world.stiffness() * self.way_mm);
         match (from, to) {
@@ -225,8 +224,8 @@ impl<'l> Pressing<'l> {
         }
     }
 
-    /// Placement of the finger at which the object is at the point `at`, mm, finger frame. If the clamped end is in the way, the object is as near to the
-    /// point as possible.
+    /// Placement of the finger that brings the object to the point `at` (mm, finger frame). If the clamped end is in the way, the object is as near
+    /// to the point as possible.
     fn placement_towards(&self, at: Vector) -> Placement {
         let (from, [x, y, _]) = (self.placement(), self.world.object());
         let to = Placement { origin: placed(from.angle_rad, at).origin + Vector::new(x, y), ..from };

@@ -1,11 +1,13 @@
 //! An object pressed onto the lattice in the physics engine rapier, to verify equilibria found by Newton's method.
 //!
-//! The object is a rigid body that does not rotate. It touches only the [`skin`](crate::skin) of the front plate; the finger does not touch itself.
-//! A "hand" moves the object to a prescribed position, or pulls the object with a force. A pulled object is kept on its line by a stiff spring.
+//! The object is a rigid body that does not rotate. The object touches only the [`skin`](crate::skin) of the front plate; the finger does not touch
+//! itself. A "hand" moves the object to a prescribed position, or pulls the object with a force. A stiff spring keeps a pulled object on the line
+//! along which it is pulled.
 //!
 //! In every step the bodies come to rest as in [`settling`], starting from the previous step or from an equilibrium to be verified. Without friction,
-//! rapier and Newton's method reach the same equilibrium. With friction the rest state is not unique: within the friction cone it depends on the motion
-//! of the simulation. An equilibrium with friction is therefore used as the initial state: rapier, with its own contacts, must stay there.
+//! rapier and Newton's method reach the same equilibrium. With friction the rest state is not unique: within the friction cone, the rest state
+//! depends on the simulated motion. An equilibrium with friction is therefore used as the initial state: rapier, with its own contacts, must stay
+//! there.
 
 use super::{Pressed, Push};
 use crate::energy::{BodyMotion, Energy};
@@ -53,28 +55,31 @@ pub struct EnginePressing<'l> {
     touched_n: Option<f64>,
 }
 
-/// Distance within which the engine predicts contacts, as a share of the front plate's length. Per step, no body moves by more than half of this distance, so
-/// no body passes through another undetected.
+/// Distance within which the engine predicts contacts, as a share of the front plate's length. Per step, no body moves by more than half of the
+/// prediction distance, so no body passes through another undetected.
 const FORESIGHT: f64 = 1.0 / 150.0;
 /// The object counts as merely touching the finger at the start if the overlap is at most this share of the front plate's length.
 const OVERLAP: f64 = 1e-5;
-/// Displacement of the hand during one period of the finger's slowest motion, as a share of the front plate's length. At this speed the finger follows:
-/// the object does not pass through the finger, and the finger does not swing back over the object.
+/// Displacement of the hand during one period of the finger's slowest motion, as a share of the front plate's length. At this speed the finger
+/// follows the hand: the object does not pass through the finger, and the finger does not swing back over the object.
 const WAY: f64 = 1.0 / 75.0;
-/// Same as [`WAY`], with friction. This displacement is smaller, because with friction the rest state depends on every slip on the path.
+/// Same as [`WAY`], with friction. The displacement is smaller than without friction, because with friction the rest state depends on every slip on
+/// the path.
 const WAY_WITH_FRICTION: f64 = 1.0 / 300.0;
-/// Settling fails this number of steps after the hand has stopped. The finger of Xu et al. (2021) needs 2000 steps with two segments per member.
+/// Settling fails if the bodies do not rest within this number of steps after the hand has stopped. The finger of Xu et al. (2021) needs 2000 steps
+/// with two segments per member.
 const MOST_STEPS: usize = 50_000;
 /// Number of position checks between two tests of whether the object still touches the finger.
 const LOOKS: usize = 8;
-/// Displacement of the finger's middle in the test that measures the slowest motion, as a share of the front plate's length. It is small enough
-/// for the finger to respond linearly.
+/// Displacement of the finger's middle in the test that measures the slowest motion, as a share of the front plate's length. The displacement is
+/// small enough for the finger to respond linearly.
 const PROBE: f64 = 1e-3;
 /// A force under which every finger responds linearly, N.
 const TINY_N: f64 = 1e-9;
 
 impl<'l> EnginePressing<'l> {
-    /// Places the object, clear of the finger, with its reference point at `start`, mm, finger frame. It will be pressed along the unit vector `along`.
+    /// Places the object clear of the finger; the object's reference point is at `start` (mm, finger frame). The object will be pressed along the
+    /// unit vector `along`.
     ///
     /// # Errors
     /// [`LatticeError::Overlap`] if the object overlaps the finger at the start, [`LatticeError::Tapered`] if the front plate tapers,
@@ -147,7 +152,7 @@ impl<'l> EnginePressing<'l> {
         })
     }
 
-    /// Moves the hand slowly to a position or pull, without waiting for rest. Returns the number of steps.
+    /// Moves the hand slowly to a new position, or slowly changes its pull, without waiting for rest. Returns the number of steps.
     ///
     /// # Errors
     /// [`LatticeError::LetGo`] if a pulled object loses contact with the finger.
@@ -176,7 +181,7 @@ impl<'l> EnginePressing<'l> {
         Ok(steps)
     }
 
-    /// Moves the hand slowly to a position or pull, and simulates until all bodies rest.
+    /// Moves the hand slowly to a new position, or slowly changes its pull, and simulates until all bodies rest.
     ///
     /// # Errors
     /// [`LatticeError::LetGo`] if a pulled object loses contact with the finger, [`LatticeError::NotSettled`] if the bodies do not come to rest.
@@ -225,7 +230,7 @@ impl<'l> EnginePressing<'l> {
         LatticeError::LetGo { touched_n: self.touched_n }
     }
 
-    /// Simulates until all bodies rest. Returns the total number of steps, including `steps`.
+    /// Simulates until all bodies rest. Returns the total number of steps, including the `steps` taken before.
     fn settle(&mut self, push: Push, mut steps: usize) -> Result<usize, LatticeError> {
         let most_steps = steps + MOST_STEPS;
         loop {
@@ -245,7 +250,7 @@ impl<'l> EnginePressing<'l> {
         }
     }
 
-    /// Number of steps in which the hand moves from one position or pull to another.
+    /// Number of steps in which the hand moves to another position or changes its pull.
     fn steps_on_the_way(&self, from: Push, to: Push) -> usize {
         let (way_mm, change_n) = self.pace;
         let way = match (from, to) {
@@ -337,7 +342,7 @@ fn point_of(contact: &SolverContact) -> usize {
     (contact.contact_id[0] & 0x7fff_ffff) as usize
 }
 
-/// Duration of the finger's slowest motion, in steps, as measured by [`Dynamics::settle`]; and the stiffness of the finger's middle, N/mm.
+/// Duration (in steps) of the finger's slowest motion, as measured by [`Dynamics::settle`], and stiffness (N/mm) of the finger at its middle.
 fn slowest_motion(lattice: &Lattice) -> Result<(usize, f64), LatticeError> {
     let finger = lattice.finger();
     let middle = finger.contact_nodes().nth(finger.contact_nodes().len() / 2).unwrap_or(finger.tip());

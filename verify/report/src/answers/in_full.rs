@@ -27,7 +27,7 @@ pub(crate) fn answers(study: &Study) -> Vec<[String; 2]> {
     ])
 }
 
-/// Where forces are trusted in each situation, and the weakest regions in the first situation.
+/// Text that states in which cells forces are trusted in each situation, and which regions are weakest in the first situation.
 fn trusted(study: &Study, situations: &[Situation]) -> Option<String> {
     let [known, others @ ..] = situations else { return None };
     let share = |of: TrustCounts| of.share().map_or_else(String::new, |share| format!(" ({})", percent(share)));
@@ -103,8 +103,8 @@ fn failing_if_known(known: &Situation) -> String {
     )
 }
 
-/// Shares of failing cells for forces off the normal and for forces along the normal, and the main causes of failure along the normal. `None` if
-/// either share has no cell with an equilibrium.
+/// Shares of failing cells for forces off the normal and for forces along the normal, and the main causes of failure along the normal. `None` if no
+/// cell off the normal, or no cell along the normal, has an equilibrium.
 fn failing(study: &Study, situation: &Situation) -> Option<String> {
     let failed = |is_turned: bool| {
         let counts = situation.counts(&study.finger, |_, angle_deg| (angle_deg != 0.0) == is_turned);

@@ -54,7 +54,8 @@ pub(super) fn map_figure(map: &CauseMap, force_n: f64) -> Result<Figure, ReportE
     Ok(Figure::narrow(svg, "Colour: the cause whose removal leaves the smallest error.", CSV))
 }
 
-/// Small maps of the error as remedies (removals of a cause) are added one after the other, one row per true finger; `None` without such results.
+/// Small maps of the error, one row per true finger. From left to right, remedies (removals of a cause) are added one after the other; `None` without
+/// such results.
 pub(super) fn clearing(study: &Study) -> Result<Option<Figure>, ReportError> {
     let force_n = study.forces.drawn_n();
     let rows: Vec<_> =
@@ -100,7 +101,7 @@ pub(super) fn remedies(study: &Study) -> Result<Option<Figure>, ReportError> {
     Ok(Some(Figure::wide(Chart::of_bars(Frame::full(title, alt), axes, all).svg()?, caption, CSV)))
 }
 
-/// Whether a map belongs to least squares and an assumed contact, and has this force, N.
+/// Whether a map belongs to least squares with an assumed contact, and contains the force `force_n`, N.
 fn is_drawn(map: &CauseMap, force_n: f64) -> bool {
     map.practice == Practice::LeastSquares
         && map.contact == ContactKnowledge::Assumed

@@ -4,10 +4,10 @@ use crate::format::percent;
 use crate::prelude::*;
 use finray_studies::experiments::causes::{Cause, CauseCell, CauseMap};
 
-/// Length of the regions near base and tip, as a share of the plate length: two members of the paper's finger.
+/// Length of each of the regions near base and tip, as a share of the plate length. On the paper's finger this is the length of two members.
 const NEAR_AN_END: f64 = 1.0 / 6.0;
 
-/// A region of cells (positions and directions). Cells along the normal exist for every estimator, other cells only for some.
+/// A region of cells (positions and directions). Every estimator has cells along the normal; only some estimators have cells in other directions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Region {
     /// Forces along the normal, within a sixth of the plate's length from the base.
@@ -105,7 +105,8 @@ impl Shares {
         self.by_cause.first().copied().filter(|of| of.share > 0.0)
     }
 
-    /// Text with the error without a cause. The text adds the number of answered positions if fewer are answered without the cause.
+    /// Text with the error without a cause. If fewer positions are answered without the cause than with all causes, the text adds both numbers of
+    /// positions.
     pub(super) fn without(&self, of: &CauseShare) -> String {
         let left = format!("{} without it", percent(of.rms_without));
         if of.cells < self.answered {

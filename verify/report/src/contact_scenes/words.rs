@@ -6,14 +6,14 @@ use crate::prelude::*;
 use finray_studies::experiments::contact_scene::samples::NoiseSamples;
 use finray_studies::experiments::contact_scene::study::{SceneStudy, StrainOfScene, StudiedStep};
 
-/// How the scenes are computed and sensed.
+/// Text on how the scenes are computed, and on how their forces are sensed.
 pub(super) const ABOUT: &str = "In simulation, an object is pressed onto a finger of rigid bodies and springs, in quasi-static equilibrium. The \
     contact forces of this finger are the true forces. The engine rapier, started in each equilibrium, must stay in \
     this equilibrium (page Checks). The nonlinear estimator models the finger with beams and receives the noisy \
     displacements of the key nodes and of points on both outlines. The estimator also receives which parts touch, and \
     the coefficient of friction as a bound on the angle of the force.";
 
-/// Sentence on the errors of the scenes without and with friction, and on the contact with the largest relative error.
+/// Sentence on the errors in scenes without friction and with friction, and on the contact with the largest relative error.
 pub(super) fn verdict(scenes: &[SceneStudy]) -> Option<String> {
     let of =
         |friction: bool| worst_total(scenes.iter().filter(|scene| (scene.friction > 0.0) == friction)).map(percent);
@@ -40,7 +40,8 @@ fn beyond_limits(scenes: &[SceneStudy]) -> String {
     }
 }
 
-/// Sentence on the contact with the largest relative error under noise in the last step of a scene, and on that step's other contacts.
+/// Sentence on the contact with the largest relative error under noise among the last steps of all scenes, and on the other contacts in the same
+/// step.
 fn least_known(scenes: &[SceneStudy]) -> Option<String> {
     let ends = scenes.iter().filter_map(|scene| Some((scene, scene.steps.last()?)));
     let contacts = ends.flat_map(|(scene, last)| {
@@ -62,7 +63,7 @@ fn least_known(scenes: &[SceneStudy]) -> Option<String> {
     ))
 }
 
-/// Table with one row per scene: error of the total, balance of forces, and coverage of the intervals under noise.
+/// Table with one row per scene: error of the total force, imbalance of forces, and coverage of the intervals under noise.
 pub(super) fn by_scene(scenes: &[SceneStudy]) -> Table {
     type Which = fn(&NoiseSamples) -> std::ops::Range<usize>;
     let covered = move |scene: &&SceneStudy, which: Which| {
@@ -99,13 +100,13 @@ fn samples(scene: &SceneStudy) -> impl Iterator<Item = &NoiseSamples> {
     scene.steps.iter().filter_map(|studied| studied.samples.as_ref())
 }
 
-/// Largest relative error of the sensed total over all steps without noise; `None` if no step was sensed.
+/// Largest relative error of the sensed total force over all steps without noise; `None` if no step was sensed.
 fn worst_total<'s>(scenes: impl IntoIterator<Item = &'s SceneStudy>) -> Option<f64> {
     let steps = scenes.into_iter().flat_map(|scene| &scene.steps);
     steps.filter_map(error_without_noise).map(f64::abs).reduce(f64::max)
 }
 
-/// Relative error of a step's total without noise; `None` if the step was not sensed.
+/// Relative error of the total force that was sensed in a step without noise; `None` if the step was not sensed.
 pub(super) fn error_without_noise(step: &StudiedStep) -> Option<f64> {
     Some(step.clean.as_ref().ok()?.as_ref()?.total.relative_error())
 }

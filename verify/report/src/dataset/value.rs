@@ -67,7 +67,7 @@ pub enum Format {
     Fixed(usize),
     /// A share in percent.
     Percent,
-    /// A share in percent with two significant digits, however small.
+    /// A share in percent with at least two significant digits, down to 0.000001 %.
     PercentTwoDigits,
     /// An error: a share in percent, amber above 10 % and red above 25 %.
     Error,

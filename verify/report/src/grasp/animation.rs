@@ -4,7 +4,7 @@ use super::drawings::{arrows, bent, keys, object, support};
 use finray_figures::{FigureError, Film, Frame, Series, Shot};
 use finray_studies::experiments::grasp::{GraspScene, GraspStep, Phase, finger_name};
 
-/// Largest number of shots. A grasp with more steps is shown by every n-th step.
+/// Largest number of shots. If a grasp has more steps than this, only every n-th step is shown.
 const MOST_SHOTS: usize = 60;
 /// Duration of a shot, s.
 const SHOT_S: f64 = 0.2;
@@ -20,7 +20,8 @@ pub fn grasp_animation_svg(name: &str, scene: &GraspScene, steps: &[GraspStep]) 
     shown.reverse();
     let largest_n = steps.iter().flat_map(|step| &step.fingers).flat_map(|of| &of.contacts);
     let largest_n = largest_n.map(|seen| seen.force.norm()).fold(0.0, f64::max);
-    // The still drawing shows the last shot of carrying; without one, the last of lifting, or else of closing.
+    // The still drawing shows the last shot of carrying. Without carrying it shows the last shot of lifting, and without lifting the last shot of
+    // closing.
     let phase = |phase: Phase| shown.iter().rposition(|step| step.phase == phase);
     let still = phase(Phase::Carry).or(phase(Phase::Lift)).or(phase(Phase::Close)).unwrap_or(0);
     let shot = |step: &&GraspStep| {

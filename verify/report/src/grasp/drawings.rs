@@ -48,7 +48,8 @@ pub fn grasp_svg(name: &str, scene: &GraspScene, steps: &[GraspStep]) -> Result<
     Ok(side_by_side(&moments.chain(courses).collect::<Result<Vec<_>, FigureError>>()?, 2))
 }
 
-/// The steps that are drawn: first contact, end of closing or holding, middle of the transport (lifting, carrying, placing), and the last step.
+/// The drawn steps: the first contact, the last step of closing or holding, the middle step of the transport (lifting, carrying, placing), and the
+/// last step of the grasp.
 fn moments(steps: &[GraspStep]) -> Vec<&GraspStep> {
     let touches = |step: &&GraspStep| step.fingers.iter().any(|finger| !finger.contacts.is_empty());
     let on_way: Vec<&GraspStep> =
@@ -121,8 +122,8 @@ pub(super) fn support(scene: &GraspScene, steps: &[GraspStep]) -> Vec<Series> {
     lines.map(|line| Series { dash, ..line }).collect()
 }
 
-/// Arrows of the true force and of the sensed force of every contact, along the true and the measured normal. Each arrow ends at its contact. A force
-/// of `largest_n`, N, has the longest arrow.
+/// Two arrows at every contact: the true force along the true normal, and the sensed force along the measured normal. Each arrow ends at its contact.
+/// A force of `largest_n`, N, has the longest arrow.
 pub(super) fn arrows(scene: &GraspScene, step: &GraspStep, largest_n: f64) -> Vec<Series> {
     let finger = scene.finger();
     let longest_mm = LONGEST_ARROW * finger.plate_length_mm(Plate::Front);
@@ -150,14 +151,14 @@ pub(super) fn arrows(scene: &GraspScene, step: &GraspStep, largest_n: f64) -> Ve
     series
 }
 
-/// Series without visible points that add entries for the arrows to the legend.
+/// Series that have no visible points and add entries for the arrows to the legend.
 pub(super) fn keys(at: Point) -> [Series; 2] {
     let key = |label: &str, hue, dash| Series { hue, dash, width: 2.4, ..Series::guide(label, vec![at; 2]) };
     let truth = key("true force along the normal", Hue::VERMILION, Dash::Solid);
     [truth, key("sensed along the normal", Hue::PURPLE, Dash::Dashed)]
 }
 
-/// Series of the true and sensed total of each finger, over the quantity that `at` gives.
+/// Series of the true and the sensed total force on each finger, over the quantity that `at` gives.
 fn over(steps: &[GraspStep], at: impl Fn(&GraspStep) -> f64) -> Vec<Series> {
     let mut series = Vec::new();
     for finger in 0..2 {

@@ -48,7 +48,7 @@ pub(crate) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("closed-loop", "Holding a force", blocks)))
 }
 
-/// How the closed loops run, and the error of the held force; `None` without loops.
+/// Text on how the closed loops run, and on the error of the held force; `None` without loops.
 fn about(LoopStudy { target_n, motor_deg_per_s, runs }: &LoopStudy) -> Option<String> {
     let last = runs.last()?;
     let (noise_mm, realisations) = (last.setting.noise_mm, last.figures.len());

@@ -8,7 +8,7 @@ use finray_studies::lattice::accuracy::FinenessRow;
 /// The difference from beams counts as converging to zero if its order of convergence in the segment length is at least this.
 const COARSENESS_ORDER: f64 = 2.0;
 
-/// How the lattice is built, and what it verifies.
+/// Text on how the lattice is built, and on what the comparison with beams verifies.
 pub(super) const ABOUT: &str = "The lattice models the finger as rigid bodies connected by springs of EA / l, 12 EI / l^3 and EI / l. It shares no \
                                 element or solver with the beams, and no parameter is fitted. The comparison verifies solver and kinematics, not \
                                 beam theory. rapier2d lets the bodies come to rest; Newton's method minimises the energy and separates the lattice's \

@@ -7,7 +7,7 @@ use crate::prelude::*;
 /// Selects the true fingers and estimators of an overview.
 pub(super) type MapFilter = fn(TruthId, EstimatorId) -> bool;
 
-/// One small map for each selected truth and estimator.
+/// One small map for each selected pair of true finger and estimator.
 pub(super) fn overview(study: &Study, shown: MapFilter) -> Result<String, FigureError> {
     let noisy = study.noise_mm > 0.0;
     let small = |truth, estimator| if shown(truth, estimator) { small(study, truth, estimator, noisy) } else { None };
@@ -31,7 +31,7 @@ fn small_map(map: &AccuracyMap) -> Cells {
     Cells { note: note(TrustCounts::of(&map.worst())), ..error_cells(map, None) }
 }
 
-/// Note above a small map: trusted and refused cells in whole percent of the cells with an equilibrium, and their number.
+/// Note above a small map: the number of cells with an equilibrium, and the whole percentages of these cells that are trusted and refused.
 pub fn note(counts: TrustCounts) -> String {
     let (carried, Some(share)) = (counts.carried(), counts.share()) else { return "no equilibrium".to_owned() };
     let refused = match counts.refused {

@@ -41,7 +41,7 @@ struct Entry {
     csv: String,
 }
 
-/// Key figures of every map: at the drawn force, then averaged over all its forces.
+/// Key figures of every map: first at the drawn force, then averaged over all forces of the map.
 fn entries(study: &Study) -> impl Iterator<Item = Entry> {
     let of = |force_n: Option<f64>| {
         // For a map with a single force, the mean over forces is left out.
@@ -105,7 +105,8 @@ fn overview(study: &Study) -> Dataset<'static> {
     Dataset::new(OVERVIEW_CSV, &columns, cells).csv_alone()
 }
 
-/// Summary over all cells of each quantity that explains errors. A value is missing if the cell has no equilibrium or its direction is not identifiable.
+/// For each quantity that explains errors, a summary over all cells. A value is missing if the cell has no equilibrium or its direction is not
+/// identifiable.
 fn explained(study: &Study) -> Dataset<'_> {
     const QUANTITIES: [(&str, ExplainedQuantity); 6] = [
         ("bound", |cell| cell.bound),

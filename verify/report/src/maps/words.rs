@@ -6,10 +6,11 @@ use crate::prelude::*;
 use finray_studies::experiments::explain::Explanation;
 use finray_studies::statistics::median;
 
-/// A force counts as pressing up to `PRESSING_DEG` from the normal, and as tangential from `TANGENTIAL_DEG` on, degrees.
+/// A force counts as pressing if its angle to the normal is at most `PRESSING_DEG`, and as tangential if this angle is at least `TANGENTIAL_DEG`,
+/// degrees.
 const PRESSING_DEG: f64 = 20.0;
 const TANGENTIAL_DEG: f64 = 60.0;
-/// Share of the plate's length at either end that counts as base and tip.
+/// Length of the region at each end of the plate that counts as base or tip, as a share of the plate's length.
 const END: f64 = 1.0 / 6.0;
 /// The nonlinear estimator refuses an answer whose direction has a larger standard deviation than this, degrees.
 const LARGEST_ANGLE_SIGMA_DEG: f64 = 30.0;
@@ -72,7 +73,7 @@ fn unknown_direction(study: &Study) -> Option<String> {
     ))
 }
 
-/// Sentence on the median errors of the force from a wrong position or direction.
+/// Sentence on the median errors of the force due to a wrong position or a wrong direction.
 fn carried(study: &Study) -> Option<String> {
     let length_mm = study.finger.plate_length_mm(Plate::Front);
     let over = |of: ExplainedQuantity, among: &dyn Fn(&Explanation) -> bool| {

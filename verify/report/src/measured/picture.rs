@@ -7,7 +7,7 @@ use finray_studies::experiments::measured::picture::{Arrow, Picture};
 const LONGEST_PX: f64 = 48.0;
 /// Largest length of the scale bar, px.
 const LONGEST_BAR_PX: f64 = 120.0;
-/// Colours that contrast with grey and white. They do not depend on the page's colours.
+/// Colours that contrast with grey and white. The colours of the residuals do not depend on the page's colours.
 const RESIDUAL: &str = "#d6004b";
 const HALO: &str = "#ffffff";
 
@@ -24,7 +24,7 @@ fn round_below(number: f64) -> f64 {
     [5.0, 2.0, 1.0].into_iter().map(|step| step * decade).find(|round| *round <= number).unwrap_or(decade)
 }
 
-/// The picture with its residuals as SVG. Its colours do not depend on the page.
+/// The picture with its residuals as SVG. The colours of this SVG do not depend on the page.
 pub fn svg(picture: &Picture, magnified: f64) -> String {
     let [width, height] = picture.size_px;
     let strokes = [(HALO, 6.0), (RESIDUAL, 2.5)].map(|(colour, stroke)| {
@@ -56,7 +56,7 @@ fn path(Arrow { seen: [x, y], residual_px }: &Arrow, magnified: f64) -> String {
     format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\"/><path d=\"M{x:.1} {y:.1}L{to_x:.1} {to_y:.1}\"/>")
 }
 
-/// Scale bar in the lower left corner: the residual that its length represents, mm, and its SVG path.
+/// Scale bar in the lower left corner: the length of the residual that the bar represents, mm, and the SVG path of the bar.
 fn bar(picture: &Picture, magnified: f64) -> Option<(f64, String)> {
     let px_a_mm = picture.px_a_mm * magnified;
     let bar_mm = (px_a_mm > 0.0).then(|| round_below(LONGEST_BAR_PX / px_a_mm))?;

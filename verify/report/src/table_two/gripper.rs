@@ -66,7 +66,7 @@ pub(super) fn blocks(modules: &ModuleStudy) -> Result<Vec<Block>, FigureError> {
     Ok(vec![text(about(modules.noise_mm)), Block::Table(table(modules)), Block::Figures(figures)])
 }
 
-/// How the gripper closes, and how its forces are sensed.
+/// Text on how the gripper closes, and on how its forces are sensed.
 fn about(noise_mm: f64) -> String {
     format!(
         "The tests of Table II on a simulated closing gripper: the motor moves the finger's base by eqs (6) to \

@@ -10,10 +10,11 @@ use finray_studies::experiments::table_two::{CONTACT_GROUPS, ContactGroup, Table
 struct Line {
     truth: TruthId,
     noise_mm: f64,
-    /// Name of the estimator; `network of the paper` is a recorded mean over seeds.
+    /// Name of the estimator. A name that starts with `network of the paper` marks recorded errors, averaged over seeds and sets of contacts.
     estimator: String,
     group: ContactGroup,
-    /// Contact nodes separated by spaces, or `mean` for the mean over the group's sets. For a record, the sets of nodes.
+    /// Contact nodes separated by spaces, or `mean` for the mean over the group's sets. A row of a record lists the group's recorded sets of nodes,
+    /// separated by semicolons.
     nodes: String,
     /// `each force` or `sum`.
     quantity: &'static str,
@@ -25,7 +26,8 @@ struct Line {
     errors: [Option<f64>; 3],
 }
 
-/// Rows of all sets, then of the groups, then of the records. Each has one row for the mean of its forces, and one for their sum if it has several.
+/// Rows of all sets, then of the groups, then of the records. Each set, group and record has a row for the mean of its forces, and a row for the sum
+/// of its forces if it has several.
 pub(super) fn dataset(study: &Study) -> Dataset<'static> {
     let columns = Columns::<Line>::new()
         .file("truth", |line| line.truth.name())

@@ -7,10 +7,11 @@ use finray_studies::experiments::networks::paper::{Figure, PAPER_RECIPES, SAME_F
 use finray_studies::experiments::networks::records::RecipeRow;
 use finray_studies::experiments::table_two::{CONTACT_GROUPS, ContactGroup, FORCES_N, MOST_FITS, TableTwo};
 
-/// Noise counts as a minor cause if the error on the linear finger, with the same noise, is below this share of the error on the co-rotational finger.
+/// Noise counts as a minor cause if, with the same noise on both fingers, error on the linear finger / error on the co-rotational finger is below
+/// this.
 const MINOR: f64 = 0.5;
 
-/// Contacts, cases and forces of the table.
+/// Text on the contacts, cases and forces of the table.
 pub(super) fn about(cases: usize) -> String {
     let of_group = |ContactGroup { name, sets, .. }| {
         format!("{name} ({})", list(sets.iter().map(|set| list(*set, " and ")), "; "))
@@ -41,7 +42,7 @@ pub(super) fn ours(two: &TableTwo, noise_mm: f64) -> Option<String> {
     ))
 }
 
-/// Sentence on the cause of the error of least squares, if noise is the minor part; otherwise `None`.
+/// Sentence on the cause of the error of least squares; `None` unless noise causes only the minor part of this error.
 pub(super) fn linearisation(two: &TableTwo, noise_mm: f64) -> Option<String> {
     let [_, neighbours, apart] = &CONTACT_GROUPS;
     let of = |truth| two.group(neighbours, truth, noise_mm, EstimatorId::LeastSquares);
@@ -60,7 +61,8 @@ pub(super) fn linearisation(two: &TableTwo, noise_mm: f64) -> Option<String> {
     })
 }
 
-/// Sentence on how many of the paper's five figures its network reproduces on the simulated finger, by scaling of displacements.
+/// Sentence that states, for each scaling of the displacements, how many of the five errors in Table II the paper's network reproduces on the
+/// simulated finger.
 pub fn papers(records: &[RecipeRow], noise_mm: f64) -> Option<String> {
     let found = PAPER_RECIPES.iter().map(|recipe| Some((*recipe, figures(records, recipe, noise_mm)?)));
     let found: Vec<(&str, Vec<Figure>)> = found.collect::<Option<_>>()?;

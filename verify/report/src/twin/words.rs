@@ -30,7 +30,8 @@ pub(super) fn verdict(study: &TwinStudy) -> Option<String> {
     ))
 }
 
-/// Sentence on the number of fitted parameters, and on the number of other sets of zones that fit as well or better; `None` without a fit.
+/// Sentence on the number of fitted parameters, and on how many other sets of zones fit Table I, or fit it better than this set; `None` without a
+/// fit.
 pub fn freedom_in_words(fits: &[TwinFit]) -> Option<String> {
     let (own, others) = fits.split_first()?;
     // The modulus outside the zones is also fitted, hence one parameter more.
@@ -46,7 +47,7 @@ pub fn freedom_in_words(fits: &[TwinFit]) -> Option<String> {
     Some(format!("{parameters} parameters are fitted to six means and the calibrated modulus; {compared}"))
 }
 
-/// Sentence that compares the moduli of the zones, MPa, with the paper's range for its material.
+/// Sentence that compares the moduli of the zones, MPa, with the range that the paper quotes for TPU.
 pub fn moduli_in_words(moduli: &[f64]) -> String {
     let [least, most] = TPU_MPA;
     let outside = moduli.iter().filter(|modulus| !(least..=most).contains(*modulus));

@@ -20,8 +20,8 @@ enum Named {
     ForceError,
 }
 
-/// Each name of `--fit`, its default standard deviation in the unit of the parameter (`None`: not stated), and its parameters. The standard deviation
-/// is that of the prior; for friction and the force error it is the scatter between objects.
+/// Each name of `--fit`, its default standard deviation in the unit of the parameter (`None` if there is no default), and the parameters that it
+/// stands for. The standard deviation is that of the parameter's prior; only for friction and the force error, it is the scatter between objects.
 const NAMES: [(&str, Option<f64>, Named); 16] = [
     ("modulus", None, Named::Quantities(|_| vec![Quantity::Modulus])),
     ("front-modulus", None, Named::Quantities(|_| vec![Quantity::PlateModulus(Plate::Front)])),
@@ -197,7 +197,7 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<String, F
     Ok(summary(done, files.iter().map(|(path, _)| path)))
 }
 
-/// One row per estimated parameter. Error parameters, and the force over which friction builds up, have no standard deviation.
+/// One row per estimated parameter. The rows of the error parameters, and of the force over which friction builds up, have no standard deviation.
 fn rows(found: &RigEstimate) -> Vec<Row> {
     let &RigEstimate { views: ref estimate, ref friction, compliance, force_error, .. } = found;
     let row = |parameter: &str, value, sigma| Row { parameter: parameter.to_owned(), value, sigma };

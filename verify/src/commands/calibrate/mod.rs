@@ -40,7 +40,7 @@ pub struct Arguments {
     /// Markers in images of the pressed finger (file from `finray locate`)
     #[arg(long, help_heading = "From images", value_name = "FILE", conflicts_with = "measurements", requires = "fit")]
     located: Option<PathBuf>,
-    /// Parameters to estimate, see NAMES below; for instance modulus,ribs=0.2
+    /// Parameters to estimate, separated by commas, for instance modulus,ribs=0.2; NAMES are listed below
     #[arg(long, help_heading = "From images", value_name = "NAMES", requires = "located")]
     fit: Option<String>,
     /// Forces measured in some images (CSV: image,fx_n,fy_n and optionally object)
@@ -52,7 +52,7 @@ pub struct Arguments {
     /// Write the results of each image (CSV) to FILE
     #[arg(long, help_heading = "From images", value_name = "FILE", requires = "located")]
     images: Option<PathBuf>,
-    /// Also estimate modulus factors of the scene's zones: one per zone, or one per group (1+2,3: zones 1 and 2 share a factor)
+    /// Also estimate modulus factors of the scene's zones: one per zone, or one per group; 1+2,3 means that zones 1 and 2 share a factor
     #[arg(long, help_heading = "From weights", value_name = "GROUPS", num_args = 0..=1, require_equals = true, default_missing_value = EACH)]
     zones: Option<String>,
     /// Kinematics of the finger
@@ -69,7 +69,7 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// Value of `--zones` if the option has no groups: each zone then has a factor.
+/// Value of `--zones` if no groups are given: each zone then has its own factor.
 const EACH: &str = "each";
 
 #[derive(Serialize)]
@@ -140,10 +140,10 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     Ok(summary(done, files.iter().map(|(path, _)| path)))
 }
 
-/// Largest plausible modulus factor; the smallest is its reciprocal. A factor outside this range suggests a wrong unit.
+/// Largest plausible modulus factor; the smallest plausible factor is its reciprocal. A factor outside this range suggests a wrong unit.
 const LARGEST_FACTOR: f64 = 10.0;
 
-/// Warns of a modulus factor far from 1, for which a wrong unit or node numbering is more likely than such a material.
+/// Warns of a modulus factor far from 1: a wrong unit or node numbering is then more likely than a material with this factor.
 fn warn_of_modulus(factor: f64) {
     if !(1.0 / LARGEST_FACTOR..=LARGEST_FACTOR).contains(&factor) {
         print_message(format_args!(
@@ -228,7 +228,7 @@ fn modulus_rows(finger: &Finger, factor: f64, sigma: f64) -> Vec<Row> {
     moduli.into_iter().map(|(name, modulus)| row(name, modulus)).chain([row("modulus_factor", 1.0)]).collect()
 }
 
-/// Names and values (MPa) of the scene's moduli: one if all parts share it, otherwise one per part.
+/// Names and values (MPa) of the scene's moduli: one row if all parts have the same modulus, otherwise one row per part.
 fn moduli(description: &FingerDescription) -> Vec<(&'static str, f64)> {
     let (front, back) = (description.front.youngs_modulus_mpa, description.back.youngs_modulus_mpa);
     let ribs = description.ribs.strip.map(|strip| strip.youngs_modulus_mpa);

@@ -6,14 +6,14 @@ use finray_model::Kinematics;
 use finray_model::calibration::{self, CalibrationCase, ModulusEstimate};
 use finray_model::sensing::Warning;
 
-/// Mesh elements per member. With only four elements, the modulus factor errs by 3e-4 for weights that bend the paper's finger by 15 mm. That is a
-/// fifth of the factor's standard deviation due to noise.
+/// Mesh elements per member. With only four elements per member, the modulus factor errs by 3e-4 for weights that bend the paper's finger by 15 mm.
+/// This error of the modulus factor is a fifth of the factor's standard deviation due to noise.
 const ELEMENTS: usize = 8;
 /// Largest number of outlying markers that warnings name.
 const MOST_NAMED: usize = 3;
 
-/// Estimates one factor on all moduli: by fitting the co-rotational finger, or by the paper's eq. (11) for the linear finger.
-/// Prints a warning if the other kinematics fit the measured displacements better.
+/// Estimates one factor on all moduli: by fitting the co-rotational finger, or by the paper's eq. (11) for the linear finger. Prints a warning if the
+/// kinematics that were not chosen fit the measured displacements better, and their factor differs by more than sigma.
 pub fn run(
     arguments: &Arguments,
     finger: &Finger,
@@ -61,7 +61,7 @@ pub fn run(
     Ok(summary(format!("modulus estimated from {}", count(cases.len(), "case")), [&arguments.out]))
 }
 
-/// Warns of outlying markers, the largest distances first, and if the residual contradicts the stated noise.
+/// Warns of outlying markers, those with the largest distances first. Also warns if the residual contradicts the stated noise.
 fn warn_of_contradictions(found: &ModulusEstimate) {
     let mut outliers = found.outliers.clone();
     outliers.sort_by(|a, b| b.distance_mm.total_cmp(&a.distance_mm));

@@ -29,7 +29,7 @@ fn print_priors(estimate: &ViewEstimate) {
     }
 }
 
-/// If the scene has no standard deviations of the base: states the assumed ones, and the range of the base's rotation in the images.
+/// If the scene has no standard deviations of the base, prints the assumed standard deviations, and the range of the base's rotation in the images.
 fn print_base(found: &RigEstimate) {
     if !found.is_base_unstated {
         return;
@@ -45,8 +45,8 @@ fn print_base(found: &RigEstimate) {
     ));
 }
 
-/// Warns of a negative coefficient of friction. Reports the coefficient's scatter between objects, and the predicted mean lean of the forces of each
-/// left-out object.
+/// Warns of a negative coefficient of friction. Reports the scatter of the friction coefficient between objects and, for each left-out object, the
+/// predicted and the measured mean lean of its forces.
 fn print_friction(FrictionEstimate { lean, between_objects, left_out }: &FrictionEstimate) {
     let [coefficient, _] = lean.coefficient();
     if coefficient < 0.0 {

@@ -1,4 +1,4 @@
-//! Streams of the images from which a grasp is sensed.
+//! Streams of the images from which the forces of a grasp are sensed.
 
 use crate::commands::prelude::*;
 use finray_files::frames::FrameWriter;
@@ -34,7 +34,7 @@ struct FingerStream {
 }
 
 impl FingerStream {
-    /// Writes to the stream. A closed pipe ends only the stream.
+    /// Writes to the stream. If the reader closes the pipe of a stream, only that stream ends; the command continues.
     fn write(&mut self, image: &RgbImage) -> Result<(), FileError> {
         let Some(writer) = &mut self.writer else { return Ok(()) };
         let written = writer.write(image);
@@ -46,8 +46,8 @@ impl FingerStream {
 }
 
 impl Streams {
-    /// Opens the streams of the fingers, and writes their headers. Frames have the size of the scene's camera, and the rate of the grasp if it states
-    /// one.
+    /// Opens the streams of the fingers, and writes their headers. Frames have the size of the scene's camera, and the rate `frames_per_s` of the
+    /// grasp if the scene states it.
     ///
     /// # Errors
     /// [`Failure::BadInput`] if a finger or a file is named twice, or if the camera is on the gripper; [`Failure::NotComputed`] if a stream cannot be
@@ -76,7 +76,7 @@ impl Streams {
     }
 
     /// Writes the images of the left and the right finger in a step. A finger that its camera does not see gives a black frame, so that later frames
-    /// keep their numbers. Breaks if a stream cannot be written.
+    /// keep their numbers. Returns `ControlFlow::Break` if a stream cannot be written.
     pub fn write(&mut self, images: [Option<RgbImage>; 2]) -> ControlFlow<()> {
         let black = || RgbImage::new(self.size_px[0], self.size_px[1]);
         for stream in &mut self.streams {

@@ -9,11 +9,11 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::time::Instant;
 
-/// Size of the read buffer of a stream, bytes: that of a pipe. Larger reads, as of a frame's pixels, bypass the buffer.
+/// Size of a stream's read buffer, bytes: the same as the size of a pipe's buffer. Larger reads, for example of a frame's pixels, bypass the buffer.
 const AT_ONCE: usize = 1 << 16;
 
-/// Format of a stream: YUV4MPEG2 (`Y4m`); red, green and blue of each pixel, 8 bits each (`Rgb24`); positions of markers, one row a marker (`Csv`) or one line a
-/// frame (`Jsonl`). The variants have no comments of their own, because the help would list them line by line.
+/// Format of a stream: YUV4MPEG2 (`Y4m`); red, green and blue of each pixel, 8 bits each (`Rgb24`); or marker positions, with one row per marker
+/// (`Csv`) or one line per frame (`Jsonl`). The variants have no doc comments, because the help would list them line by line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Format {
     Y4m,
@@ -62,7 +62,8 @@ pub struct Source {
 }
 
 impl Source {
-    /// A stream from a file, or from standard input for `-`. Without a format, the first byte decides. `size_px` is the size of raw frames.
+    /// A stream from a file, or from standard input for `-`. If `format` is `None`, the first byte of the stream decides. `size_px` is the size of
+    /// raw frames.
     ///
     /// # Errors
     /// [`Failure`] if the stream cannot be read or its format is unknown.
@@ -127,7 +128,8 @@ impl Source {
         }
     }
 
-    /// The next frame, or `None` at the end. `number` is its number in the stream. The memory of `spare`, an evaluated or dropped frame, is reused.
+    /// The next frame, or `None` at the end. `number` is the frame's number in the stream. The memory of `spare`, an evaluated or dropped frame, is
+    /// reused.
     ///
     /// # Errors
     /// [`Failure`] if the stream cannot be read further.

@@ -20,12 +20,12 @@ struct Waiting {
     frame: Option<Frame>,
     /// Evaluated or dropped frame whose memory is reused.
     spare: Option<Frame>,
-    /// `None` while frames are read; then the error that ended the reading, or `Some(None)` after the end of the stream.
+    /// `None` while frames are read; `Some(Some(error))` if an error ended the reading; `Some(None)` after the end of the stream.
     ended: Option<Option<Failure>>,
 }
 
 impl Slot {
-    // A panic of the other thread does not make the frame invalid.
+    // A panic of the other thread poisons the lock, but does not make the frame invalid.
     fn lock(&self) -> MutexGuard<'_, Waiting> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }

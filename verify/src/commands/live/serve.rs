@@ -1,7 +1,7 @@
 //! A page in the browser that shows finger, forces and latency while `live` runs.
 //!
-//! A small HTTP server: `GET /` gives the page, `GET /events` each line of JSON as a server-sent event. It is read-only.
-//! The evaluation of frames never waits for it: each client has a bounded queue, and events that do not fit are dropped.
+//! A small HTTP server: `GET /` returns the page; `GET /events` returns each line of JSON as a server-sent event. It is read-only. The evaluation of
+//! frames never waits for the server: each client has a bounded queue, and events that do not fit into the queue are dropped.
 
 use crate::commands::prelude::*;
 use finray_model::finger::Plate;
@@ -16,22 +16,22 @@ use std::time::{Duration, Instant};
 
 /// The page. `NONCE` and `FINGERS` are replaced.
 const PAGE: &str = include_str!("page.html");
-/// Largest number of connections, and of those that receive events.
+/// Largest number of connections, and largest number of clients that receive events.
 const LARGEST_CONNECTIONS: usize = 32;
 const LARGEST_CLIENTS: usize = 16;
-/// Number of events that wait for a client.
+/// Largest number of events that wait for a client.
 const QUEUE: usize = 256;
-/// Largest request, bytes, and the time in which it must arrive.
+/// Largest size of a request, bytes, and the longest time until the whole request arrives.
 const LARGEST_REQUEST: usize = 8192;
 const REQUEST_LIMIT: Duration = Duration::from_secs(5);
 /// Time after which a client that does not read is disconnected.
 const WRITE_LIMIT: Duration = Duration::from_secs(10);
-/// Time without an event after which a comment finds out whether the client is still there.
+/// After this time without an event, a comment is sent to the client to detect a closed connection.
 const HEARTBEAT: Duration = Duration::from_secs(5);
-/// Longest time that the end of the stream waits for clients to receive the last events.
+/// Longest time for which the server, at the end of the stream, waits for clients to receive the last events.
 const FAREWELL: Duration = Duration::from_millis(500);
 
-/// A finger as the page draws it: undeformed, mm, finger frame.
+/// The undeformed finger that the page draws, mm, finger frame.
 #[derive(Serialize)]
 struct Drawing<'a> {
     name: &'a str,
@@ -43,7 +43,7 @@ struct Drawing<'a> {
     inward: [f64; 2],
 }
 
-/// The running server. When it is dropped, clients receive the last events and the message that the stream has ended.
+/// The running server. When the server is dropped, clients receive the last events and the message that the stream has ended.
 pub struct Server(Arc<Shared>);
 
 struct Shared {
@@ -88,7 +88,7 @@ impl Server {
         fingers: impl Iterator<Item = (&'a str, &'a Finger)>,
     ) -> Result<Server, Failure> {
         let drawings: Vec<Drawing> = fingers.map(|(name, finger)| drawing(name, finger)).collect();
-        // An escaped "<" cannot end the script element that holds the text.
+        // "<" is escaped, so that the text cannot end the script element that contains it.
         let fingers = serde_json::to_string(&drawings).map_err(not_computed)?.replace('<', "\\u003c");
         let address = listener.local_addr().map_err(not_computed)?;
         let [connections, clients] = [0, 0].map(AtomicUsize::new);
@@ -104,7 +104,7 @@ impl Server {
         Ok(Server(shared))
     }
 
-    /// Sends a line of JSON to all clients. Does not wait: a client whose queue is full misses the line.
+    /// Sends a line of JSON to all clients. The call does not wait: a client whose queue is full misses the line.
     pub fn send(&self, line: &str) {
         let event: Arc<str> = format!("data: {line}\n\n").into();
         let mut events = self.0.events();
@@ -142,7 +142,7 @@ fn drawing<'a>(name: &'a str, finger: &Finger) -> Drawing<'a> {
 struct Counted<'a>(&'a AtomicUsize);
 
 impl<'a> Counted<'a> {
-    /// `None` if the number would exceed the largest.
+    /// `None` if the count would exceed `largest`.
     fn up_to(largest: usize, count: &'a AtomicUsize) -> Option<Counted<'a>> {
         let counted = Counted(count);
         (count.fetch_add(1, Ordering::SeqCst) < largest).then_some(counted)
@@ -158,12 +158,13 @@ impl Drop for Counted<'_> {
 fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
     for stream in listener.incoming() {
         let Ok(stream) = stream else {
-            // The process has too many open files, for example.
+            // A connection cannot be accepted, for example because the process has too many open files.
             thread::sleep(Duration::from_millis(100));
             continue;
         };
         let shared = Arc::clone(shared);
-        // Without a thread or a free connection, the stream is dropped and so closed. A client that leaves is not an error.
+        // If no thread can be started, or too many connections exist, the stream is dropped, which closes it. A client that disconnects is not an
+        // error.
         let _ = thread::Builder::new().spawn(move || {
             if let Some(_connection) = Counted::up_to(LARGEST_CONNECTIONS, &shared.connections) {
                 let _ = shared.answer(stream);
@@ -173,7 +174,7 @@ fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
 }
 
 impl Shared {
-    // A panic of another thread does not make the queues invalid.
+    // A panic of another thread poisons the lock, but does not make the queues invalid.
     fn events(&self) -> MutexGuard<'_, Events> {
         self.events.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -203,7 +204,7 @@ impl Shared {
         }
     }
 
-    /// Path of a request, `/` or `/events`, or the status that refuses it.
+    /// Path of a request (`/` or `/events`), or the HTTP status with which the request is refused.
     fn status_of<'r>(&self, request: Option<&'r str>) -> Result<&'r str, &'static str> {
         const BAD: &str = "400 Bad Request";
         let mut lines = request.ok_or(BAD)?.lines();
@@ -223,7 +224,7 @@ impl Shared {
     }
 
     /// Whether a request names this machine as its host. On a loopback address, a name that a foreign site resolved to this machine (DNS rebinding)
-    /// is refused. On other addresses, the machine's names are unknown, and each is accepted.
+    /// is refused. On other addresses, every host name is accepted, because the machine's names are unknown.
     fn is_own(&self, host: &str) -> bool {
         let (own, port) = (self.address.to_string(), self.address.port());
         let is = |name: &str| host.eq_ignore_ascii_case(&format!("{name}:{port}")) || (port == 80 && host == name);
@@ -279,7 +280,7 @@ fn read_request(stream: &mut TcpStream) -> std::io::Result<Option<String>> {
     Ok(String::from_utf8(bytes).ok())
 }
 
-/// Status line and headers of an answer, with further headers, each with its line break.
+/// Status line and headers of a response, including the further headers in `headers`, each of which ends with a line break.
 fn head(status: &str, kind: &str, headers: &str) -> String {
     format!(
         "HTTP/1.1 {status}\r\nContent-Type: {kind}; charset=utf-8\r\nCache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\n\

@@ -24,7 +24,7 @@ pub fn position_error(camera: Option<&CameraStudy>, words: &Words) -> Result<Cla
     let Some((row, shapes, largest_mm, rms_mm)) = tested else {
         return words.claim("position-untested", ClaimVerdict::NotTested, context! {});
     };
-    // Upper bound of a distance: both coordinates have their largest error.
+    // Upper bound of the distance error, reached if both coordinates have their largest error.
     let position_mm = SQRT_2 * largest_mm;
     let verdict =
         if row.found == row.markers { simulated(position_mm, LARGEST_MM) } else { ClaimVerdict::NotReproduced };
@@ -35,8 +35,8 @@ pub fn position_error(camera: Option<&CameraStudy>, words: &Words) -> Result<Cla
     )
 }
 
-/// Claim on the rate of sensing. The paper states the rate of image processing on the authors' computer. The claim therefore only tests whether this
-/// computer estimates forces within one frame time.
+/// Claim on the rate of sensing. The paper states the rate of image processing on the authors' computer. The check of this claim only tests whether
+/// this computer estimates forces within one frame time.
 ///
 /// # Errors
 /// [`ClaimError`] if a number in the claim's text has no value.

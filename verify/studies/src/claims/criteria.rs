@@ -9,7 +9,7 @@ pub fn statement(holds: bool) -> ClaimVerdict {
     if holds { Reproduced } else { Refuted }
 }
 
-/// Verdict on a measured figure. If the computation gives another figure, the model lacks an effect; the measurement is not refuted.
+/// Verdict on a measured figure. If the computed figure differs from the measured figure, the model lacks an effect; the measurement is not refuted.
 pub fn figure(same: bool) -> ClaimVerdict {
     if same { Reproduced } else { NotReproduced }
 }
@@ -53,11 +53,11 @@ pub fn at_most_nodes(figures: &[f64], holds: impl Fn(f64) -> bool) -> (usize, bo
 pub const NEGLIGIBLE_SHARE: f64 = 0.015;
 /// A finer mesh is unnecessary if the relative change of the displacements is below this value (paper, sec. III).
 pub const MESH_SHARE: f64 = 0.0026;
-/// Largest number that rounds to the paper's "about 2.4%", dimensionless.
+/// Largest relative error that rounds to the paper's "about 2.4%", dimensionless.
 pub const DIRECTION_SHARE: f64 = 0.0245;
 /// A relative force error up to this value is negligible (paper, sec. V-C, on the direction). The limit also applies to errors caused by torques.
 pub const NEGLIGIBLE_FORCE_SHARE: f64 = 0.024;
-/// A loss of accuracy counts as large above this relative error. The paper's Table I shades larger errors.
+/// A loss of accuracy counts as large above this relative error. The paper's Table I shades errors above this value.
 pub const MUCH_SHARE: f64 = 0.10;
 /// A force component counts as well estimated up to this standard deviation, N: a tenth of the gripper tests' largest force, 3 N.
 pub const WELL_N: f64 = 0.3;
@@ -73,8 +73,8 @@ pub fn accounts_for(pairs: &[(f64, f64)]) -> bool {
     !pairs.is_empty() && pairs.iter().all(|(ours, paper)| *ours > MOST_OF * paper)
 }
 
-/// Verdict in simulation on recalibration with all nodes. The claim holds if errors grow in the middle and shrink at the ends. Each array contains
-/// the mean errors before and after recalibration.
+/// Verdict, in simulation, on the claim about recalibration with all nodes. The claim holds if errors grow in the middle of the finger and shrink at
+/// its ends. Each array contains the mean errors before and after recalibration.
 pub fn recalibration(middle: [f64; 2], ends: [f64; 2]) -> ClaimVerdict {
     in_simulation(middle[1] > middle[0] && ends[1] < ends[0])
 }

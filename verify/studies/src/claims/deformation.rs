@@ -9,7 +9,7 @@ use crate::problems::{opensees, refinement};
 use crate::study::Study;
 use minijinja::context;
 
-/// Force at which the linear model is assessed, N: the largest of the gripper tests.
+/// Force at which the linear model is assessed, N: the largest force of the gripper tests.
 const FORCE_N: f64 = 3.0;
 
 pub(super) fn claims(study: &Study, words: &Words) -> Result<Vec<Claim>, ClaimError> {
@@ -17,8 +17,8 @@ pub(super) fn claims(study: &Study, words: &Words) -> Result<Vec<Claim>, ClaimEr
     opensees.retain(|case| case.kinematics == Kinematics::Linear);
     let off_opensees = worst(opensees.iter().map(|case| case.displacement));
     let off_mesh = refinement::linear_difference(&study.finger)?;
-    // The finger's depth is an assumption. Shapes depend on force / depth, so a finger of twice the depth under the whole force has the shape of this finger
-    // under half the force.
+    // The finger's depth is an assumption. Shapes depend on force / depth, so twice the depth under the whole force gives the same shape as the given
+    // depth under half the force.
     let depths_mm = [1.0, 2.0].map(|times| times * study.finger.description().depth_mm);
     let curved = [
         experiments::linearisation(&study.finger, FORCE_N)?,
@@ -47,7 +47,7 @@ pub(super) fn claims(study: &Study, words: &Words) -> Result<Vec<Claim>, ClaimEr
     ])
 }
 
-/// Claim on a model of solid elements: the plane continuum. The paper does not state whether its frame has the stiffness of plane strain.
+/// Claim on a model of solid elements: the plane continuum. The paper does not state whether its frame model has the stiffness of plane strain.
 ///
 /// # Errors
 /// [`ClaimError`] if the claim's text cannot be completed.

@@ -40,8 +40,8 @@ pub fn wrong_direction(finger: &Finger, off_deg: f64) -> Result<Vec<f64>, Sensin
     by_node(finger, |node| Ok(sensed_n(finger, node, Load::at_node(node, finger.direction(off_deg)))? - 1.0))
 }
 
-/// Relative error by node if a normal force is sensed and the friction moment on its rod is neglected. `friction` is the coefficient, dimensionless.
-/// The friction force itself is omitted.
+/// Relative error by node if a normal force is sensed and the friction moment on the node's rod is neglected. `friction` is the coefficient,
+/// dimensionless. The friction force itself is omitted.
 ///
 /// # Errors
 /// [`SensingError`] if the force at a node cannot be sensed.
@@ -93,7 +93,7 @@ pub fn all_forces(finger: &Finger, noise_mm: f64) -> Result<AllForces, SensingEr
     })
 }
 
-/// Standard deviation of the force component perpendicular to the normal if magnitude and direction are unknown, N, by node; linear finger.
+/// Standard deviation of the force component perpendicular to the normal, N, by node, on the linear finger, if magnitude and direction are unknown.
 pub(crate) fn unknown_direction(finger: &Finger, noise_mm: f64) -> Result<Vec<f64>, SensingError> {
     let markers = Measurement::at_rest(finger);
     by_node(finger, |node| {
@@ -129,8 +129,8 @@ pub fn redistributed(finger: &Finger, nodes: [NodeId; 2], noise_mm: f64) -> Resu
     Ok(Exchanged { share: difference(&one, &other), distance: squares.sqrt() / noise_mm })
 }
 
-/// Largest root mean square force sensed at an unloaded node, N. Each of nodes 16 to 20 is unloaded in turn; the others carry `force_n` (N) along
-/// the normal. Linear least squares senses all five on the co-rotational finger, under noise of `noise_mm` (mm).
+/// Largest root mean square force sensed at an unloaded node, N. Each of nodes 16 to 20 is unloaded in turn; the others carry `force_n` (N) along the
+/// normal. Linear least squares senses the forces at all five nodes of the co-rotational finger, under noise of `noise_mm` (mm).
 ///
 /// # Errors
 /// [`SensingError`] if the finger has no equilibrium, or its forces cannot be sensed.

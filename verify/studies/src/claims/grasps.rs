@@ -103,7 +103,7 @@ pub fn untouched(observed: Option<&Observations>, words: &Words) -> Result<Claim
     words.claim("untouched", verdict, numbers)
 }
 
-/// Claim that the forces on a finger are equal while the gripper opens and closes.
+/// Claim that the forces on a finger are the same at equal motor angles while the gripper closes and while it opens.
 ///
 /// # Errors
 /// [`ClaimError`] if a number in the claim's text has no value.

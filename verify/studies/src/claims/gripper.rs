@@ -75,8 +75,8 @@ pub fn of_the_papers_network(
     words.claim("papers-network", over_assumptions(&verdicts), numbers)
 }
 
-/// Claims of the paper's conclusion, for networks whose inputs are scaled by the largest displacement or by the spread. `noise_mm` is the noise of a
-/// coordinate, mm.
+/// Claims of the paper's conclusion, for networks whose inputs are scaled by the largest displacement or by the spread of the displacements.
+/// `noise_mm` is the noise of a coordinate, mm.
 ///
 /// # Errors
 /// [`ClaimError`] if a number in the claim's text has no value.
@@ -135,7 +135,7 @@ pub(super) struct OfGroup<'g> {
 }
 
 impl OfGroup<'_> {
-    /// Claim that compares one relative error with the paper's; `None` if the error does not exist.
+    /// Claim that compares one relative error with the paper's; `None` if the nonlinear estimator has no such error.
     pub fn row(
         &self,
         key: &str,

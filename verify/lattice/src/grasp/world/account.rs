@@ -10,8 +10,8 @@ use serde::Serialize;
 
 /// Work and energy since the start of a grasp, N mm.
 ///
-/// Each work is an integral of forces over displacements, by the trapezoidal rule over the increments of the bases. The elastic energy is the energy
-/// of the springs. No value is computed from the others, so an imbalance shows an error of the integration or of the forces.
+/// Each work term is an integral of forces over displacements, by the trapezoidal rule over the increments of the bases. The elastic energy is the
+/// energy of the springs. No value is computed from the others, so an imbalance shows an error of the integration or of the forces.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Account {
     /// Work done by the bases and by the numerical resistance that carries an object along with the gripper, N mm.
@@ -60,10 +60,10 @@ impl Account {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Acting {
     elastic_nmm: f64,
-    /// Force (N) and moment about the origin of its frame (N mm) on the base of each finger, world frame.
+    /// Force (N) on the base of each finger, and moment (N mm) about the origin of the finger's frame; both in the world frame.
     on_bases: Vec<(Vector, f64)>,
     weight: Vector,
-    /// Numerical resistance to the motion of the object (N, N and N mm), and of each body in its finger's frame (N).
+    /// Numerical resistance to the motion of the object in x (N), in y (N) and in rotation (N mm), and of each body in its finger's frame (N).
     on_object: [f64; 3],
     on_bodies: Vec<Vec<Vector>>,
 }

@@ -45,7 +45,7 @@ impl World<'_> {
         let above = |at: Vector| (at - point).dot(&upward);
         let front = self.front(finger);
         let of_front = front.iter().flat_map(|part| part.ends.map(|end| above(end) - part.radius_mm));
-        // The back plate and the ribs are assumed to have the thickness of the back plate.
+        // For the back plate and the ribs, the height of the back plate's nodes minus half the back plate's thickness counts.
         let (shape, of) = (self.finger_shape(finger), self.scene.fingers[finger].lattice.finger());
         let placement = &self.state.placements[finger];
         let back = of.plate_nodes(Plate::Back).into_iter().zip(of.plate_positions_mm(Plate::Back));

@@ -26,8 +26,8 @@ pub enum GraspFailure {
     /// The object falls or slides out of the fingers and does not come to rest.
     #[error("drop: the fingers do not hold the object")]
     Dropped,
-    /// The fingers hold the object, but no equilibrium is found. A large snap-through of a plate may cause this failure, earlier on coarse lattices
-    /// than on fine lattices.
+    /// The fingers hold the object, but no equilibrium is found. A large snap-through of a plate may cause this failure; on a coarse lattice the
+    /// failure occurs earlier than on a fine lattice.
     #[error("jam: no equilibrium of object and fingers is found")]
     Jammed,
     /// A finger folds: a rigid body of its lattice has rotated by more than 1 rad.

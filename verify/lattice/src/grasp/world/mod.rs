@@ -21,7 +21,8 @@ use finray_model::gripper::Placement;
 use finray_model::mesh::Load;
 use motion::{AT_REST, BOLDER, FIRST_DRAG};
 
-/// A finger counts as folded if one of its bodies rotates by more than this, rad. The bodies of a finger that wraps an object rotate by half as much.
+/// A finger counts as folded if one of its bodies rotates by more than this, rad. The bodies of a finger that wraps an object rotate by half of this
+/// limit.
 const FOLDED_RAD: f64 = 1.0;
 
 /// Placements of the fingers, and weight of the object, at one instant.
@@ -109,8 +110,8 @@ impl<'l> World<'l> {
         }
     }
 
-    /// Lets a hand hold the object against all motion. `size_mm` then replaces the object's size as the length scale, because the displacements
-    /// of finger and object do not depend on the size of a held object.
+    /// Lets a hand hold the object against all motion. `size_mm` then replaces the object's size as the length scale. The size of a held object does
+    /// not determine the displacements.
     pub fn holding(mut self, size_mm: f64) -> World<'l> {
         self.scene.size_mm = size_mm;
         for finger in &mut self.scene.fingers {
@@ -133,7 +134,7 @@ impl<'l> World<'l> {
         self.attempt(|world| world.move_to(to).and_then(|()| world.come_to_rest(FIRST_DRAG, BOLDER)))
     }
 
-    /// Moves the fingers' bases and applies the weight, without waiting for rest. During this motion, only numerical resistance holds an object
+    /// Moves the fingers' bases and applies the weight, without waiting for rest. While the bases move, only numerical resistance holds an object
     /// without contact.
     ///
     /// # Errors
@@ -186,7 +187,7 @@ impl<'l> World<'l> {
         if pair.part.is_some() { TouchedBody::Finger(pair.key.0) } else { TouchedBody::Support }
     }
 
-    /// Force (N) and moment about the origin of its frame (N mm) on the base of each finger, world frame.
+    /// Force (N) on the base of each finger, and moment (N mm) about the origin of the finger's frame; both in the world frame.
     fn on_bases(&self) -> Vec<(Vector, f64)> {
         let on_base = |(finger, placement): (usize, &Placement)| {
             let (force, moment_nmm) = self.on_base(finger);

@@ -10,12 +10,12 @@ const LEAST_PART: f64 = 1.0 / 16.0;
 const LEAST_LEAP: f64 = 1.0 / 256.0;
 /// An increment is rejected above this energy imbalance, relative to the energy that bends a finger by the object's size.
 const MISSING: f64 = 1e-4;
-/// Smallest numerical resistance to the object's motion, relative to the fingers' stiffness. It keeps a loose object in position. With a stiffness of
-/// 1 N/mm, a displacement of 1 mm then meets a force of a millionth of a newton.
+/// Smallest numerical resistance to the object's motion, relative to the fingers' stiffness. This resistance keeps a loose object in position. If the
+/// fingers' stiffness is 1 N/mm, the resistance to a displacement of 1 mm is a millionth of a newton.
 const DRAG: f64 = 1e-6;
 /// Numerical resistance to the object's motion while the bases move, relative to the fingers' stiffness. Only a snap raises this resistance.
 const MOVING_DRAG: f64 = 1e-3;
-/// Numerical resistance with which coming to rest begins, relative to the fingers' stiffness.
+/// Initial numerical resistance while fingers and object come to rest, relative to the fingers' stiffness.
 pub(super) const FIRST_DRAG: f64 = 1e-4;
 /// Coming to rest fails if an increment needs more numerical resistance than this, relative to the fingers' stiffness.
 const MOST_DRAG: f64 = 1e3;
@@ -27,8 +27,8 @@ const LESS: f64 = 3.0;
 pub(super) const BOLDER: usize = 2;
 /// An increment fails if the object or a body moves farther than the displacement of the fingers' bases plus this share of the object's size.
 const FARTHEST: f64 = 0.1;
-/// Everything counts as at rest if the force of the numerical resistance is at most this share of the largest contact force or of the weight. Unless the
-/// resistance is at its minimum, the last displacement must also be at most this share of the object's size.
+/// Fingers and object count as at rest if the force of the numerical resistance is at most this share of the largest contact force or of the weight,
+/// whichever is larger. Unless the resistance is at its minimum, the last displacement must also be at most this share of the object's size.
 pub(super) const AT_REST: f64 = 1e-5;
 /// Coming to rest fails after this number of increments.
 const MOST_STEPS: usize = 400;

@@ -72,7 +72,7 @@ impl World<'_> {
     }
 
     /// Contacts that carry a force, from base to tip on each finger. A contact is omitted if the numerical resistance at rest could cause its force.
-    /// An object that rolls away freely therefore has no contact.
+    /// An object that rolls away freely is therefore listed without contact.
     pub fn contacts(&self) -> Vec<ObjectContact> {
         let normals_n = self.state.forces.values().map(|[normal_n, _]| *normal_n);
         let nothing_n = AT_REST * normals_n.fold(self.drive.weight.norm(), f64::max);
