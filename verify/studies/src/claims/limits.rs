@@ -10,14 +10,14 @@ use crate::prelude::*;
 use crate::study::Study;
 use minijinja::context;
 
-/// Assumed range of friction coefficients for neglected torques: from plastic on steel to rubber on most materials.
+/// Assumed lowest and highest friction coefficient for the claim on neglected torques: plastic on steel, and rubber on most materials.
 const FRICTIONS: [f64; 2] = [0.2, 0.5];
-/// Noise of a displacement divided by the noise of a coordinate. The undeformed positions are exact for the first value, and measured in an image for
-/// the second value (sec. V-B).
+/// Two assumed ratios of the noise of a displacement to the noise of a coordinate. The first ratio holds for exact undeformed positions, the second
+/// ratio for undeformed positions that are measured in an image (sec. V-B).
 const NOISE_OF_IMAGES: [f64; 2] = [1.0, std::f64::consts::SQRT_2];
 /// Pairs of nodes of the paper's Fig. 12, by increasing distance.
 const EXCHANGED: [[usize; 2]; 4] = [[18, 19], [18, 20], [17, 20], [17, 21]];
-/// Force on each of four nodes beside an unloaded node, N.
+/// Force on each of four loaded nodes beside one unloaded node, N.
 const BESIDE_N: f64 = 0.5;
 
 pub(super) fn claims(study: &Study, words: &Words) -> Result<Vec<Claim>, ClaimError> {
@@ -25,7 +25,8 @@ pub(super) fn claims(study: &Study, words: &Words) -> Result<Vec<Claim>, ClaimEr
     let mut claims = vec![all_at_once(finger, words)?];
     claims.extend(exchanged(finger, words)?);
     claims.extend([unknown_direction(finger, words)?, wrong_direction(finger, words)?, torque(finger, words)?]);
-    // Each claim has only one row. Grasps test this claim better, so this row is added only without observations of grasps.
+    // Each claim has only one row. The study of observed grasps tests the claim on unloaded nodes better, so the claim is added here only without
+    // that study.
     if study.observations.is_none() {
         claims.push(zero_force(finger, words)?);
     }
@@ -33,10 +34,10 @@ pub(super) fn claims(study: &Study, words: &Words) -> Result<Vec<Claim>, ClaimEr
     Ok(claims)
 }
 
-/// Claim that forces at all nodes together are not identifiable.
+/// Claim that simultaneous forces at all nodes are not identifiable.
 ///
 /// # Errors
-/// [`ClaimError`] if the finger cannot be sensed, or a number in the claim's text has no value.
+/// [`ClaimError`] if forces on the finger cannot be sensed, or a placeholder in the claim's text has no value.
 pub fn all_at_once(finger: &Finger, words: &Words) -> Result<Claim, ClaimError> {
     let AllForces { span, sigmas_n } = experiments::all_forces(finger, CAMERA_NOISE_MM)?;
     let poor = NOISE_OF_IMAGES.map(|images| at_most_nodes(&sigmas_n, |sigma_n| images * sigma_n > WELL_N));
@@ -48,7 +49,7 @@ pub fn all_at_once(finger: &Finger, words: &Words) -> Result<Claim, ClaimError> 
     words.claim("all-at-once", verdict, numbers)
 }
 
-/// Whether the difference of shapes grows with the distance of the two nodes.
+/// Whether the difference of the two shapes grows with the distance between the nodes whose forces are exchanged.
 pub fn grows(all: &[Exchanged]) -> bool {
     all.windows(2).all(|pair| pair[0].share < pair[1].share)
 }
@@ -67,10 +68,10 @@ fn exchanged(finger: &Finger, words: &Words) -> Result<[Claim; 2], ClaimError> {
     ])
 }
 
-/// Claim on the loss of accuracy with a force of unknown direction.
+/// Claim on the loss of accuracy if the direction of the force is unknown.
 ///
 /// # Errors
-/// [`ClaimError`] if the finger cannot be sensed, or a number in the claim's text has no value.
+/// [`ClaimError`] if forces on the finger cannot be sensed, or a placeholder in the claim's text has no value.
 pub fn unknown_direction(finger: &Finger, words: &Words) -> Result<Claim, ClaimError> {
     let across = experiments::unknown_direction(finger, CAMERA_NOISE_MM)?;
     let fails = NOISE_OF_IMAGES.map(|images| at_most_nodes(&across, |sigma_n| images * sigma_n > WELL_N));
@@ -85,7 +86,7 @@ pub fn unknown_direction(finger: &Finger, words: &Words) -> Result<Claim, ClaimE
 /// Claim on the loss of accuracy if the assumed direction is wrong by 12.5 degrees, to either side.
 ///
 /// # Errors
-/// [`ClaimError`] if the finger cannot be sensed, or a number in the claim's text has no value.
+/// [`ClaimError`] if forces on the finger cannot be sensed, or a placeholder in the claim's text has no value.
 pub fn wrong_direction(finger: &Finger, words: &Words) -> Result<Claim, ClaimError> {
     let errors = |off_deg| -> Result<Vec<f64>, SensingError> {
         Ok(experiments::wrong_direction(finger, off_deg)?.into_iter().map(f64::abs).collect())
@@ -102,7 +103,7 @@ pub fn wrong_direction(finger: &Finger, words: &Words) -> Result<Claim, ClaimErr
 /// Claim on the loss of accuracy if the torque of friction on a rod is neglected.
 ///
 /// # Errors
-/// [`ClaimError`] if the finger cannot be sensed, or a number in the claim's text has no value.
+/// [`ClaimError`] if forces on the finger cannot be sensed, or a placeholder in the claim's text has no value.
 pub fn torque(finger: &Finger, words: &Words) -> Result<Claim, ClaimError> {
     let [low, high] = FRICTIONS.map(|friction| experiments::neglected_torque(finger, friction));
     let (low, high) = (low?, high?);
@@ -120,7 +121,7 @@ fn zero_force(finger: &Finger, words: &Words) -> Result<Claim, ClaimError> {
     words.claim("zero-force", ClaimVerdict::NotTested, numbers)
 }
 
-/// Claim on the computation time of the shipped network, measured by this report or with the benchmark library `criterion`.
+/// Claim on the computation time of the shipped network, measured while the report is computed or with the benchmark library `criterion`.
 fn network_time(study: &Study, words: &Words) -> Result<Option<Claim>, ClaimError> {
     let here = |timed_by: &TimedBy| !matches!(timed_by, TimedBy::OtherProgram { .. });
     let point = study.speed_error.iter().find(|point| {

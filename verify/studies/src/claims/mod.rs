@@ -1,8 +1,8 @@
-//! Claims: statements and figures of the paper (Xu et al. 2021), compared one by one with computed figures.
+//! Claims: statements and numbers of the paper (Xu et al. 2021), compared one by one with computed numbers.
 //!
-//! The texts are in `words.toml`; each file here computes the numbers and verdicts for a part of the paper. A verdict follows from a computed figure
-//! by a named [criterion](criteria), or states that nothing was tested. All figures are computed on models of the finger. Such a figure can
-//! reproduce a measured error or differ from it, but cannot refute the measurement.
+//! The texts are in `words.toml`; each file here computes the numbers and verdicts for a part of the paper. A verdict follows from a computed number
+//! by a named [criterion](criteria), or states that nothing was tested. Every computed number comes from a model of the finger. A number computed on
+//! a model can reproduce a measured error or differ from it, but cannot refute the measurement.
 
 pub mod camera;
 pub mod criteria;
@@ -29,7 +29,7 @@ pub enum ClaimVerdict {
     NotReproduced,
     /// The claim holds on a simulated finger; no experiment supports it.
     InSimulation,
-    /// The error on a simulated finger with known model is smaller than the paper's on a real finger.
+    /// The error on a simulated finger whose model is known is smaller than the paper's error on a real finger.
     LessInSimulation,
     /// The verdict depends on an assumption that the paper does not state.
     Depends,
@@ -40,7 +40,7 @@ pub enum ClaimVerdict {
 }
 
 impl ClaimVerdict {
-    /// All verdicts, in the order of tables.
+    /// All verdicts, in the order in which tables list them.
     pub const ALL: [ClaimVerdict; 7] = {
         use ClaimVerdict::{Depends, InSimulation, LessInSimulation, NotReproduced, NotTested, Refuted, Reproduced};
         [Reproduced, NotReproduced, Refuted, Depends, InSimulation, LessInSimulation, NotTested]
@@ -65,13 +65,13 @@ impl ClaimVerdict {
 pub struct Claim {
     /// The paper's statement with its section. Quotation marks enclose verbatim text.
     pub claim: String,
-    /// Figure of the paper, with its unit.
+    /// Value that the paper states, with its unit.
     pub paper: String,
     /// Computed figure, with its unit.
     pub ours: String,
-    /// Method by which the figure is computed.
+    /// Method by which the value is computed.
     pub how: String,
-    /// Criterion that leads from the figure to the verdict; empty if nothing was tested.
+    /// Criterion by which the computed value leads to the verdict; empty if nothing was tested.
     pub criterion: String,
     /// Verdict on the paper's statement.
     pub verdict: ClaimVerdict,
@@ -89,7 +89,7 @@ pub enum ClaimError {
     /// The shipped texts are not valid TOML.
     #[error("cannot read the texts of the claims: {0}")]
     File(#[from] toml::de::Error),
-    /// A number in a text has no value.
+    /// A placeholder in a claim's text has no value.
     #[error("cannot complete the text of a claim: {0}")]
     Words(#[from] minijinja::Error),
 }

@@ -61,7 +61,7 @@ fn largest(row: &TableOneRow) -> f64 {
     worst(row.range().map(f64::abs))
 }
 
-/// Combined verdict on a figure over all assumed directions of the weights, because the paper does not state the finger's orientation.
+/// Combined verdict on one computed value for all assumed directions of the weights, because the paper does not state the finger's orientation.
 fn over_angles(tables: &[TableOne], same: impl Fn(&TableOne) -> bool) -> ClaimVerdict {
     over_assumptions(&tables.iter().map(|table| figure(same(table))).collect::<Vec<_>>())
 }
@@ -144,7 +144,8 @@ fn noise(study: &Study, table: &TableOne, words: &Words) -> Result<Option<Claim>
     words.claim("poor-ends", all_simulated(&pairs), numbers).map(Some)
 }
 
-/// Claims on conclusions that the paper draws from its errors. They are tested on the digital twin, a finger fitted to these errors.
+/// Claims on conclusions that the paper draws from its measured sensing errors. The claims are tested on the digital twin, a model finger fitted to
+/// the paper's measured errors.
 fn on_the_twin(table: &TableOne, twin: &TwinStudy, words: &Words) -> Result<[Claim; 3], ClaimError> {
     let moduli = moduli_mpa(&twin.finger);
     let mean = |rows: &[&TableOneRow], factor: f64| {

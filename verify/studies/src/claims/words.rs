@@ -1,11 +1,11 @@
-//! Texts of all claims: templates that the computed numbers complete.
+//! Texts of all claims: templates into which the computed numbers are inserted.
 
 use super::{Claim, ClaimError, ClaimVerdict};
 use minijinja::{Environment, UndefinedBehavior, Value};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
-/// Texts of the claims that ship with the program, one table for each claim.
+/// Shipped texts of the claims, one table for each claim.
 pub struct Words {
     templates: Environment<'static>,
     untested: Vec<Untested>,
@@ -79,8 +79,8 @@ pub(super) fn percent(share: f64) -> String {
     }
 }
 
-/// Builds the templates from pairs of name and text. Two filters format numbers: `plain`, and `fixed` with a number of decimals. A missing number is
-/// an error.
+/// Builds the templates from pairs of name and text. Two filters format numbers: `plain` prints all digits, and `fixed` prints a given number of
+/// decimals. A missing number is an error.
 fn templates(texts: impl IntoIterator<Item = (String, String)>) -> Result<Environment<'static>, minijinja::Error> {
     let mut templates = Environment::new();
     templates.set_undefined_behavior(UndefinedBehavior::Strict);

@@ -1,4 +1,4 @@
-//! Sensing with an assumed contact, whose position and direction have the errors that a user's assumption may have.
+//! Sensing with an assumed contact: its position and direction are wrong by as much as a user may misjudge them.
 
 use super::Context;
 use super::causes::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
@@ -8,10 +8,10 @@ use crate::truths::TruthError;
 
 /// The estimator recommended for a known contact.
 const ESTIMATOR: EstimatorId = EstimatorId::Nonlinear;
-/// Number of combinations of a position error and a direction error, each to either side.
+/// Number of combinations of a position error and a direction error, each of either sign.
 const SIDES: usize = 4;
 
-/// Map of the co-rotational finger, sensed by the nonlinear estimator with [assumed contacts](AssumedContact). `None` without noise.
+/// Accuracy map of the co-rotational finger for the nonlinear estimator with [assumed contacts](AssumedContact). `None` without noise.
 pub(crate) fn run(context: &Context) -> Result<Option<AccuracyMap>, TruthError> {
     let &Context { finger, noise_mm, forces, effort, .. } = context;
     if noise_mm == 0.0 {
@@ -34,8 +34,8 @@ pub(crate) fn run(context: &Context) -> Result<Option<AccuracyMap>, TruthError> 
     Ok(accuracy_maps(finger, context.corotational, &[&assumed], &request, &|| context.progress.step()).pop())
 }
 
-/// An estimator that receives wrong contacts: their position is off by [`POSITION_OFF_MM`] and their direction by [`DIRECTION_OFF_DEG`], to each side in
-/// turn. Positions off the plate are omitted.
+/// An estimator that receives contacts with wrong positions (by [`POSITION_OFF_MM`]) and wrong directions (by [`DIRECTION_OFF_DEG`]). Successive
+/// estimates take the combinations of signs in turn. Positions off the plate are omitted.
 pub struct AssumedContact<'e> {
     /// The estimator that gets the wrong contacts.
     pub informed: &'e dyn Estimator,
@@ -71,7 +71,7 @@ impl Estimator for AssumedContact<'_> {
             }
         }
         match beyond.filter(|_| sides.is_empty()) {
-            // If the plate is so short that every wrong position is off the plate, the estimator reports the error of such a contact.
+            // On a plate too short for any wrong position, the estimator gets a contact off the plate and reports the error of this contact.
             Some(off) => self.informed.prepare(&off, markers),
             None => Ok(Box::new(InTurn { sides, next: 0 })),
         }

@@ -14,11 +14,11 @@ use crate::statistics::median;
 use crate::truths::{TruthError, TruthId, fine_mesh};
 use finray_model::finger::FingerDescription;
 
-/// Largest force of the comparison, N: the largest of the paper's gripper tests. CalculiX's shapes exist up to 5 N.
+/// Largest force of the comparison, N: the largest force in the paper's gripper tests. Shapes computed by CalculiX are available up to 5 N.
 pub const LARGEST_FORCE_N: f64 = 3.0;
-/// Exported forces within the range of the weights of Table I, 0.5 to 2.9 N, and 3 N.
+/// Forces for which shapes were exported, N: two forces within the range of the weights of Table I (0.5 to 2.9 N), and 3 N.
 pub const FORCES_N: [f64; 3] = [0.5, 1.0, 3.0];
-/// Exported directions near those assumed for the weights of Table I, degrees from the inward normal.
+/// Directions for which shapes were exported, near the directions assumed for the weights of Table I, degrees from the inward normal.
 pub const ANGLES_DEG: [f64; 3] = [-20.0, 0.0, 20.0];
 
 /// Deviation of beams from the continuum under one force.
@@ -100,8 +100,8 @@ pub struct BeamTheoryRow {
 /// Results on the continuum of a scene's finger.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct ContinuumStudy {
-    /// Deviations of beams from the continuum, by the beams' constants. For the paper's finger, deviations from the continuum without rods follow.
-    /// Empty if CalculiX did not solve the finger.
+    /// Deviations of beams from the continuum, one row for each set of beam properties ([`Constants`]). For the paper's finger, rows with deviations
+    /// from the continuum without rods follow. Empty if CalculiX did not solve the finger.
     pub rows: Vec<BeamTheoryRow>,
     /// The protocol of Table I on the continuum of the paper's finger, for each of [`ANGLES_DEG`]; empty for any other finger.
     pub tables_one: Vec<TableOne>,

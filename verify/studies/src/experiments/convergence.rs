@@ -1,7 +1,7 @@
 //! Mesh refinement: co-rotational solutions on successively finer meshes against the converged solution.
 //!
 //! Every member is divided into 1, 2, 4, ... elements. The differences between the three finest solutions give the observed order p. Richardson
-//! extrapolation of the two finest solutions gives the converged solution, and Roache's grid convergence index bounds the error of the finest mesh.
+//! extrapolation of the two finest solutions gives the converged solution. Roache's grid convergence index bounds the error of the finest mesh.
 //!
 //! Source: Roache, Perspective: A Method for Uniform Reporting of Grid Refinement Studies, J. Fluids Eng. 116 (1994).
 
@@ -15,13 +15,13 @@ const CHECKED_FORCE_N: f64 = ReportForces::PAPER.drawn_n();
 const LOADED_NODES: usize = 12;
 /// Factor of safety of the grid convergence index for three meshes (Roache 1994).
 const SAFETY: f64 = 1.25;
-/// Observed orders are limited to this range. An order outside it results from rounding or chance.
+/// Observed orders are limited to this range. An order outside this range results from rounding or chance.
 const ORDERS: [f64; 2] = [0.5, 4.0];
-/// Tolerances of the errors on three meshes of the paper's finger, relative to the largest displacement.
+/// This constant and the next two are the tolerances of the errors on three meshes of the paper's finger, relative to the largest displacement.
 const KEY_NODES_TOLERANCE: f64 = 1e-2;
 const TWO_ELEMENTS_TOLERANCE: f64 = 6e-3;
 const FINE_MESH_TOLERANCE: f64 = 1e-4;
-/// Tolerance of the reference's error, relative to the largest displacement: a tenth of the smallest tolerance.
+/// Tolerance of the estimated error of the finest mesh, relative to the largest displacement: a tenth of the smallest mesh tolerance.
 const REFERENCE_TOLERANCE: f64 = 0.1 * FINE_MESH_TOLERANCE;
 
 /// A mesh of the refinement study.
@@ -122,7 +122,7 @@ pub(crate) fn convergence(
     Ok(Convergence { meshes: order.iter().map(size).collect(), loads })
 }
 
-/// Contact nodes except the tip, at most 12, evenly spaced; the tip if there is no other.
+/// Contact nodes except the tip, at most 12, evenly spaced; the tip if it is the only contact node.
 pub fn loaded_nodes(finger: &Finger) -> Vec<NodeId> {
     let nodes: Vec<NodeId> = finger.contact_nodes().skip(1).collect();
     if nodes.is_empty() {
@@ -131,7 +131,7 @@ pub fn loaded_nodes(finger: &Finger) -> Vec<NodeId> {
     nodes.iter().copied().step_by(nodes.len().div_ceil(LOADED_NODES)).collect()
 }
 
-/// Meshes with 1, 2, 4, ... elements per member, up to `most_nodes` nodes, but at least the three that an order requires.
+/// Meshes with 1, 2, 4, ... elements per member, up to `most_nodes` nodes. There are at least three meshes, because an observed order requires three.
 fn doubled_meshes(finger: &Finger, most_nodes: usize) -> Vec<(Option<usize>, Mesh)> {
     let mut meshes: Vec<(Option<usize>, Mesh)> = Vec::new();
     let mut elements = 1;
@@ -154,7 +154,8 @@ fn path(mesh: &Mesh, node: NodeId, forces_n: &[f64]) -> Vec<Vec<Vector>> {
     equilibria.into_iter().map(|found| found.motion.displacements[..key_nodes].to_vec()).collect()
 }
 
-/// Errors of the solutions in the sequence `order`. The first `doubled` solutions double the number of elements each time.
+/// Errors of the solutions, in the sequence of solution numbers in `order`. In the first `doubled` solutions, each mesh has twice as many elements as
+/// the mesh before.
 fn refine(solutions: &[&[Vector]], doubled: usize, order: &[usize]) -> Option<Refinement> {
     let [.., coarse, middle, fine] = solutions[..doubled] else { return None };
     let largest = worst(fine.iter().map(|u| u.norm()));
@@ -187,13 +188,14 @@ impl Convergence {
         self.loads.iter().filter(move |load| load.force_n == force_n).filter_map(|load| load.refinement.as_ref())
     }
 
-    /// Largest error on a mesh over the loaded nodes under `force_n` (N), relative; `None` if no such load has an equilibrium.
+    /// Largest relative error on a mesh over the loaded nodes under `force_n` (N); `None` if no such load has an equilibrium on every mesh.
     pub fn error(&self, mesh: usize, force_n: f64) -> Option<f64> {
         let errors: Vec<f64> = self.refinements(force_n).map(|refinement| refinement.errors[mesh]).collect();
         (!errors.is_empty()).then(|| worst(errors))
     }
 
-    /// Largest estimated error of the finest mesh over the loaded nodes under `force_n` (N), relative; `None` if no such load has an equilibrium.
+    /// Largest relative estimated error of the finest mesh over the loaded nodes under `force_n` (N); `None` if no such load has an equilibrium on
+    /// every mesh.
     pub fn left(&self, force_n: f64) -> Option<f64> {
         let left: Vec<f64> = self.refinements(force_n).map(|refinement| refinement.left).collect();
         (!left.is_empty()).then(|| worst(left))

@@ -1,8 +1,8 @@
 //! Coverage of stated intervals over positions, directions and forces, by finger and estimator.
 //!
-//! On the finger that equals the estimators' model, every cell has independent noise samples, because samples that cells share (as in maps) test
-//! coverage poorly. On the finger with softer ends the model's error dominates, so the cells of this finger's maps are counted although they share
-//! samples.
+//! On the finger that equals the estimators' model, every cell has its own noise samples. Samples shared by several cells, as in maps, test coverage
+//! poorly. On the finger with softer ends, the model's error dominates. The cells of this finger's maps are therefore counted, although they share
+//! noise samples.
 
 use super::{Context, Evidence};
 use crate::prelude::*;
@@ -13,11 +13,11 @@ use crate::truths::{Truth, TruthId};
 use std::convert::Infallible;
 use std::ops::Add;
 
-/// Nominal coverage: probability of a normal variable within 1.96 standard deviations.
+/// Nominal coverage: probability that a normal variable lies within 1.96 standard deviations.
 const NOMINAL: f64 = 0.95;
-/// Tolerance of the coverage of answers without a warning. At 93 to 97 %, a stated standard deviation is correct within 10 %.
+/// Tolerance of the coverage of answers without a warning. A coverage of 93 to 97 % means that a stated standard deviation is correct within 10 %.
 const TOLERANCE: f64 = 0.02;
-/// Allowance for chance beside the tolerance, in standard deviations of a share.
+/// Allowance for sampling error in addition to the tolerance, in standard deviations of a share.
 const CHANCE: f64 = 3.0;
 /// On the paper's finger, at most this share of the samples plus one sample may be refused. Next to a limit load, about one sample in 10 000 is
 /// refused.
@@ -28,8 +28,8 @@ const REFUSED_OF_ANOTHER: f64 = 0.5;
 /// For answers with a warning, rms sigma may be at most this multiple of the rms error. A larger sigma would cover the error but provide no
 /// information.
 const LARGEST_SIGMA: f64 = 3.0;
-/// True finger on which stated intervals must contain the true force. On a finger with softer ends the estimators' model is wrong, and the estimators
-/// warn.
+/// Type of true finger on which the coverage of stated intervals is checked. On a finger with softer ends the estimators' model is wrong, and the
+/// estimators warn.
 pub const TRUTH: TruthId = TruthId::Corotational;
 
 /// Coverage of the intervals that one estimator states on one finger.
@@ -75,7 +75,8 @@ pub fn run(context: &Context, maps: &[AccuracyMap]) -> Result<Vec<CoverageRow>, 
     if noise_mm == 0.0 {
         return Ok(Vec::new());
     }
-    // The paper's finger then has 720 samples (quick) or 12 960 (full). A coverage of 95 % has a standard deviation of 0.8 or 0.2 %.
+    // With this grid, the paper's finger has 720 samples (quick) or 12 960 (full). A coverage of 95 % then has a standard deviation of 0.8 % (quick)
+    // or 0.2 % (full).
     let (positions, step_deg, samples) = effort.choose((17, 40.0, 3), (60, 20.0, 6));
     let request = |(positions_mm, angles_deg), samples| MapRequest {
         positions_mm,
@@ -111,7 +112,7 @@ fn of_map(map: &AccuracyMap) -> Option<CoverageRow> {
     let stated = |cell: &MapCell| Some([cell.warned?, cell.covered?, cell.covered_warned?]);
     map.cells.iter().find_map(stated)?;
     let counts = map.cells.iter().map(|cell| {
-        // A cell with every sample refused states no interval.
+        // A cell in which every sample was refused has no interval.
         let [warned, covered, covered_warned] = stated(cell).unwrap_or_default();
         Counts {
             samples: cell.samples,
@@ -129,7 +130,7 @@ fn of_map(map: &AccuracyMap) -> Option<CoverageRow> {
 struct Counts {
     samples: usize,
     refused: usize,
-    /// For answers without and with a warning: their number, and how many intervals contain the true force.
+    /// Counts for answers without a warning, then with a warning: number of answers, and number of answers whose interval contains the true force.
     answers: [[usize; 2]; 2],
     /// Sums over the answers with a warning: squared errors and squared stated standard deviations, N^2.
     squares_n2: [f64; 2],
@@ -210,7 +211,7 @@ impl Counts {
         }
     }
 
-    /// Adds one sample. It counts as refused if the estimator does not support the contact.
+    /// Adds one sample. The sample counts as refused if the estimator does not support the contact.
     fn sense(
         &mut self,
         prepared: Option<&mut (dyn PreparedEstimator + '_)>,
@@ -243,8 +244,8 @@ impl CoverageRow {
         self.without_warning as f64 / self.samples.max(1) as f64
     }
 
-    /// Checks on the finger that equals the estimators' model. Few samples are refused. Apart from chance, coverage is 93 to 97 % without a warning, and at
-    /// least 93 % with a warning. With a warning, rms sigma is at most `LARGEST_SIGMA` times the rms error, again apart from chance.
+    /// Checks on the finger that equals the estimators' model. Few samples are refused. Up to sampling error, coverage is 93 to 97 % without a
+    /// warning, and at least 93 % with a warning. With a warning, rms sigma is at most `LARGEST_SIGMA` times the rms error, up to sampling error.
     pub fn checks(&self, is_paper: bool) -> Vec<Check> {
         if self.truth != TRUTH {
             return Vec::new();
@@ -273,7 +274,7 @@ impl CoverageRow {
         let plain = self
             .covered_without_warning
             .map(|covered| check("without a warning", covered, self.without_warning, NOMINAL, TOLERANCE));
-        // The interval from 93 to 100 %, as a reference and a tolerance.
+        // The check states the interval from 93 to 100 % by its middle, the reference, and its half width, the tolerance.
         let least = NOMINAL - TOLERANCE;
         let warned = self
             .covered_with_warning

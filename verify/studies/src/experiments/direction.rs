@@ -1,9 +1,9 @@
 //! Forces of unknown direction at a known position: finds the positions and directions at which direction and magnitude are identifiable.
 //!
-//! The paper excludes unknown directions ("will not work", Fig. 13), because forces of other directions give nearly equal shapes. Camera noise decides
-//! whether these shapes can be distinguished. Each position of the front plate is pushed in many directions. The nonlinear estimator knows only the position,
-//! and answers or refuses each noise sample. A contact without friction pushes along the deformed normal. Assuming this direction removes one unknown
-//! ([`without_friction`](DirectionStudy::without_friction)).
+//! The paper excludes unknown directions ("will not work", Fig. 13), because forces of other directions give nearly equal shapes. Camera noise
+//! decides whether the shapes under forces of different directions can be distinguished. Each position of the front plate is pushed in many
+//! directions. The nonlinear estimator knows only the position, and answers or refuses each noise sample. A contact without friction pushes along the
+//! deformed normal. Assuming the deformed normal as direction removes one unknown ([`without_friction`](DirectionStudy::without_friction)).
 
 mod frictionless;
 
@@ -24,8 +24,8 @@ pub const IDENTIFIED_DEG: f64 = 10.0;
 pub const IDENTIFIED_FORCE: f64 = 0.10;
 /// A cell counts as identified if at least this share of its samples is answered.
 pub const IDENTIFIED_ANSWERED: f64 = 0.9;
-/// Resolution in a report: approximate number of positions, step of the directions (degrees), noise samples per cell. Refused samples take most of the
-/// computation time.
+/// Approximate number of positions in a report; the next two constants are the step of the directions (degrees) and the number of noise samples per
+/// cell. Refused samples take most of the computation time.
 const POSITIONS: usize = 12;
 const STEP_DEG: f64 = 20.0;
 const SAMPLES: usize = 8;
@@ -49,7 +49,7 @@ pub struct DirectionRequest<'m> {
     pub seed: u64,
 }
 
-/// Results by position and direction, and for pushes without friction.
+/// Results for each position and direction, and for pushes without friction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DirectionStudy {
     /// Standard deviation of a coordinate's noise, mm.
@@ -133,7 +133,7 @@ impl Answers {
 
 impl Evidence for DirectionStudy {}
 
-/// Runs the study for a report; `None` in a quick report, and without noise, because every direction is then identifiable.
+/// Runs the study for a report; `None` in a quick report, and `None` without noise, when every direction is identifiable.
 pub(crate) fn run(context: &Context) -> Result<Option<DirectionStudy>, SensingError> {
     if context.effort == Effort::Quick || context.noise_mm == 0.0 {
         return Ok(None);
@@ -194,8 +194,8 @@ impl DirectionStudy {
             .fold([0, 0], |[identified, all], cell| [identified + usize::from(cell.answers.is_identified()), all + 1])
     }
 
-    /// Whether the mean force error is smaller if the estimator assumes the deformed normal than if the direction is unknown. Considers only pushes
-    /// without friction under the smallest force.
+    /// Whether the mean force error under the assumption of the deformed normal is smaller than with unknown direction. Considers only pushes without
+    /// friction under the smallest force.
     pub fn is_normal_better(&self) -> bool {
         let mean_error = |assumed: Assumption| {
             let is_asked = |push: &&FrictionlessPush| push.assumed == assumed && push.force_n == self.forces_n[0];
@@ -218,7 +218,7 @@ fn contacts(finger: &Finger, request: &DirectionRequest) -> Vec<Contact> {
     positions.iter().flat_map(|&s_mm| at(s_mm)).collect()
 }
 
-/// Noise of every coordinate in standard deviations, by sample.
+/// Noise of every marker coordinate, in standard deviations, one list for each sample.
 fn samples(finger: &Finger, request: &DirectionRequest) -> Vec<Vec<f64>> {
     let mut noise = Noise::new(request.seed);
     let mut sample = |number: usize| {
@@ -228,7 +228,7 @@ fn samples(finger: &Finger, request: &DirectionRequest) -> Vec<Vec<f64>> {
     (0..request.samples).map(&mut sample).collect()
 }
 
-/// Cells of one position and direction, by force.
+/// Cells of one position and direction, one for each force.
 fn cells(
     truth: &dyn Truth,
     request: &DirectionRequest,
@@ -246,7 +246,7 @@ fn cells(
         let answers = seen.as_ref().map_or_else(Answers::default, |seen| {
             Answers::of(&mut estimator, seen, samples, request.noise_mm, contact, force_n)
         });
-        // Cramer-Rao bound: the components along and across the direction are the unknowns; a small angle is their ratio.
+        // For the Cramer-Rao bound, the unknowns are the force components along and across the direction; for small angles, the angle is their ratio.
         components.reset();
         let bound = seen.and_then(|seen| components.estimate(&seen, Some(request.noise_mm)).ok());
         let sigma = |k: usize| bound.as_ref().map(|bound| bound.covariance_n2[(k, k)].sqrt() / force_n);

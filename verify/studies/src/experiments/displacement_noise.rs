@@ -1,8 +1,8 @@
-//! Noise floors of forces for three ways to obtain the undeformed positions: Cramer-Rao bounds, and a Monte Carlo study.
+//! Noise floors of forces under three assumptions about the undeformed positions, from Cramer-Rao bounds and a Monte Carlo study.
 //!
-//! The report's other studies draw an independent error for each displacement coordinate, as if the undeformed positions were exact. Here the same
-//! camera measures the undeformed positions too, or the undeformed positions follow from the motor angle ([`DisplacementNoise`]). A generalised
-//! least-squares estimator uses the covariance; an ordinary estimator assumes independent errors.
+//! The report's other studies draw an independent error for each displacement coordinate, as if the undeformed positions were exact. In this study,
+//! the same camera also measures the undeformed positions, or these positions follow from the motor angle ([`DisplacementNoise`]). A generalised
+//! least-squares estimator uses the covariance of the displacement errors; an ordinary estimator assumes independent errors.
 
 use super::{Context, Evidence};
 use crate::experiments::table_two::contact_sets;
@@ -23,12 +23,12 @@ pub const ROTATION_SD_DEG: f64 = 0.1;
 pub const FRAMES: usize = 25;
 /// Largest number of iterations of an estimator.
 const MAX_STEPS: usize = 20;
-/// Allowance for chance in a root mean square, in standard errors.
+/// Allowance for sampling error in a root mean square, in standard errors.
 const STANDARD_ERRORS: f64 = 4.0;
-/// Tolerance between two computations of the same bound, relative: rounding.
+/// Relative tolerance between two computations of the same bound; it covers rounding.
 const SAME_BOUND: f64 = 1e-9;
 
-/// Results for one set of contacts under one noise model. For several forces, figures are root mean squares over the forces.
+/// Results for one set of contacts under one noise model. If the set has several contacts, each figure is the root mean square over their forces.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DisplacementNoiseRow {
     /// Contact nodes, separated by spaces.
@@ -43,12 +43,12 @@ pub struct DisplacementNoiseRow {
     pub cases: usize,
     /// Number of samples in which an estimator did not converge.
     pub refused: usize,
-    /// Root mean square error of generalised least squares, which knows the covariance, N.
+    /// Root mean square error of generalised least squares, which uses the noise covariance, N.
     pub generalised_rms_n: f64,
     /// Root mean square error of ordinary least squares, N.
     pub ordinary_rms_n: f64,
-    /// Cramer-Rao bound by a second method, N: sqrt(2) times the bound of one image, or the bound with the base's motion as additional unknowns that
-    /// have a prior.
+    /// Cramer-Rao bound by a second method, N. For two images, it is sqrt(2) times the bound of one image. For the motor angle, the base's motion is
+    /// an additional unknown with a prior.
     #[serde(skip)]
     pub other_way_n: f64,
 }
@@ -105,7 +105,7 @@ pub fn bound_with_base_as_unknown_n2(
             Some(one * 2.0)
         }
         DisplacementNoise::Kinematic { image_sd_mm, translation_sd_mm, rotation_sd_rad } => {
-            // In units of its standard deviation, each motion of the base has the prior information 1.
+            // Each motion of the base is expressed in units of its standard deviation, so its prior information is 1.
             let mut base = base_motions(positions_mm);
             for (mut motion, sd) in base.column_iter_mut().zip([translation_sd_mm, translation_sd_mm, rotation_sd_rad])
             {
@@ -134,8 +134,8 @@ fn forces_at(nodes: &[NodeId], forces_n: &DVector<f64>) -> Vec<ContactForce> {
     nodes.iter().zip(forces_n).map(|(node, along_n)| ContactForce::plain(Contact::at_node(*node), *along_n)).collect()
 }
 
-/// Co-rotational least squares from `start_n` (N): generalised with the noise model `known`, ordinary without a noise model. `None` if the search
-/// does not converge.
+/// Co-rotational least squares from `start_n` (N): generalised if `known` contains a noise model, otherwise ordinary. `None` if the search does not
+/// converge.
 pub fn least_squares(
     finger: &mut RespondingFinger,
     nodes: &[NodeId],
@@ -179,8 +179,8 @@ pub(crate) fn run(context: &Context) -> Result<Option<DisplacementNoiseStudy>, L
 
 impl DisplacementNoiseStudy {
     /// Study of single contact nodes (at most 12, without the tip), and of the pairs of Table II that exist on the finger. Each contact node carries
-    /// `force_n` (N) along the normal, both nodes of a pair at once. Each node or pair is sensed for `cases` noise samples of standard deviation
-    /// `image_sd_mm` (mm). Contacts without equilibrium are omitted.
+    /// `force_n` (N) along the normal; the two nodes of a pair carry it simultaneously. Each node or pair is sensed for `cases` noise samples of
+    /// standard deviation `image_sd_mm` (mm). Contacts without equilibrium are omitted.
     ///
     /// # Errors
     /// [`LoadError`] if a node is not on the finger.
@@ -201,7 +201,7 @@ impl DisplacementNoiseStudy {
         Ok(DisplacementNoiseStudy { image_sd_mm, force_n, rows: rows?.concat() })
     }
 
-    /// Checks that both methods give the same bounds, and that generalised least squares reaches them.
+    /// Checks that two methods give the same Cramer-Rao bounds, and that generalised least squares reaches these bounds.
     pub fn checks(&self) -> Vec<Check> {
         let mut checks = Vec::new();
         for (name, kind, source, problem) in [
@@ -267,7 +267,7 @@ fn rows_of(
             let errors = seen.markers().iter().flat_map(|marker| [marker.displacement.x, marker.displacement.y]);
             let seen_mm = &truth.displacements_mm + DVector::from_iterator(2 * at.len(), errors);
             let measured = positions_mm(finger, &seen_mm);
-            // The start differs from the true forces.
+            // The search starts away from the true forces.
             let start_n = &truth_n * 0.8;
             let found = least_squares(&mut bent, nodes, &seen_mm, Some((&noise, &measured)), &start_n)
                 .zip(least_squares(&mut bent, nodes, &seen_mm, None, &start_n));

@@ -1,8 +1,9 @@
-//! Explanation of an accuracy map: noise floors of forces, and errors caused by wrong directions and positions.
+//! Explanation of an accuracy map: noise floors of forces, and force errors caused by wrongly assumed directions and positions.
 //!
-//! To first order, all limits of sensing follow from three motions of the loaded finger's markers. A small additional force along the load causes the
-//! motion j. A small force across the load causes c, and a shift of the load along the plate causes m. These motions are columns of the co-rotational
-//! finger's tangent compliance in its loaded shape. The stiffness of the deformed finger differs from the stiffness at rest.
+//! To first order, all limits of sensing follow from three motions of the loaded finger's markers. A small additional force along the load moves the
+//! markers by j per newton. A small force across the load moves the markers by c per newton. A shift of the load along the plate moves the markers by
+//! m per mm. The motions j, c and m follow from the co-rotational finger's tangent compliance in its loaded shape. The stiffness of the deformed
+//! finger differs from the stiffness at rest.
 
 use super::{Context, Evidence};
 use crate::prelude::*;
@@ -25,13 +26,12 @@ pub struct Explanation {
     pub bound_unknown_direction: Option<f64>,
     /// Cramer-Rao bound of the direction, degrees; `None` if the two components are not identifiable.
     pub direction_sigma_deg: Option<f64>,
-    /// Condition number, dimensionless: the markers' motion under the best observed force component, divided by their motion under the worst observed
-    /// component.
+    /// Condition number, dimensionless: the largest motion of the markers per newton divided by the smallest, over all directions of the force.
     pub condition: Option<f64>,
     /// Size of the relative force error per degree of error in the assumed direction: |d (sensed / true) / d angle|, 1/degree.
     pub error_per_deg: Option<f64>,
     /// Size of the relative force error per mm of error in the assumed position: |d (sensed / true) / d position|, 1/mm. At a rib, the plate's strain
-    /// has a step, so the value is one-sided.
+    /// has a step, so the value is a one-sided derivative.
     pub error_per_mm: Option<f64>,
 }
 
@@ -57,7 +57,7 @@ pub(crate) fn run(context: &Context) -> Result<ExplanationMap, LoadError> {
     let (finger, effort) = (context.finger, context.effort);
     let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
     let (positions, step_deg, _) = effort.coarse_resolution();
-    // An explanation needs only one shape per cell, so directions can be fine.
+    // An explanation needs only one shape per cell, so the directions can have a fine step.
     let (positions_mm, angles_deg) = match effort {
         Effort::Quick => {
             let coarse = MapRequest::grid(finger, positions, step_deg).0.len();
@@ -69,7 +69,7 @@ pub(crate) fn run(context: &Context) -> Result<ExplanationMap, LoadError> {
 }
 
 impl ExplanationMap {
-    /// Explains sensing of `force_n` (N) at every position (mm) and direction (degrees), in parallel; all free key nodes are markers.
+    /// Explains sensing of `force_n` (N) at every position (mm) and direction (degrees), in parallel. The markers are all free key nodes.
     ///
     /// # Errors
     /// [`LoadError`] for a position off the front plate.
@@ -102,11 +102,11 @@ impl ExplanationMap {
 
 /// Derivatives of the markers' displacements, by coordinate.
 struct Sensitivity {
-    /// Displacement per force added along the load, mm/N: j.
+    /// Motion j: displacement per force added along the load, mm/N.
     along: DVector<f64>,
-    /// Displacement per force added across the load, 90 degrees further, mm/N: c.
+    /// Motion c: displacement per force added across the load (at the angle of the load plus 90 degrees), mm/N.
     across: DVector<f64>,
-    /// Displacement per shift of the load towards the tip, mm/mm: m.
+    /// Motion m: displacement per shift of the load towards the tip, mm/mm.
     moved: DVector<f64>,
 }
 
@@ -142,28 +142,29 @@ impl Sensitivity {
         Ok(Some(Sensitivity { along, across, moved }))
     }
 
-    /// Coefficient j+ x by which the motion j best fits another motion x of the markers (least squares); j+ is the pseudoinverse of j.
+    /// Coefficient j+ x: the multiple of the motion j that best fits another motion x of the markers (least squares); j+ is the pseudoinverse of j.
     fn projected(&self, motion: &DVector<f64>) -> f64 {
         self.along.dot(motion) / self.along.norm_squared()
     }
 
-    /// Largest over smallest singular value of (j, c). The value is the same for (normal, tangential), which is a rotation of (j, c).
+    /// Largest over smallest singular value of the matrix (j, c). The matrix of the motions under normal and tangential force has the same value,
+    /// because it is a rotation of (j, c).
     fn condition(&self) -> f64 {
         let values = DMatrix::from_columns(&[self.along.clone(), self.across.clone()]).singular_values();
         values.max() / values.min()
     }
 }
 
-/// Norm of the residual of a vector after projection on another.
+/// Norm of the residual of a vector after projection on another vector.
 fn apart(vector: &DVector<f64>, other: &DVector<f64>) -> f64 {
     (vector - other * (other.dot(vector) / other.norm_squared())).norm()
 }
 
 impl Explanation {
-    /// Formulas, with noise s and force F: the bound is s / (F |j|). With unknown direction the bound is s / (F |j - c c+ j|), and the bound of the direction
-    /// is s / (F |c - j j+ c|). An error of one degree in the direction changes the markers' displacements by F (pi / 180) c, which least squares
-    /// attributes to a force F (pi / 180) j+ c. An error of one mm in the position changes the displacements by m, which least squares attributes to
-    /// a force j+ m.
+    /// With noise s and force F, the bound is s / (F |j|). With unknown direction, the bound is s / (F |j - c c+ j|). The bound of the direction is s
+    /// / (F |c - j j+ c|), with the pseudoinverses j+ and c+. An error of one degree in the direction changes the markers' displacements by F (pi /
+    /// 180) c. Least squares attributes this change to a force F (pi / 180) j+ c. An error of one mm in the position changes the displacements by m.
+    /// Least squares attributes this change to a force j+ m.
     fn of(s_mm: f64, angle_deg: f64, force_n: f64, noise_mm: f64, sensitivity: Option<&Sensitivity>) -> Explanation {
         let condition = sensitivity.map(Sensitivity::condition);
         let told_apart = sensitivity.filter(|_| condition.is_some_and(|condition| condition <= LARGEST_SPAN));

@@ -16,7 +16,7 @@ pub(super) struct Condition {
 }
 
 pub(super) enum Change {
-    /// Change of the images, which are rendered and searched.
+    /// Change of the images that are rendered and searched for markers.
     Image(ImageChange),
     /// Change of the assumed camera.
     Assumed(AssumedChange),
@@ -26,13 +26,13 @@ pub(super) enum Change {
 
 /// Difference of an image from the image of the scene's camera.
 pub(super) struct ImageChange {
-    /// Standard deviation of the noise, in grey levels of 255, and standard deviation of the blur, px.
+    /// Standard deviation of the noise, in grey levels of 255. The next field, `blur_px`, is the standard deviation of the blur, px.
     grey_noise: f64,
     blur_px: f64,
-    /// Factors of the number of pixels along each side, and of the markers' radius.
+    /// Factor of the number of pixels along each side. The next field, `radius`, is the factor of the markers' radius.
     resolution: f64,
     radius: f64,
-    /// Quality of JPEG compression, 0 to 100. Colour has half the resolution along each side, as in cameras.
+    /// Quality of JPEG compression, 0 to 100. As in ordinary cameras, colour is stored at half the resolution along each side.
     quality: Option<u8>,
     clutter: usize,
 }
@@ -106,7 +106,7 @@ impl ImageChange {
         let lens = &camera.lens;
         let side = |px: u32| ((f64::from(px) * self.resolution).round() as u32).max(1);
         let focal = lens.focal_px().map(|px| px * self.resolution);
-        // The centre of pixel (0, 0) is at (0, 0).
+        // Pixel coordinates (0, 0) are the centre of the first pixel, so the scaling applies to px + 0.5.
         let middle = lens.principal_point_px().map(|px| (px + 0.5) * self.resolution - 0.5);
         let lens = Lens::new(lens.size_px().map(side), focal, middle, *lens.distortion()).ok()?;
         Some((Camera { lens, pose: camera.pose }, markers))
@@ -131,7 +131,7 @@ impl ImageChange {
 }
 
 impl AssumedChange {
-    /// Camera and height of the markers (mm) for reading points; `None` if the lens is invalid.
+    /// Assumed camera and assumed height of the markers (mm), with which points are read; `None` if the lens is invalid.
     pub fn applied(&self, camera: &Camera, markers: &Markers) -> Option<(Camera, f64)> {
         let [k1, k2, p1, p2, k3] = camera.lens.distortion().to_opencv();
         let distortion = Distortion::from_opencv([k1 + self.k1, k2, p1, p2, k3]);

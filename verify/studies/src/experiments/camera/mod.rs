@@ -1,8 +1,8 @@
-//! From image to force: effects of noise, blur, resolution, markers, compression, lens, pose and height on displacement and force.
+//! Effects of noise, blur, resolution, markers, compression, lens, pose and height on the displacements and forces derived from images.
 //!
 //! A known force at a node deforms the finger. The scene's camera sees the finger in a rendered image, in which the markers are located. The
 //! estimator uses the same beam model as the simulated finger, so all errors come from the camera. Errors in the assumed camera (lens, pose, height)
-//! need no image: points are projected by the true camera and read with the assumed one.
+//! need no image: points are projected by the true camera and read with the assumed camera.
 
 mod conditions;
 mod tried;
@@ -17,7 +17,8 @@ use tried::{Tried, tried};
 
 /// Relative error of a force that a user accepts, dimensionless.
 pub const ASKED_ERROR: f64 = 0.01;
-/// Tolerance of the root mean square error of a displacement's coordinate in images of the scene's camera, mm: a fiftieth of the paper's largest error.
+/// Tolerance of the root mean square error of a displacement coordinate in images of the scene's camera, mm. It is a fiftieth of the largest position
+/// error in the paper.
 pub const GOOD_POSITION_MM: f64 = 0.004;
 
 /// Name of the condition with the scene's camera unchanged.
@@ -26,16 +27,16 @@ pub const AS_IT_IS: &str = "as it is";
 /// Errors of displacements and forces under one condition of the camera.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CameraRow {
-    /// Property that differs from the scene's camera: "noise", "lens", ..., or the "mesh" of the finger.
+    /// Property that the condition changes: "noise", "lens", ... of the camera, or "mesh" of the finger.
     pub item: &'static str,
     /// Size of the difference, in words.
     pub setting: &'static str,
-    /// Whether images were rendered and searched; otherwise points were projected.
+    /// Whether markers were located in rendered images; false if points were projected or no camera was used.
     pub in_images: bool,
     /// Whether displacements are relative to the undeformed finger seen by the same camera; otherwise they are relative to the scene's undeformed
     /// positions.
     pub is_rest_seen: bool,
-    /// Number of markers of free nodes in all images.
+    /// Number of markers on free (not clamped) nodes, summed over all deformed shapes.
     pub markers: usize,
     /// Number of markers that were found.
     pub found: usize,
@@ -49,11 +50,11 @@ pub struct CameraRow {
     pub forces: usize,
     /// Number of forces that the estimator refused.
     pub refused: usize,
-    /// Root mean square of sensed / true - 1 over the answered nodes.
+    /// Root mean square of sensed / true - 1 over the nodes whose force was sensed.
     pub force_rms_error: Option<f64>,
-    /// Largest |sensed / true - 1| over the answered nodes.
+    /// Largest |sensed / true - 1| over the nodes whose force was sensed.
     pub force_largest_error: Option<f64>,
-    /// Root mean square error of the force to first order: displacement errors projected on the finger's response to the force.
+    /// First-order estimate of the root mean square relative force error: displacement errors are projected onto the finger's response to the force.
     pub first_order_rms_error: Option<f64>,
 }
 
@@ -71,7 +72,7 @@ pub struct NeededNoise {
 pub struct CameraStudy {
     /// Errors under each condition; the first is the scene's camera unchanged.
     pub rows: Vec<CameraRow>,
-    /// Force at every node along the normal, N.
+    /// Force along the normal that is applied to one node at a time, N.
     pub force_n: f64,
     /// Nodes at which forces were sensed.
     pub nodes: Vec<NodeId>,
@@ -119,10 +120,10 @@ struct Bent {
 }
 
 impl CameraStudy {
-    /// Studies a finger with these markers, seen by a camera, under a force of `force_n` (N) at one node at a time.
+    /// Studies a finger with `markers`, seen by `camera`, under a force of `force_n` (N) at one node at a time.
     ///
     /// # Errors
-    /// [`ExperimentError`] if a force cannot be sensed at all.
+    /// [`ExperimentError`] if the finger's response or the estimator cannot be computed for a force.
     pub fn of(
         finger: &Finger,
         force_n: f64,
@@ -146,7 +147,7 @@ impl CameraStudy {
         };
         let needed = all.iter().map(needed).collect();
         let every = (all.len().div_ceil(most_nodes)).max(1);
-        // Selection starts from the base, where forces deform the finger least.
+        // The selection of nodes starts at the base, where forces deform the finger least.
         let asked: Vec<&Bent> = all.iter().rev().step_by(every).collect();
         let nodes = finger.key_node_count();
         let middle = (1..=nodes).map(|node| finger.position(NodeId(node))).sum::<Vector>() / nodes as f64;
@@ -160,7 +161,7 @@ impl CameraStudy {
         };
         let rows: Result<Vec<CameraRow>, ExperimentError> = conditions.par_iter().with_max_len(1).map(row).collect();
         let rows = rows?;
-        // Measured in sequence, because parallel computations would affect the times.
+        // Times are measured one after the other, because parallel computations would affect them.
         let times = asked.first().and_then(|bent| frame_times(finger, &bent.shape, camera, markers));
         let nodes = asked.iter().map(|bent| bent.node).collect();
         Ok(CameraStudy { rows, force_n, nodes, needed, size_px: camera.lens.size_px(), px_a_mm, times })
@@ -171,7 +172,7 @@ impl CameraStudy {
         self.rows.first()
     }
 
-    /// Root mean square, over the nodes of the rows, of the relative force error at the Cramer-Rao bound for independent noise of `noise_mm` (mm).
+    /// Relative force error at the Cramer-Rao bound for independent noise of `noise_mm` (mm): root mean square over the nodes of the rows.
     pub fn bound_rms(&self, noise_mm: f64) -> Option<f64> {
         let asked = self.needed.iter().filter(|needed| self.nodes.contains(&needed.node));
         rms(asked.map(|needed| ASKED_ERROR * noise_mm / needed.noise_mm))
@@ -234,7 +235,8 @@ fn condition_row(
     })
 }
 
-/// Processing times of two alternating images that differ in their noise. The first run of searching and the first run of tracking are excluded.
+/// Processing times, measured by alternating between two images that differ only in their noise. The first run of searching and the first run of
+/// tracking are excluded.
 fn frame_times(finger: &Finger, shape: &FingerShape, camera: &Camera, markers: &Markers) -> Option<FrameTimes> {
     const TIMED: usize = 9;
     let image = |seed: u64| {

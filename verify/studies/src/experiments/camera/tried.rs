@@ -16,11 +16,11 @@ struct Seen {
 pub(super) struct Tried {
     /// Errors of the observed coordinates, mm.
     pub errors_mm: Vec<f64>,
-    /// Stated standard deviation of a coordinate, mm; `None` if there is none.
+    /// Stated standard deviation of a coordinate, mm; `None` if no marker states one.
     pub sd_mm: Option<f64>,
     /// Number of markers found.
     pub found: usize,
-    /// Error sensed / true - 1. The next field is the same error to first order.
+    /// Error sensed / true - 1. The next field, `first_order`, is the error sensed / true - 1 to first order.
     pub sensed: Option<f64>,
     pub first_order: Option<f64>,
 }
@@ -61,7 +61,7 @@ pub(super) fn tried(
     let error = |(node, displacement): &(NodeId, Vector)| displacement - of_node(*node);
     let is_seen = !matches!(condition.change, Change::FinerFinger(_));
     let coordinates = seen.displacements.iter().filter(|_| is_seen).flat_map(|one| [error(one).x, error(one).y]);
-    // Least squares to first order: projection of the errors on the response, divided by its squared norm.
+    // First-order least squares: the displacement errors are projected onto the response and divided by the squared norm of the response.
     let (mut product, mut squares) = (0.0, 0.0);
     for one in &seen.displacements {
         let along = bent.along.iter().find(|(node, _)| *node == one.0).map_or_else(Vector::zeros, |(_, along)| *along);
@@ -88,7 +88,7 @@ pub(super) fn tried(
     Ok(Some(tried))
 }
 
-/// Displacements located in an image; `None` if location is refused, or the markers are too small, grey or out of view.
+/// Displacements of markers located in an image; `None` if the locator refuses the image, or the markers are too small, grey or out of view.
 fn in_image(
     finger: &Finger,
     shape: &FingerShape,
@@ -110,7 +110,7 @@ fn in_image(
     })
 }
 
-/// Displacements of points that one camera projects and another one reads; `None` if one of the cameras does not see the finger.
+/// Displacements of points that one camera projects and a second camera reads; `None` if either camera does not see the finger.
 fn projected(
     finger: &Finger,
     shape: &FingerShape,

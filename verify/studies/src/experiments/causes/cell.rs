@@ -5,7 +5,7 @@ use super::{Cause, CauseCell, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_
 use crate::prelude::*;
 use crate::truths::Truth;
 
-/// A user's practice of sensing, with all its settings.
+/// One way in which a user senses a force: the estimator with all its settings.
 pub(super) struct Sensor<'m> {
     pub practice: Practice,
     pub contact: ContactKnowledge,
@@ -16,7 +16,7 @@ pub(super) struct Sensor<'m> {
     pub causes: Vec<Cause>,
 }
 
-/// Cells of each sensor at one position (mm) and direction (degrees), by force (N).
+/// Cells (results) of each sensor at one position (mm) and direction (degrees), one cell for each force (N).
 pub(super) fn cells(
     truth: &dyn Truth,
     sensors: &[Sensor],
@@ -60,8 +60,8 @@ pub(super) fn cells(
     sensors.iter().map(of_sensor).collect()
 }
 
-/// Contacts around a position (mm) and direction (degrees). The two flags state whether position and direction are wrong, to both sides. Positions
-/// off the plate are omitted.
+/// Contacts near a position (mm) and direction (degrees). Each flag states whether that quantity, `position` or `direction`, is wrong to both sides
+/// in turn or exact. Positions off the plate are omitted.
 pub(super) fn beside(finger: &Finger, s_mm: f64, angle_deg: f64, [position, direction]: [bool; 2]) -> Vec<Contact> {
     let sides = |off: bool, by: f64| if off { vec![-by, by] } else { vec![0.0] };
     let length_mm = finger.plate_length_mm(Plate::Front);
@@ -78,7 +78,7 @@ pub(super) fn beside(finger: &Finger, s_mm: f64, angle_deg: f64, [position, dire
     contacts
 }
 
-/// Mean square of sensed / true - 1, in two parts.
+/// Mean square of sensed / true - 1, split into `bias` and `noise`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Squared {
     /// Squared error without noise.
@@ -92,8 +92,8 @@ impl Squared {
         Squared { bias: (sensed_n / force_n - 1.0).powi(2), noise: (sigma_n / force_n).powi(2) }
     }
 
-    /// Squared error of the nonlinear estimator for a noise-free shape under `force_n` (N), and its variance by noise of `noise_mm` (mm); `None` if
-    /// the estimator refuses.
+    /// Squared error of the nonlinear estimator on a noise-free shape under `force_n` (N), and the variance that noise of `noise_mm` (mm) causes;
+    /// `None` if the estimator refuses.
     pub(super) fn of_nonlinear(
         estimator: &mut NonlinearEstimator,
         seen: &Measurement,
@@ -101,10 +101,9 @@ impl Squared {
         noise_mm: f64,
     ) -> Option<Squared> {
         estimator.reset();
-        // The stated noise only decides how large a misfit counts as an outlier.
+        // The stated noise only sets the size above which a misfit counts as an outlier.
         let sensed = estimator.estimate(seen, Some(noise_mm.max(LEAST_STATED_MM))).ok()?.forces;
-        // With a wrong model, the stated standard deviation follows the residual instead of the noise, so the standard deviation is scaled to the
-        // noise.
+        // With a wrong model, the stated standard deviation reflects the residual instead of the noise. It is therefore scaled to the noise.
         Some(Squared::of(sensed.forces_n[0], sensed.sigmas_n[0] * noise_mm / sensed.noise_mm, force_n))
     }
 
@@ -159,7 +158,8 @@ impl Sensor<'_> {
             let Ok(estimator) = LinearEstimator::new(mesh.finger(), &[*contact], markers) else { return Vec::new() };
             let sense = |(seen, &force_n): (&Measurement, &f64)| {
                 let sensed = estimator.estimate(seen, Some(self.noise_mm), Prior::None);
-                // If the measurement contradicts the linear finger, the stated standard deviation follows the residual; `noise_n` follows the noise.
+                // If the linear model does not fit the measurement, the stated standard deviation reflects the residual, whereas `noise_n` reflects
+                // only the noise.
                 let noise_n = estimator.inverse().sigmas_per_noise[0] * self.noise_mm;
                 Some(Squared::of(sensed.forces_n[0], noise_n, force_n))
             };

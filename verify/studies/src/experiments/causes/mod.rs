@@ -1,9 +1,10 @@
-//! Causes of sensing errors: the error that disappears without one cause, and the error that remains without several causes.
+//! Causes of sensing errors: how much error disappears when one cause is eliminated, and how much remains when several causes are eliminated.
 //!
 //! A true finger, co-rotational on a fine mesh, is pushed at a position in a direction. Sensing follows a user's practice. The user ignores softer
 //! zones of the finger, calibrates the modulus by shapes under weights, assumes a direction and a position with errors, and has a noisy camera. Each
-//! [`Cause`] can be eliminated separately. The share of a cause is the part of the mean square error that disappears without it. Shares need not add
-//! up to one: errors of equal sign reinforce each other when squared, and a cause that compensates another has a negative share.
+//! [`Cause`] can be eliminated separately. The share of a cause is the part of the mean square error that disappears when the cause is eliminated.
+//! Shares need not add up to one. Errors of equal sign reinforce each other when squared, and a cause that compensates another cause has a negative
+//! share.
 
 mod cell;
 mod models;
@@ -18,9 +19,11 @@ use crate::truths::{MeshTruth, TruthId, fine_mesh};
 use cell::Sensor;
 use models::{End, Models};
 
-/// The assumed direction is wrong by this angle to either side, degrees. The deformed normal turns by up to 12.5 degrees (paper, sec. V-C).
+/// The assumed direction is wrong by this angle to either side, degrees. The normal of the deformed plate turns by up to 12.5 degrees (paper, sec.
+/// V-C).
 pub const DIRECTION_OFF_DEG: f64 = 12.5;
-/// The assumed position is wrong by this distance to either side, mm: the radius of the paper's rods (sec. V-C), around which an object may touch.
+/// The assumed position is wrong by this distance to either side, mm. An object may touch anywhere around a rod, so the distance is the radius of the
+/// paper's rods (sec. V-C).
 pub const POSITION_OFF_MM: f64 = 1.5;
 
 /// Cause of a sensing error.
@@ -29,21 +32,22 @@ pub const POSITION_OFF_MM: f64 = 1.5;
 pub enum Cause {
     /// Noise of the camera. Eliminated by measurements without noise.
     Noise,
-    /// Assumption of small rotations. Eliminated by the nonlinear estimator. (The mesh is no cause, because the linear finger is exact at its key
+    /// Assumption of small rotations. Eliminated by the nonlinear estimator. (The mesh causes no error, because the linear model is exact at the key
     /// nodes on any mesh.)
     Linearisation,
-    /// Young's modulus calibrated by the model from shapes under weights (paper, eq. (11)). Eliminated by the true modulus.
+    /// Error of Young's modulus, which the user's model calibrates on shapes under weights (paper, eq. (11)). Eliminated by the true modulus.
     Modulus,
     /// Assumed direction, wrong by [`DIRECTION_OFF_DEG`] to either side. Eliminated by the true direction.
     Direction,
     /// Assumed position, wrong by [`POSITION_OFF_MM`] to either side. Eliminated by the true position.
     #[serde(rename = "position")]
     Position,
-    /// Unknown zones nearer to the base than to the tip. Eliminated by knowledge of these zones.
+    /// Zones of other stiffness that the user does not know, nearer to the base than to the tip. Eliminated by knowledge of these zones.
     BaseCompliance,
-    /// Unknown zones nearer to the tip than to the base. Eliminated by knowledge of these zones.
+    /// Zones of other stiffness that the user does not know, nearer to the tip than to the base. Eliminated by knowledge of these zones.
     TipCompliance,
-    /// Use of a network instead of the model that it was trained on. Eliminated by the nonlinear estimator on that model.
+    /// Use of a network instead of the model that it was trained on. Eliminated by the nonlinear estimator on the model with which the network was
+    /// trained.
     NetworkFit,
 }
 
@@ -69,9 +73,9 @@ impl Cause {
 pub enum Practice {
     /// Linear least squares.
     LeastSquares,
-    /// The nonlinear estimator on its own mesh.
+    /// The nonlinear estimator on its default mesh.
     Nonlinear,
-    /// A network trained on the co-rotational finger, at a contact node and along the normal.
+    /// A network trained on the co-rotational finger; it senses a force along the normal at a contact node.
     Network,
 }
 
@@ -95,7 +99,7 @@ impl Practice {
         }
     }
 
-    /// The cause that this practice adds to the causes of every practice.
+    /// The cause of error that this estimator adds to the causes common to all estimators.
     fn own_cause(self) -> Option<Cause> {
         match self {
             Practice::LeastSquares => Some(Cause::Linearisation),
@@ -106,7 +110,7 @@ impl Practice {
 }
 
 impl ContactKnowledge {
-    /// Causes that are absent with this knowledge of the contact.
+    /// Causes of error that this knowledge of the contact rules out.
     fn leaves_out(self) -> &'static [Cause] {
         match self {
             ContactKnowledge::Assumed => &[],
@@ -126,7 +130,7 @@ impl ContactKnowledge {
 /// Parameters of a study of the causes of sensing errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CauseRequest {
-    /// Practices, each with its knowledge of the contact. Each pair gives one map. Networks have a [separate study](network).
+    /// Practices (estimators), each paired with a knowledge of the contact. Each pair gives one map. Networks have a [separate study](network).
     pub practices: Vec<(Practice, ContactKnowledge)>,
     /// Positions on the front plate, mm from the base.
     pub positions_mm: Vec<f64>,
@@ -136,7 +140,7 @@ pub struct CauseRequest {
     pub forces_n: Vec<f64>,
     /// Standard deviation of the noise of a measured coordinate, mm.
     pub noise_mm: f64,
-    /// Whether sensing knows the zones of the finger; otherwise unknown zones are a cause.
+    /// Whether sensing knows the finger's zones of other stiffness; otherwise these zones are a cause of error.
     pub zones_known: bool,
     /// Weights under which the modulus is calibrated, N, ascending.
     pub weights_n: [f64; 6],
@@ -151,9 +155,10 @@ pub struct CauseCell {
     pub angle_deg: f64,
     /// True force, N.
     pub force_n: f64,
-    /// Root mean square of sensed / true - 1 with every cause; `None` if the finger has no equilibrium or sensing refuses.
+    /// Root mean square of sensed / true - 1 with every cause present; `None` if the finger has no equilibrium or the estimator refuses.
     pub rms_error: Option<f64>,
-    /// Part of the mean square error that disappears without the cause, by cause in the map's order; `None` if sensing then refuses.
+    /// Part of the mean square error that disappears when a cause is eliminated, one value per cause in the map's order; `None` if the estimator then
+    /// refuses.
     pub shares: Vec<Option<f64>>,
     /// Root mean square of sensed / true - 1 after each of [`REMEDIES`], applied cumulatively.
     pub remedied: Vec<Option<f64>>,
@@ -167,7 +172,7 @@ impl CauseCell {
     }
 }
 
-/// Remedies by which a user reduces errors, in the order of application, with the causes that each remedy eliminates: knowledge of zones and
+/// Remedies by which a user reduces errors, in the order of application, each with the causes that it eliminates. They are knowledge of zones and
 /// modulus, knowledge of the contact, and the nonlinear estimator.
 pub const REMEDIES: [(&str, &[Cause]); 3] = [
     ("zones known", &[Cause::BaseCompliance, Cause::TipCompliance, Cause::Modulus]),
@@ -175,7 +180,7 @@ pub const REMEDIES: [(&str, &[Cause]); 3] = [
     ("nonlinear", &[Cause::Linearisation]),
 ];
 
-/// Causes of sensing errors for one true finger and practice, on a grid of positions, directions and forces.
+/// Causes of sensing errors for one true finger and one practice (estimator), on a grid of positions, directions and forces.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CauseMap {
     /// Parameters of the study.
@@ -186,17 +191,17 @@ pub struct CauseMap {
     pub practice: Practice,
     /// Knowledge of the contact.
     pub contact: ContactKnowledge,
-    /// Causes that apply, in the order of the cells' shares.
+    /// Causes that apply, in the order of `shares` in each cell.
     pub causes: Vec<Cause>,
     /// Cells by position, then direction, then force.
     pub cells: Vec<CauseCell>,
 }
 
-/// Maps of causes for every practice on a true finger. The result does not depend on the number of threads. `progress` is called after each position
-/// and direction.
+/// Maps of the causes of sensing errors on a true finger, one map for each practice. The result does not depend on the number of threads. `progress`
+/// is called after each position and direction.
 ///
 /// # Errors
-/// [`ExperimentError`] if the finger at rest cannot be solved or its modulus cannot be calibrated.
+/// [`ExperimentError`] if the equations of the finger at rest cannot be solved, or its modulus cannot be calibrated.
 pub fn causes(
     truth: TruthId,
     finger: &Finger,
@@ -237,7 +242,7 @@ pub fn causes(
     Ok(sensors.iter().enumerate().map(of_sensor).collect())
 }
 
-/// Causes that apply to a practice, contact, finger and request.
+/// Causes of error that apply to an estimator, a knowledge of the contact, a finger and a request.
 fn present(practice: Practice, contact: ContactKnowledge, finger: &Finger, request: &CauseRequest) -> Vec<Cause> {
     let exists = |cause: &Cause| match cause {
         Cause::Noise => request.noise_mm > 0.0,

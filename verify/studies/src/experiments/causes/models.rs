@@ -36,8 +36,8 @@ pub(super) struct Models {
 }
 
 impl Models {
-    /// All models of a true finger. Their moduli are calibrated on its shapes under weights (N) at three nodes: a third, half and two thirds of the
-    /// way from tip to base. On the paper's finger these are nodes 17, 19 and 21 (sec. V-A).
+    /// All models of a true finger. Unknown moduli are calibrated on the true finger's shapes under weights (N) at three nodes: a third, half and two
+    /// thirds of the way from tip to base. On the paper's finger, the three loaded nodes are 17, 19 and 21 (sec. V-A).
     pub fn of(finger: &Finger, truth: &dyn Truth, weights_n: &[f64]) -> Result<Models, ExperimentError> {
         let cases = weighed(finger, truth, weights_n);
         let mesh = |number: usize| {
@@ -78,7 +78,7 @@ impl Known {
 /// The end of the finger that is nearer to the middle of a zone.
 fn end_of(finger: &Finger, zone: &Zone) -> End {
     let plate = if zone.part == Part::Back { Plate::Back } else { Plate::Front };
-    // Both sides of the comparison are doubled: twice the middle against the full length.
+    // The comparison avoids a division: twice the middle of the zone is compared with the full length of the plate.
     if zone.from_mm + zone.to_mm < finger.plate_length_mm(plate) { End::Base } else { End::Tip }
 }
 
@@ -96,7 +96,7 @@ pub(super) fn with_zones(finger: &Finger, base: bool, tip: bool) -> Result<Finge
     Ok(Finger::new(description)?)
 }
 
-/// Shapes under ascending weights (N) along the normal. The shapes of each node end before the first weight without equilibrium.
+/// Shapes under ascending weights (N) along the normal. For each loaded node, the list of shapes ends before the first weight without equilibrium.
 pub(super) fn weighed(finger: &Finger, truth: &dyn Truth, weights_n: &[f64]) -> Vec<CalibrationCase> {
     let nodes: Vec<NodeId> = finger.contact_nodes().collect();
     let mut loaded = [nodes.len() / 3, nodes.len() / 2, 2 * nodes.len() / 3].map(|i| nodes[i]).to_vec();
@@ -104,8 +104,8 @@ pub(super) fn weighed(finger: &Finger, truth: &dyn Truth, weights_n: &[f64]) -> 
     table_one::weighed(finger, truth, &loaded, weights_n)
 }
 
-/// The finger with the modulus that best fits the shapes. Shapes under loads without equilibrium on this finger are omitted; if no shape remains, the
-/// finger is unchanged.
+/// The finger with the modulus that best fits the shapes. A shape is omitted if this finger has no equilibrium under the shape's load; if no shape
+/// remains, the finger is returned unchanged.
 pub(super) fn calibrated(
     finger: &Finger,
     cases: &[CalibrationCase],

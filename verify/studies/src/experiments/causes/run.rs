@@ -15,7 +15,7 @@ impl Evidence for CauseMap {}
 /// Maps of causes for the finger, for its digital twin if given, and for the networks shipped for this finger.
 ///
 /// # Errors
-/// [`ExperimentError`] if a finger at rest cannot be solved or its modulus cannot be calibrated.
+/// [`ExperimentError`] if the equations of a finger at rest cannot be solved, or its modulus cannot be calibrated.
 pub fn run(context: &Context, twin: Option<&Finger>) -> Result<Vec<CauseMap>, ExperimentError> {
     let &Context { finger, noise_mm, effort, forces, .. } = context;
     let (drawn_n, [least_n, ..]) = (forces.drawn_n(), forces.of_maps_n());
@@ -32,7 +32,7 @@ pub fn run(context: &Context, twin: Option<&Finger>) -> Result<Vec<CauseMap>, Ex
         zones_known: true,
         weights_n,
     };
-    // Wrong assumptions make the nonlinear search try many starting points, so this estimator has fewer forces and directions.
+    // Wrong assumptions make the nonlinear search try many starting points, so the nonlinear estimator is studied with fewer forces and directions.
     let requests = match effort {
         Effort::Quick => vec![of(&[(LeastSquares, Known)])],
         Effort::Full => vec![

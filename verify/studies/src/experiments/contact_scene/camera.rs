@@ -1,12 +1,12 @@
-//! Camera model of a contact: its position and direction from outline points, with noise.
+//! Model of how a camera reads a contact: position and direction come from outline points with noise.
 //!
-//! The camera sees the outlines of object and finger as points. The coordinates of these points have independent errors with standard deviation s.
-//! These errors are also independent of the errors of the markers, which are at other pixels.
+//! The camera sees the outlines of object and finger as points. The coordinates of the outline points have independent errors with standard deviation
+//! s. Errors of outline points are also independent of the errors of the markers, which are at other pixels.
 //!
-//! The direction of a contact comes from two such points at a distance b ([`baseline_mm`]), so its standard deviation is sqrt(2) s / b. For a contact with
-//! the plate between two rods, the position is the distance of two points along the plate, so its standard deviation is sqrt(2) s. Sensing is assumed to know
-//! which parts touch; a contact at a single rod is at its node. If several parts touch as one contact, its force may act anywhere between them, so the
-//! standard deviation of a uniform distribution is added.
+//! The direction of a contact comes from two outline points at a distance b ([`baseline_mm`]), so its standard deviation is sqrt(2) s / b. For a
+//! contact on the plate between two rods, the position is the distance of two points along the plate. The standard deviation of this position is
+//! sqrt(2) s. Sensing is assumed to know which parts touch. A contact at a single rod is placed at the rod's node. If several parts touch as one
+//! contact, its force may act anywhere between them, so the standard deviation of a uniform distribution is added.
 
 use super::contacts::{HalfSpan, member_mm};
 use super::{SeenContact, TurnedOutline};
@@ -14,8 +14,8 @@ use crate::prelude::*;
 use finray_lattice::skin::{Touch, TouchedPart};
 use finray_model::sensing::MeasuredContact;
 
-/// Positions read by the camera are at least this distance from the base, relative to the first segment's length. Forces nearer to the base deform
-/// nothing.
+/// Positions read by the camera are at least this distance from the base, relative to the first segment's length. A force nearer to the base would
+/// not deform the finger.
 const NEAREST_TO_BASE: f64 = 0.01;
 
 /// Standard deviation of a uniform distribution relative to half its interval, 1 / sqrt(3).
@@ -52,14 +52,14 @@ pub fn read_contact(
     }
 }
 
-/// A touch belongs to a face of the object if the cosine of the angle between the face and the touch's normal is at most this.
+/// A touch belongs to a face of the object if the cosine of the angle between the face and the touch's normal is at most this value.
 const ALONG_FACE: f64 = 1e-3;
-/// A touch belongs to a face up to this distance, mm; overlaps are smaller.
+/// Largest distance of a touch from the face to which it belongs, mm; overlaps of object and finger are smaller.
 const ON_FACE_MM: f64 = 1e-2;
 
-/// Distance of the two outline points that show the direction of the surfaces at a touch, mm. If a flat face of the object touches, the points are the ends
-/// of that face. Otherwise, for a touch on a rod, the points are the rod's centre, and the touching corner or the centre of the touching disc. For a
-/// touch elsewhere on the plate, they are the ends of the plate segment.
+/// Distance between the two outline points that show the direction of the surfaces at a touch, mm. If a flat face of the object touches, the points
+/// are the ends of that face. For a touch on a rod without a flat face, one point is the rod's centre. The other point is the touching corner, or the
+/// centre of the touching disc. For a touch elsewhere on the plate without a flat face, the points are the ends of the plate segment.
 pub fn baseline_mm(finger: &Finger, rod_radius_mm: f64, outline: &TurnedOutline, object: Vector, touch: &Touch) -> f64 {
     let on_plate_mm = |s_mm| member_mm(finger, s_mm);
     match (outline, touch.part) {

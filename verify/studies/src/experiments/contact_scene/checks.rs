@@ -9,19 +9,19 @@ use finray_lattice::skin::Touch;
 
 const TRUE_FORCES: &str = "true forces";
 const DISPLACEMENT: &str = "largest displacement difference / largest displacement";
-/// Tolerance of contact forces against forces on the clamps, relative to their sum: rounding.
+/// Tolerance of the difference between contact forces and forces on the clamps, relative to the sum of contact forces; it allows for rounding.
 pub const BALANCE_TOLERANCE: f64 = 1e-6;
 /// Tolerance of a shape against the lattice's equilibrium under the contact forces, relative to the largest displacement.
 const EQUILIBRIUM_TOLERANCE: f64 = 1e-6;
-/// Tolerance of a shape against rapier's shape at rest, relative to the largest displacement. The tolerance covers the errors of rapier's sweeps and
-/// of rapier's criterion for rest.
+/// Tolerance of a shape against the shape at rest in the physics engine rapier, relative to the largest displacement. The tolerance covers the errors
+/// of the sweeps of rapier's solver and of rapier's criterion for rest.
 const ENGINE_TOLERANCE: f64 = 5e-4;
-/// Tolerance of the sum of contact forces against the sum in rapier, relative to the sum.
+/// Tolerance of the sum of contact forces against the sum in the physics engine rapier, relative to the sum.
 const ENGINE_FORCE_TOLERANCE: f64 = 2e-3;
 /// Tolerance of a shape against converged beams under the contact forces, relative to the largest displacement. The tolerance also bounds errors of
-/// sensed totals, because sensed forces follow from shapes. With two segments between rods, the difference is 1.0e-3 for the box and 1.1e-3 for the
-/// disc, under 5 N. A single force in its worst direction causes four times this difference. The difference decreases with the square of the number
-/// of segments (2.0e-4 for the disc with four).
+/// sensed total forces, because sensed forces follow from shapes. With two segments between rods and a force of 5 N, lattice and beams differ by
+/// 1.0e-3 for the box and 1.1e-3 for the disc. A single force in its worst direction makes lattice and beams differ four times as much as box and
+/// disc do. The difference between lattice and beams decreases with the square of the number of segments (2.0e-4 for the disc with four segments).
 const BEAMS_TOLERANCE: f64 = 1.3e-3;
 const SEGMENTS: f64 = 2.0;
 /// With friction, a stated standard deviation may be at most this share of the force. A larger standard deviation would cover the error but provide
@@ -29,19 +29,19 @@ const SEGMENTS: f64 = 2.0;
 const LARGEST_SIGMA: f64 = 0.5;
 /// Tolerance of the overlap of object and finger, mm. A larger overlap would mean that contacts yield.
 const OVERLAP_TOLERANCE_MM: f64 = 1e-3;
-/// Tolerance of a touch beyond its friction cone, N: rounding.
+/// Tolerance of a touch force beyond the friction cone, N; it allows for rounding.
 const CONE_TOLERANCE_N: f64 = 1e-6;
-/// Nominal coverage, and the change of coverage caused by the difference between lattice and beams. This difference is less than half a standard
-/// deviation.
+/// Nominal coverage. The next constant, `SHIFT`, is the change of coverage caused by the difference between lattice and beams. The difference between
+/// lattice and beams is less than half a standard deviation.
 const MEANT: f64 = 0.95;
 const SHIFT: f64 = 0.01;
-/// Allowance for chance, in standard errors of a binomial share. The first allowance is for the share over all samples of a scene, which exceeds it
-/// once in 370 cases. The second allowance is for the smallest of some hundred shares, one per contact and step. Each of these shares exceeds it once
-/// in 2000 cases.
+/// Allowance for sampling error, in standard errors of a binomial share. `STANDARD_ERRORS` applies to the share over all samples of a scene, which
+/// exceeds this allowance once in 370 cases. `WORST_STANDARD_ERRORS` applies to the smallest of some hundred shares, one per contact and step. The
+/// share of one contact and step exceeds `WORST_STANDARD_ERRORS` once in 2000 cases.
 const STANDARD_ERRORS: f64 = 3.0;
 const WORST_STANDARD_ERRORS: f64 = 3.5;
 
-/// Tolerance of a share of the samples against [`MEANT`].
+/// Tolerance of the share of covered samples against [`MEANT`].
 fn coverage_tolerance(samples: usize, standard_errors: f64) -> f64 {
     SHIFT + standard_errors * (MEANT * (1.0 - MEANT) / samples as f64).sqrt()
 }
@@ -125,13 +125,13 @@ impl SceneStudy {
         kind.on(format!("{} pressed onto the lattice: {what}", self.name), source)
     }
 
-    /// Subject of checks of sensed forces against the true forces on the lattice.
+    /// Subject of the checks that compare sensed forces with the true forces on the lattice.
     fn sensed(&self, what: &str) -> Subject {
         self.on(Kind::Internal, what, TRUE_FORCES)
     }
 
-    /// Checks of a shipped scene: the checks of any scene, completion, shapes against beams (without friction), sensing without noise, and coverage of
-    /// intervals.
+    /// Checks of a shipped scene: the checks of any scene, completion of all steps, shapes against beams (without friction), sensing without noise,
+    /// and coverage of intervals.
     pub fn shipped_checks(&self) -> Vec<Check> {
         let mut checks = self.checks();
         let stopped = usize::from(self.stopped.is_some());
@@ -157,8 +157,8 @@ impl SceneStudy {
         checks
     }
 
-    /// Checks of coverage over all samples, contacts and totals of a scene, and of the worst contact of a step. Refused samples count as not covered. With
-    /// friction the intervals include the worst case in the cone, so coverage may be higher.
+    /// Checks of coverage over all samples, contacts and totals of a scene, and of the worst contact of a step. Refused samples count as not covered.
+    /// With friction, the stated intervals include the worst case in the friction cone, so coverage may exceed the nominal coverage.
     fn coverage_checks(&self) -> Vec<Check> {
         let sampled: Vec<&NoiseSamples> = self.steps.iter().filter_map(|studied| studied.samples.as_ref()).collect();
         if sampled.is_empty() {

@@ -11,10 +11,11 @@ const TOGETHER: f64 = 0.25;
 /// A contact seen by the camera, with the true force that it carries.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SeenContact {
-    /// Position, and direction from the object into the finger, without noise. Both come from the surfaces alone, not from the forces. For several
-    /// touches, the position is the middle of their interval, and the direction is the middle of their directions.
+    /// Position of the contact, and its direction from the object into the finger, without noise. Position and direction come from the surfaces
+    /// alone, not from the forces. For several touches, the position is the middle of their interval, and the direction is the middle of their
+    /// directions.
     pub contact: Contact,
-    /// Half the interval of the touches (mm) and of their directions (rad), within which the distribution of the force is unknown.
+    /// Half the range of the touches' positions (mm) and directions (rad); the distribution of the force within this range is unknown.
     pub half_span: HalfSpan,
     /// Distance of the two outline points from which the camera reads the direction, mm.
     pub baseline_mm: f64,
@@ -26,8 +27,8 @@ pub struct SeenContact {
     pub force: Vector,
     /// Component of the force along the direction of the contact, N.
     pub normal_n: f64,
-    /// Component of the force across the direction of the contact, positive towards the tip, N. It consists of friction, and of normal forces of touches in
-    /// other directions.
+    /// Component of the force across the direction of the contact, positive towards the tip, N. This component consists of friction, and of parts of
+    /// the normal forces of touches in other directions.
     pub friction_n: f64,
 }
 
@@ -36,7 +37,7 @@ pub struct SeenContact {
 pub struct HalfSpan {
     /// Half the interval along the plate, mm.
     pub along_mm: f64,
-    /// Largest angle between a touch's direction and the contact's, rad.
+    /// Largest angle between a touch's direction and the contact's direction, rad.
     pub turn_rad: f64,
 }
 
@@ -51,7 +52,8 @@ impl SeenContact {
     }
 }
 
-/// Groups touches into contacts, from base to tip. `baseline_mm` returns the distance (mm) of the outline points that show the direction.
+/// Groups touches into contacts, from base to tip. `baseline_mm` returns the distance (mm) between the two outline points that show a touch's
+/// direction.
 pub fn seen_contacts(lattice: &Lattice, touches: &[Touch], baseline_mm: impl Fn(&Touch) -> f64) -> Vec<SeenContact> {
     let mut groups: Vec<&[Touch]> = Vec::new();
     let mut rest = touches;

@@ -8,11 +8,11 @@ use finray_model::scene::Outline;
 use finray_model::{Scene, Vector};
 use std::path::Path;
 
-/// Reads a scene and, if its object is a polygon, the corners `x_mm,y_mm` from the file that the object names. That file is beside the scene, or in
-/// the working folder for a scene from standard input.
+/// Reads a scene and, if its object is a polygon, the corners `x_mm,y_mm` from the file that the object names. The file of corners is beside the
+/// scene's file, or in the working folder if the scene comes from standard input.
 ///
 /// # Errors
-/// [`FileError`] with file, line and key, also for corners that form no valid outline.
+/// [`FileError`] with file, line and key, if the scene or the corners cannot be read, or the corners form no valid outline.
 pub fn load_scene_with_outline(path: &Path) -> Result<SceneWithOutline, FileError> {
     let (scene, text) = load_scene_and_text(path)?;
     let folder = if is_standard_stream(path) { None } else { path.parent() };
@@ -20,10 +20,11 @@ pub fn load_scene_with_outline(path: &Path) -> Result<SceneWithOutline, FileErro
     Ok(SceneWithOutline { scene, text, corners })
 }
 
-/// The corners `x_mm,y_mm` of a polygon, from the file in `folder` that the scene's object names. Empty for other outlines, and without an object.
+/// The corners `x_mm,y_mm` of a polygon, from the file in `folder` that the scene's object names. Empty if the outline is no polygon, or the scene
+/// has no object.
 ///
 /// # Errors
-/// [`FileError`] with file and line, also for corners that form no valid outline.
+/// [`FileError`] with file and line, if the corners cannot be read or form no valid outline.
 pub fn outline_corners(scene: &Scene, folder: &Path) -> Result<Vec<Vector>, FileError> {
     let Some(object) = &scene.object else { return Ok(Vec::new()) };
     let Outline::Polygon { points_csv } = &object.outline else { return Ok(Vec::new()) };

@@ -1,8 +1,9 @@
 //! Contact scenes: an object is pressed onto the lattice finger, a camera observes the nodes, and the forces are sensed.
 //!
-//! The camera observes position and direction of each contact with noise, but not the contact force (`camera`). Sensing gets these contacts, the
-//! noisy displacements of the markers, and a bound of the friction coefficient (`outline_estimator`). The sensed forces are compared with the true
-//! forces. Presses are quasi-static equilibria on sufficiently fine lattices (`refined`), verified by rapier (`verified`).
+//! The camera observes the position and direction of each contact with noise, but not the contact force (module `camera`). Sensing gets the observed
+//! contacts, the noisy displacements of the markers, and a bound of the friction coefficient (module `outline_estimator`). The sensed forces are
+//! compared with the true forces. Presses are quasi-static equilibria on sufficiently fine lattices (module `refined`). The physics engine rapier
+//! verifies them (module `verified`).
 
 mod camera;
 pub mod checks;
@@ -35,12 +36,11 @@ use finray_model::sensing::MeasuredContact;
 use finray_model::sensor::Refusal;
 use finray_model::validity::Validity;
 
-/// Number of plate segments between two rods, in the verification by rapier and in the shipped disc scene. The paper's finger under 5 N is then
-/// within 0.1 % of converged beams.
+/// Number of plate segments between two rods, in the verification by rapier and in the shipped disc scene. With this number, the paper's finger under
+/// 5 N is within 0.1 % of converged beams.
 pub const FINENESS: usize = 3;
 
-/// The scene with the assumptions of a simulation: forces act on the bare plate, and displacements are relative to a known base without stated
-/// errors.
+/// The scene under the assumptions of a simulation: forces act on the bare plate, the base is known, and no errors are stated.
 pub fn simulated(scene: &Scene) -> Scene {
     Scene {
         noise_mm: None,
@@ -69,7 +69,7 @@ pub struct ContactScene {
 pub struct SceneStep {
     /// Distance that the object has travelled so far, mm.
     pub travel_mm: f64,
-    /// Distance between the object and its prescribed position, mm. It is positive if the finger's clamped end stops the object.
+    /// Distance between the object and its prescribed position, mm. The distance is positive if the finger's clamped end stops the object.
     pub stopped_mm: f64,
     /// Unit vector of the object's motion at the end of the step, in the finger frame.
     pub along: Vector,
@@ -83,7 +83,7 @@ impl SceneStep {
     /// Sum of the forces that deform the finger (without those on the clamp), along the object's motion, N.
     pub fn total_n(&self) -> f64 {
         let felt = self.contacts.iter().filter(|seen| !seen.clamped);
-        // An empty sum of floats is -0.
+        // Adding 0.0 turns -0.0, the sum of no floats, into 0.0.
         0.0 + felt.map(|seen| seen.force.dot(&self.along)).sum::<f64>()
     }
 
@@ -146,7 +146,8 @@ impl SensedForce {
 }
 
 impl ContactScene {
-    /// Prepares a scene's object in front of its finger. `corners` (mm) are the corners in a polygon's file; other outlines ignore them.
+    /// Prepares a scene for pressing, with its object in front of its finger. `corners` (mm) are a polygon's corners from its file; they are ignored
+    /// for other outlines.
     ///
     /// # Errors
     /// [`OutlineError`] for an outline that cannot be pressed.
@@ -184,8 +185,9 @@ impl ContactScene {
         &self.object
     }
 
-    /// Senses the forces of a step from the key nodes and the contacts. Both are observed with noise of `noise_mm` (standard deviation of a
-    /// coordinate, mm), drawn from `standard_normal`. Forces lie within the cone of the assumed friction. `None` if no contact deforms the finger.
+    /// Senses the forces of a step from observed key nodes and observed contacts. Key nodes and contacts are observed with noise of `noise_mm`
+    /// (standard deviation of a coordinate, mm), drawn from `standard_normal`. Sensed forces lie within the cone of the assumed friction coefficient.
+    /// `None` if no contact deforms the finger.
     ///
     /// # Errors
     /// [`Refusal`] if the forces are not identifiable.

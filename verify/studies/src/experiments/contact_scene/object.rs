@@ -22,7 +22,7 @@ pub enum OutlineError {
     /// The outline encloses no area, or crosses itself.
     #[error("expected the corners in order around the object: the outline crosses itself or encloses nothing")]
     Crossed,
-    /// The object is free: the scene prescribes no motion of a hand that moves it.
+    /// The object is free: the scene prescribes no hand motion for the object.
     #[error(
         "the object is free (mass_g): use `finray grasp`, or state its path, either by at_mm with travel_mm or \
             force_n, or by path_mm"
@@ -40,7 +40,8 @@ pub enum OutlineError {
 const FARTHEST_MM: f64 = 1e4;
 /// Number of corners of a drawn disc.
 const DRAWN_CORNERS: usize = 90;
-/// Tolerance of the difference between the areas of an outline and of its triangles, relative. Only an outline that crosses itself exceeds it.
+/// Tolerance of the relative difference between the area of an outline and the total area of its triangles. Only an outline that crosses itself
+/// exceeds this tolerance.
 const AREA_TOLERANCE: f64 = 1e-9;
 
 /// Outline of a pressed object about its reference point, rotated as the scene states.
@@ -53,7 +54,7 @@ pub enum TurnedOutline {
 }
 
 impl TurnedOutline {
-    /// Rotates the outline of a scene's object. `corners` (mm) are the corners in a polygon's file; other outlines ignore them.
+    /// Rotates the outline of a scene's object. `corners` (mm) are a polygon's corners from its file; they are ignored for other outlines.
     ///
     /// # Errors
     /// [`OutlineError`] for corners that form no valid outline.
@@ -156,7 +157,7 @@ pub struct PreparedObject {
     pub friction: f64,
     /// Starting position in the finger frame, mm.
     pub start: Vector,
-    /// Unit vector of the motion in the finger frame; on a path, the direction of the first segment.
+    /// Unit vector of the motion in the finger frame; on a path, the direction at the end of the first step.
     pub along: Vector,
     /// Motion of the hand, step by step.
     pub steps: Vec<HandStep>,
@@ -174,7 +175,7 @@ pub struct HandStep {
 }
 
 impl PreparedObject {
-    /// Prepares the object of a scene. `corners` (mm) are the corners in a polygon's file; other outlines ignore them.
+    /// Prepares the object of a scene. `corners` (mm) are a polygon's corners from its file; they are ignored for other outlines.
     ///
     /// # Errors
     /// [`OutlineError`] for a free object, or corners that form no valid outline.
@@ -208,13 +209,13 @@ impl PreparedObject {
     /// The object for the physics engine.
     ///
     /// # Errors
-    /// [`OutlineError::Crossed`] for an outline without convex pieces.
+    /// [`OutlineError::Crossed`] for an outline that cannot be divided into convex pieces.
     pub fn rigid(&self) -> Result<RigidObject, OutlineError> {
         Ok(RigidObject { shape: self.outline.engine_shape()?, friction: self.friction })
     }
 }
 
-/// Position (mm, finger frame) at which an object that moves along its line first meets the straight line over the rods of the undeformed finger.
+/// Position of an object (mm, finger frame) on its line of motion at which it first meets the straight line over the undeformed finger's rods.
 fn first_touch(finger: &Finger, rod_radius_mm: f64, outline: &TurnedOutline, at_mm: f64, along: Vector) -> Vector {
     let inward = finger.direction(0.0);
     let surface_mm = rod_radius_mm.max(0.5 * finger.description().front.thickness_mm);
@@ -222,7 +223,7 @@ fn first_touch(finger: &Finger, rod_radius_mm: f64, outline: &TurnedOutline, at_
     finger.plate_point(Plate::Front, at_mm) - along * distance_mm
 }
 
-/// Step between two shares (0 to 1) of a path's length.
+/// Hand motion between two points of a path, given as shares (0 to 1) of the path's length.
 fn step_on_path(points: &[Vector], from: f64, to: f64) -> HandStep {
     let segments: Vec<&[Vector]> = points.windows(2).filter(|pair| pair[0] != pair[1]).collect();
     let total: f64 = segments.iter().map(|pair| (pair[1] - pair[0]).norm()).sum();
@@ -230,7 +231,7 @@ fn step_on_path(points: &[Vector], from: f64, to: f64) -> HandStep {
     for (i, pair) in segments.iter().enumerate() {
         let way = pair[1] - pair[0];
         let ends = begins + way.norm();
-        // The last segment also contains an end that rounding puts beyond the path.
+        // Rounding may put the end of a step beyond the path; the last segment then contains this end.
         if to * total <= ends || i + 1 == segments.len() {
             let share = ((to * total - begins) / way.norm()).min(1.0);
             return HandStep { corners, end: Push::To(pair[0] + way * share), along: way.normalize() };

@@ -11,7 +11,7 @@ impl Evidence for SceneStudy {
     }
 }
 
-/// Number of plate segments between two key nodes, and number of steps of the object, in a quick study.
+/// Number of plate segments between two key nodes in a quick study. The next constant, `QUICK_STEPS`, is the largest number of steps of the object.
 const QUICK_FINENESS: usize = 2;
 const QUICK_STEPS: usize = 3;
 
@@ -23,7 +23,7 @@ pub struct Objects {
 }
 
 impl Objects {
-    /// The scene's own object; for the paper's finger without an object, the shipped scenes.
+    /// Contact scene with the scene's own object; for the paper's finger without an object, the shipped contact scenes.
     pub(crate) fn of(context: &Context) -> Result<Objects, SceneStudyError> {
         let &Context { given, is_paper, effort, .. } = context;
         let mut scenes = match &given.scene.object {
@@ -33,7 +33,7 @@ impl Objects {
         };
         let mut samples = SAMPLES;
         if effort == Effort::Quick {
-            // Samples of every step would take longer than the rest of a quick study.
+            // Noise samples of every step would take longer than the rest of a quick study.
             samples = 0;
             scenes.truncate(1);
             for (given, fineness) in &mut scenes {

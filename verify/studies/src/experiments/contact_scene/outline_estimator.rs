@@ -1,4 +1,4 @@
-//! Sensing of forces at contacts that a camera sees: with measured contacts, or by an estimator that treats the contacts as exact.
+//! Sensing of forces at contacts that a camera sees: the contacts are treated either as measured with errors or as exact.
 
 use super::{SeenContact, SensedContact, SensedForce, SensedStep, read_contact};
 use crate::prelude::*;
@@ -17,15 +17,16 @@ pub struct OutlineEstimator<'s> {
     pub marker_noise_mm: Option<f64>,
     /// Standard deviation of a coordinate of an outline point, mm.
     pub outline_noise_mm: f64,
-    /// An estimator that treats the contacts read by the camera as exact, with its networks. Its standard deviations exclude friction and the uncertainty of
-    /// contacts. The standard deviation of the total is the sum of the contacts' standard deviations, which is an upper bound. An estimator that supports
-    /// only forces along the normal assumes that direction. `None` for sensing with measured contacts.
+    /// An estimator that treats the contacts read by the camera as exact, and the networks available to this estimator. The estimator's standard
+    /// deviations exclude friction and the uncertainty of contacts. The standard deviation of the total is the sum of the contacts' standard
+    /// deviations, which is an upper bound. An estimator that supports only forces along the normal assumes the normal as direction. `None` for
+    /// sensing with measured contacts.
     pub estimator: Option<(EstimatorId, &'s Networks)>,
 }
 
 impl OutlineEstimator<'_> {
-    /// Senses the forces (N) of contacts, none of them clamped, from markers and from contacts as the camera reads them. Also returns the sum of the
-    /// forces along the unit vector `along`. Fails if the forces are not identifiable.
+    /// Senses the forces (N) of contacts that are not clamped, from markers and from the camera's readings of the contacts. Also returns the sum of
+    /// the forces along the unit vector `along`. Fails if the forces are not identifiable.
     pub(crate) fn sense(
         &self,
         felt: &[SeenContact],

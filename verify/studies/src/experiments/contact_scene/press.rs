@@ -13,7 +13,7 @@ const STOPPED_MM: f64 = 1e-6;
 /// All steps of a press, with true and sensed forces.
 #[derive(Debug, Clone)]
 pub struct Press {
-    /// Steps up to the end, or to a failure.
+    /// Steps up to the end of the press, or up to a failure.
     pub steps: Vec<SceneStep>,
     /// True and sensed forces, one row for each contact and one for the total of each step.
     pub rows: Vec<ForceRow>,
@@ -24,7 +24,7 @@ pub struct Press {
 
 impl Press {
     /// Presses the object of a scene onto its finger, and senses the forces at each step. Displacements and outline points have noise of `noise_mm`
-    /// (standard deviation of a coordinate, mm) from `seed`. `each` receives the notes of each step, and the number of steps.
+    /// (standard deviation of a coordinate, mm) from `seed`. Each call of `each` receives the notes of one step, and the number of steps.
     pub fn run(
         scene: &Scene,
         prepared: &ContactScene,
@@ -45,7 +45,7 @@ impl Press {
         Press { steps, rows, ended: outcome.map(|refinement| coarse(&refinement)), validity }
     }
 
-    /// Warnings where the beam model does not hold.
+    /// Warnings about steps in which the beam model does not hold.
     pub fn validity_warnings(&self) -> Vec<String> {
         self.validity.warnings()
     }

@@ -1,12 +1,12 @@
-//! Automatic refinement of a scene's lattice: the segments of the plate are halved until no total (sum of contact forces) changes.
+//! Automatic refinement of a scene's lattice: the segments of the plate are halved until the total contact force of every step hardly changes.
 
 use super::{ContactScene, SceneStep};
 use crate::prelude::*;
 use finray_lattice::pressing::{Pressing, Push};
 
-/// A lattice is fine enough if no total has a larger relative difference than this from the total on a lattice half as fine.
+/// Largest relative difference of a total contact force between a sufficiently fine lattice and a lattice half as fine.
 pub const TOTAL_TOLERANCE: f64 = 1e-3;
-/// For a total below this share of the scene's largest total, the change is relative to that share of the largest total.
+/// The change of a total is divided by the total, but at least by this share of the scene's largest total.
 const SMALL: f64 = 0.1;
 /// Number of segments of the front plate in the first lattice.
 const FIRST_SEGMENTS: usize = 36;
@@ -18,7 +18,7 @@ const MOST_SEGMENTS: usize = 600;
 pub struct Refinement {
     /// Number of segments in a plate member of mean length.
     pub fineness: usize,
-    /// Largest change of a total from the lattice of half this fineness; `None` if that lattice was not computed.
+    /// Largest change of a total compared with the lattice half as fine; `None` if the coarser lattice was not computed.
     pub change: Option<TotalChange>,
 }
 
@@ -32,7 +32,8 @@ pub struct TotalChange {
 }
 
 impl TotalChange {
-    /// Largest change from a lattice to a finer one. A step that only one of the two lattices reaches counts as a change of 100 %.
+    /// Largest change of a step's total from a lattice to a finer lattice. A step that only one of the two lattices reaches counts as a change of 100
+    /// %.
     pub fn largest(coarse: &[SceneStep], fine: &[SceneStep]) -> Option<TotalChange> {
         let largest_n = fine.iter().map(|step| step.total_n().abs()).fold(0.0, f64::max);
         let share = |(coarse, fine): (&SceneStep, &SceneStep)| {
@@ -47,7 +48,7 @@ impl TotalChange {
     }
 }
 
-/// Steps up to the end or an error, and that error.
+/// Steps up to the end or to an error, together with the error if there is one.
 pub(super) type Pressed = (Vec<SceneStep>, Option<LatticeError>);
 
 impl ContactScene {
@@ -55,7 +56,8 @@ impl ContactScene {
     /// [`TOTAL_TOLERANCE`], or until the largest number of segments is reached.
     ///
     /// # Errors
-    /// [`LatticeError`] if the object overlaps the finger at the start, or a step has no equilibrium. `each` has then received the earlier steps.
+    /// [`LatticeError`] if the object overlaps the finger at the start, or a step has no equilibrium. On an error, `each` has received the steps
+    /// before the failed step.
     pub fn run(&self, mut each: impl FnMut(SceneStep)) -> Result<Refinement, LatticeError> {
         let members = self.finger().rib_count() + 1;
         let mut fineness = self.fineness.unwrap_or_else(|| FIRST_SEGMENTS.div_ceil(members));
@@ -64,7 +66,7 @@ impl ContactScene {
         while self.fineness.is_none() && finer * members <= MOST_SEGMENTS {
             let (their_steps, their_end) = self.press(finer);
             let their_change = TotalChange::largest(&steps, &their_steps);
-            // A step can fail on only one of two lattices, if contacts are about to change.
+            // Near a change of contacts, a step can fail on one lattice and succeed on the other lattice.
             if their_steps.len() >= steps.len() {
                 (steps, stopped, fineness, change) = (their_steps, their_end, finer, their_change);
             }

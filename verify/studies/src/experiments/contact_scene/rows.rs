@@ -30,7 +30,7 @@ pub struct ForceRow {
     pub read_angle_deg: Option<f64>,
 }
 
-/// Pairs contacts with their sensed forces; clamped contacts have none.
+/// Pairs each contact with its sensed force; clamped contacts have no sensed force.
 pub fn contacts_sensed<'s>(
     contacts: &'s [SeenContact],
     sensed: Option<&'s SensedStep>,

@@ -11,12 +11,13 @@ pub struct NoiseSamples {
     pub taken: usize,
     /// Number of answered samples.
     pub answered: usize,
-    /// Sensed forces of the answered samples, for each contact that is not clamped and, last, for the total.
+    /// Sensed forces, one list for each contact that is not clamped, and a last list for the total. Refused samples are omitted.
     pub sensed: Vec<Vec<SensedForce>>,
 }
 
 impl NoiseSamples {
-    /// Senses `taken` samples with noise of `noise_mm` (mm) and with seeds from `first_seed` upwards. `None` if no contact can be sensed.
+    /// Senses `taken` samples with noise of `noise_mm` (mm) and with seeds from `first_seed` upwards. `None` if `taken` is 0, or no contact deforms
+    /// the finger.
     pub fn take(
         scene: &ContactScene,
         step: &SceneStep,
@@ -40,22 +41,23 @@ impl NoiseSamples {
         Some(NoiseSamples { taken, answered: answers.len(), sensed })
     }
 
-    /// Number of samples whose stated 95 % interval contains the true force of a contact, or of the total (last index). Refused samples do not count.
+    /// Number of samples whose stated 95 % interval contains the true force; `which` is the index of a contact, or the last index for the total.
+    /// Refused samples do not count.
     pub fn covered(&self, which: usize) -> usize {
         self.sensed[which].iter().filter(|force| force.standardised_error().abs() <= TWO_SIDED_95).count()
     }
 
-    /// Share of all samples whose stated 95 % interval of a contact, or of the total (last index), contains the true force.
+    /// Share of all samples whose stated 95 % interval contains the true force; `which` is the index of a contact, or the last index for the total.
     pub fn coverage(&self, which: usize) -> f64 {
         self.covered(which) as f64 / self.taken as f64
     }
 
-    /// Root mean square of the errors of a contact, or of the total (last index), N.
+    /// Root mean square force error, N; `which` is the index of a contact, or the last index for the total.
     pub fn rms_error_n(&self, which: usize) -> f64 {
         self.root_mean_square(which, |force| force.sensed_n - force.true_n)
     }
 
-    /// Root mean square of the stated standard deviations of a contact, or of the total (last index), N.
+    /// Root mean square of the stated standard deviations, N; `which` is the index of a contact, or the last index for the total.
     pub fn rms_sigma_n(&self, which: usize) -> f64 {
         self.root_mean_square(which, |force| force.sigma_n)
     }

@@ -1,4 +1,4 @@
-//! Study of a contact scene, with forces sensed at every step, and the shipped scenes.
+//! Study of a contact scene, in which forces are sensed at every step. Also reads the shipped contact scenes.
 
 use super::samples::NoiseSamples;
 use super::{ContactScene, FINENESS, ForceRow, OutlineError, SceneStep, SensedStep, VerifiedStep, force_rows};
@@ -10,7 +10,7 @@ use finray_model::scene::ObjectMotion;
 use finray_model::sensor::Refusal;
 use finray_model::statics;
 
-/// Number of noise samples per step in a full study. All steps of a scene together then have some hundreds to a thousand samples.
+/// Number of noise samples per step in a full study. With this number, all steps of a scene together have some hundreds to a thousand samples.
 pub const SAMPLES: usize = 50;
 /// Spacing of sample seeds. The first seed of a step is this number times the step's number (from 1).
 const SEEDS_A_STEP: u64 = 1_000_000;
@@ -41,20 +41,20 @@ pub struct SceneStudy {
     pub length_mm: f64,
     /// Standard deviation of a coordinate of markers and outline points, mm.
     pub noise_mm: f64,
-    /// Outline of the object about its reference point, closed, mm.
+    /// Closed outline of the object relative to its reference point, mm.
     pub outline: Vec<Vector>,
-    /// Steps up to the end, or to a failure.
+    /// Steps up to the end of the scene, or up to a failure.
     pub steps: Vec<StudiedStep>,
     /// True forces, and forces sensed from one noise sample per step.
     pub rows: Vec<ForceRow>,
     /// Reason of a premature end; `None` if the scene is complete.
     pub stopped: Option<LatticeError>,
-    /// Largest difference of a displacement from converged beams under the same contact forces, relative to the largest displacement, by step.
-    /// `None` if friction turns the rods, or if there is no contact.
+    /// Largest displacement difference between lattice and converged beams under the same contact forces, relative to the largest displacement, one
+    /// value per step. `None` with friction, because friction turns the rods, or if no contact deforms the finger.
     pub beams_differences: Vec<Option<f64>>,
-    /// Largest fibre strain of beams under the contact forces, relative to its limit; `None` if the beams have no equilibrium in any step.
+    /// Largest fibre strain of beams under the contact forces, relative to its limit; `None` if no step has an equilibrium of the beams.
     pub largest_strain: Option<StrainOfScene>,
-    /// Verification of the steps by rapier. With automatic refinement, the same steps are verified on a lattice with [`FINENESS`].
+    /// Verification of the steps by rapier. With automatic refinement, the steps are recomputed and verified on a lattice with [`FINENESS`].
     pub verified: Vec<VerifiedStep>,
 }
 

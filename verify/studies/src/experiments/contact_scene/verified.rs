@@ -1,4 +1,4 @@
-//! Verification of a scene's steps by rapier, and by the lattice's equilibrium under the computed contact forces.
+//! Verification of a scene's steps by the physics engine rapier, and by the lattice's equilibrium under the computed contact forces.
 
 use super::{ContactScene, SceneStep};
 use crate::lattice::accuracy::difference;
@@ -6,7 +6,8 @@ use crate::prelude::*;
 use finray_lattice::pressing::Push;
 use finray_lattice::pressing::settled::EnginePressing;
 
-/// Verification of a step of a contact scene. A field is `None` if rapier does not come to rest, or if the lattice has no equilibrium.
+/// Verification of a step of a contact scene. `engine` is `None` if rapier does not come to rest; `equilibrium` is `None` if the lattice has no
+/// equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VerifiedStep {
     /// Difference of shape and contact forces between the step and the state of rest that rapier reaches from the step.

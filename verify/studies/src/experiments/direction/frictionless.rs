@@ -5,9 +5,9 @@ use crate::prelude::*;
 use crate::sampling::scatter::sampled_nodes;
 use crate::truths::Truth;
 
-/// Push and normal count as aligned if they differ by at most this angle, degrees. Such an angle changes the force by 1e-6, relative.
+/// Push and normal count as aligned if they differ by at most this angle, degrees. A misalignment by this angle changes the force by 1e-6, relative.
 const SETTLED_DEG: f64 = 1e-4;
-/// Largest number of iterations for the normal.
+/// Largest number of iterations to find the deformed normal.
 const MOST_TURNS: usize = 30;
 
 /// Assumption about the direction of a push.
@@ -96,7 +96,7 @@ pub(super) fn rows(
     Ok(rows?.into_iter().flatten().collect())
 }
 
-/// Contact and shape of the finger pushed at a node along its deformed normal; `None` if the iteration finds no such shape.
+/// Contact, and shape of the finger, for a push at a node along the deformed normal; `None` if the iteration does not converge.
 fn pushed(truth: &dyn Truth, node: NodeId, force_n: f64) -> Option<(Contact, FingerShape)> {
     let mut contact = Contact::at_node(node);
     for _ in 0..MOST_TURNS {

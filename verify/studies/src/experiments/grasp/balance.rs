@@ -3,8 +3,8 @@
 use finray_lattice::grasp::{TouchedBody, World};
 use finray_model::Vector;
 
-/// Largest imbalance relative to the largest force: of the forces on the object, of the moments on it (divided by its size), and of the forces on
-/// the fingers' bases.
+/// Largest imbalance of forces and moments on the object and on the fingers' bases, relative to the largest force. Moments are divided by the
+/// object's size.
 pub(super) fn imbalance(world: &World, weight: Vector) -> f64 {
     let contacts = world.contacts();
     let largest_n = contacts.iter().map(|contact| contact.force.norm()).fold(weight.norm(), f64::max);

@@ -44,13 +44,13 @@ pub enum GraspEnd {
     /// The caller stopped the grasp.
     #[error("stopped")]
     Stopped,
-    /// The motor reached its end without contact.
+    /// The motor reached its last angle without contact.
     #[error("out of reach: the fingers touch nothing up to a motor angle of {motor_deg} degrees")]
     OutOfReach {
         /// Motor angle, degrees.
         motor_deg: f64,
     },
-    /// The motor reached its end before the target force was sensed.
+    /// The motor reached its last angle before the target force was sensed.
     #[error(
         "too weak: at the last motor angle, {motor_deg} degrees, {sensed_n:.3} N are sensed, less than until_force_n"
     )]
@@ -166,7 +166,7 @@ impl<'s, 'l> Course<'s, 'l> {
         self.task == Task::Close
     }
 
-    /// Copies the next step, already at rest, from another course with the same closing motion.
+    /// Copies the next step from another course that has already computed this step with the same closing motion.
     pub(super) fn follow(&mut self, other: &Course<'_, 'l>) {
         (self.world, self.motor_deg, self.phase) = (other.world.clone(), other.motor_deg, other.phase);
         self.step += 1;
@@ -233,7 +233,7 @@ impl<'s, 'l> Course<'s, 'l> {
         if let [Some(left_n), Some(right_n)] = fingers.each_ref().map(FingerStep::sensed_total_n) {
             self.sensed.push_back((0.5 * (left_n + right_n), self.motor_deg));
         } else if let Some(&last) = self.sensed.back() {
-            // A refused frame has no new force, so the last force counts again.
+            // If sensing was refused, the step has no new force, so the last sensed force is repeated.
             self.sensed.push_back(last);
         }
         let weight = self.scene.weight() * self.weight_share;
@@ -328,13 +328,13 @@ impl<'s, 'l> Course<'s, 'l> {
         Task::Open
     }
 
-    /// Force known to the controller, N: the force sensed some frames ago.
+    /// Force known to the controller, N: the force sensed `delay_frames` frames earlier.
     fn late_n(&self) -> Option<f64> {
         let at = self.sensed.len().checked_sub(1 + self.scene.grasp.delay_frames)?;
         Some(self.sensed[at].0)
     }
 
-    /// Moves the motor to reduce the difference from the target force, with the stiffness observed while closing.
+    /// Moves the motor to reduce the difference from the target force; the stiffness observed while closing converts force into motor angle.
     fn correct_motor(&mut self) {
         let grasp = &self.scene.grasp;
         let (Some(target_n), true, Some(sensed_n)) = (grasp.until_force_n, grasp.holds, self.late_n()) else { return };

@@ -3,7 +3,7 @@
 use super::{GraspScene, GraspStep, finger_name};
 use crate::prelude::*;
 
-/// Row of a contact of a finger in a step of a grasp, or of the total of the finger.
+/// Row for one contact of a finger, or for the finger's total force, in one step of a grasp.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ForceRow {
     /// Number of the step, from 1. In a stream of images, frame `step - 1` shows this step.
@@ -20,11 +20,11 @@ pub struct ForceRow {
     pub s_mm: Option<f64>,
     /// Direction of the contact normal, degrees from the undeformed inward normal, positive towards the tip; `None` for the total.
     pub angle_deg: Option<f64>,
-    /// True force along the normal, N; for the total, across the gripper.
+    /// True force along the normal, N. For the total, the force across the gripper.
     pub force_n: f64,
     /// True force across the normal, N, positive towards the tip. For the total, the force along the gripper.
     pub friction_n: f64,
-    /// Sensed force, N; `None` if the force is not identifiable.
+    /// Sensed force, N; `None` if no force was sensed.
     pub sensed_n: Option<f64>,
     /// Stated standard deviation of the sensed force, N.
     pub sigma_n: Option<f64>,

@@ -1,7 +1,8 @@
 //! Grasps: a gripper closes on a free object, carries it and puts it down, while the forces are sensed.
 //!
-//! The motor angle determines the frames of the undeformed fingers ([`Gripper`], eqs (6)-(9) of the paper). [`World`] computes fingers, object and
-//! contact forces at rest, step by step. The estimator gets only the camera's view of the fingers ([`Eyes`]), never the true forces.
+//! The motor angle determines the coordinate frames of the undeformed fingers ([`Gripper`], eqs (6)-(9) of the paper). [`World`] computes the
+//! equilibrium of fingers and object, with their contact forces, step by step. The estimator gets only the camera's view of the fingers ([`Eyes`]),
+//! never the true forces.
 
 mod balance;
 mod course;
@@ -36,8 +37,8 @@ use rapier2d::parry::shape::Triangle;
 use rapier2d::prelude::{Pose, Vector as EngineVector};
 use std::ops::ControlFlow;
 
-/// Number of plate segments between two rods. Sensing uses converged beams. With three segments, a wedge that presses with 5 N between two rods causes an
-/// error of 0.5 %, twice the error caused by noise of 0.067 mm. Six segments cause a quarter of the error of three.
+/// Number of plate segments between two rods. Sensing uses converged beams. With three segments, a wedge that presses with 5 N between two rods
+/// causes an error of 0.5 %, twice the error caused by noise of 0.067 mm. With six segments, the error is a quarter of the error with three segments.
 pub const FINENESS: usize = 6;
 /// One newton in g m/s^2.
 const GRAMS_M_S2_A_NEWTON: f64 = 1000.0;
@@ -53,7 +54,7 @@ pub enum GraspError {
         /// The table with its required keys, as text.
         outline: String,
     },
-    /// The scene states the motion of a hand that moves the object, but a grasped object must be free.
+    /// The scene prescribes the path of the object, but a grasped object must be free.
     #[error(
         "object.mass_g is missing: expected a free object with mass_g and centre_mm, found an object on a \
             prescribed path"
@@ -105,7 +106,7 @@ pub struct GraspScene {
     mass_g: f64,
     centre_mm: Vector,
     fineness: usize,
-    /// Estimator for sensing; `None` for sensing with measured contacts (errors in all variables).
+    /// Estimator that senses the forces; `None` if the contacts count as measured values with errors (errors in all variables).
     estimator: Option<(EstimatorId, Networks)>,
 }
 
@@ -130,7 +131,7 @@ pub struct GraspStep {
     pub support_force: Vector,
     /// Largest imbalance of forces and moments on the object and on each finger's base, relative to the largest force, dimensionless.
     pub imbalance: f64,
-    /// Account of the motor's work up to this step, N mm.
+    /// Work and energy since the start of the grasp, N mm.
     pub energy: Account,
 }
 
@@ -189,7 +190,7 @@ impl GraspScene {
         GraspScene { estimator: Some((estimator, networks)), ..self }
     }
 
-    /// Estimator for sensing; `None` for sensing with measured contacts (errors in all variables).
+    /// Estimator that senses the forces; `None` if the contacts count as measured values with errors (errors in all variables).
     pub fn estimator(&self) -> Option<EstimatorId> {
         self.estimator.as_ref().map(|(id, _)| *id)
     }
@@ -225,7 +226,8 @@ impl GraspScene {
         closing * if self.grasp.opens { 2 } else { 1 } + way
     }
 
-    /// Index of a finger whose triangle of middle lines the object overlaps at the start. Objects in front of the front plate do not overlap.
+    /// Index of a finger that the object overlaps at the start. The finger counts as the triangle of its middle lines. Objects in front of the front
+    /// plate do not overlap.
     fn finger_across(&self, placements: &[Placement]) -> Option<usize> {
         let object = self.outline.engine_shape().ok()?;
         let engine = |point: Vector| EngineVector::new(point.x, point.y);
@@ -251,7 +253,7 @@ impl GraspScene {
         Some(self.gripper.fingers(&pose).iter().map(|finger| finger.within(&gripper)).collect())
     }
 
-    /// Runs the grasp. `each` receives every step at rest; `eyes` observe the fingers.
+    /// Runs the grasp. `each` receives the equilibrium of every step; `eyes` is the method by which the fingers are observed.
     ///
     /// # Errors
     /// [`GraspError`] if the grasp cannot start.
@@ -262,8 +264,8 @@ impl GraspScene {
         })
     }
 
-    /// Runs the grasp. `each` receives every step at rest, with the images of the left and the right finger. An image is `None` if it was not
-    /// rendered ([`Eyes::Images`]). The grasp ends if `each` returns [`ControlFlow::Break`].
+    /// Runs the grasp. `each` receives the equilibrium of every step, with the images of the left and the right finger. An image is `None` if it was
+    /// not rendered ([`Eyes::Images`]). The grasp ends if `each` returns [`ControlFlow::Break`].
     ///
     /// # Errors
     /// [`GraspError`] if the grasp cannot start.

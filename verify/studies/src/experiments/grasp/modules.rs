@@ -1,9 +1,10 @@
-//! The paper's tests of grasping forces (sec. V-C, Figs. 9 to 11, Table II): a finger closes on fixed force sensors.
+//! The paper's tests of grasping forces (section V-C, Figs. 9 to 11, Table II): a finger closes on fixed force sensors.
 //!
-//! A module has a cap in front of each of its nodes; all caps lie in one plane along the gripper. The motor moves the finger's base by eqs (6) to
-//! (9). When the rod of a node meets its cap, the cap pushes back along the sensor's axis, across the gripper, without friction. The paper treats
-//! this direction as known. The finger is the co-rotational frame. The other finger deforms as its mirror image, so only one finger is solved.
-//! Forces are sensed from displacements relative to the undeformed finger at the motor angle, with camera noise.
+//! A sensor module has a cap in front of each finger node that it measures; all caps lie in one plane along the gripper. The motor moves the finger's
+//! base by eqs (6) to (9). When the rod of a node meets its cap, the cap pushes back along the sensor's axis, across the gripper, without friction.
+//! The paper treats the sensor's axis as the known direction of the force. The finger is the co-rotational frame. The other finger deforms as the
+//! mirror image of this finger, so only one finger is solved. Forces are sensed from displacements relative to the undeformed finger at the motor
+//! angle, with camera noise.
 
 mod closing;
 
@@ -44,7 +45,7 @@ pub struct ModuleStep {
     pub turned_deg: f64,
     /// Direction of the sensors' axis, degrees from the plate's undeformed inward normal, positive towards the tip.
     pub axis_deg: f64,
-    /// True force on each node along the axis, N.
+    /// True force on each node along the sensors' axis, N.
     pub true_n: Vec<f64>,
     /// Sensed forces of each estimator, N, by noise sample; `None` for a refused sample.
     pub sensed_n: Vec<(EstimatorId, Vec<Option<Vec<f64>>>)>,
@@ -62,7 +63,7 @@ impl ModuleStep {
 pub struct Untouched {
     /// Number of sensed forces.
     pub count: usize,
-    /// Number of sensed forces within a bound.
+    /// Number of sensed forces whose absolute value is within their bound.
     pub within: usize,
     /// Largest absolute sensed force, N.
     pub largest_n: f64,
@@ -106,7 +107,7 @@ impl ModuleTest {
         (!each.is_empty()).then(|| ([mean(&each), mean(&each_n), mean(&sums)], counted))
     }
 
-    /// Adds forces sensed at nodes without contact to `into`, with their bound (N).
+    /// Adds the forces sensed at nodes without contact to `into`, each with the bound `bound_n` (N).
     pub fn untouched(&self, estimator: EstimatorId, bound_n: f64, into: &mut Untouched) {
         for step in &self.steps {
             for sensed_n in step.of(estimator).iter().flatten() {
@@ -118,7 +119,7 @@ impl ModuleTest {
 }
 
 impl ModuleStudy {
-    /// Errors of an estimator over the tests of a row of Table II: means over the tests, as in the paper's table.
+    /// Errors of an estimator for one row of Table II: means over the tests of the row, as in the paper's table.
     pub fn group(&self, group: &ContactGroup, estimator: EstimatorId) -> Option<GroupErrors> {
         let of_set = |nodes: &&[usize]| self.tests.iter().find(|test| test.nodes == *nodes)?.errors(estimator);
         let sets: Vec<_> = group.sets.iter().map(of_set).collect::<Option<_>>()?;

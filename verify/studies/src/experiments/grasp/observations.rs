@@ -9,11 +9,11 @@ use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Nodes at which the paper senses forces at once.
+/// Nodes at which the paper senses forces simultaneously.
 const NODES: std::ops::RangeInclusive<usize> = 16..=20;
-/// The paper calls a force at a node without contact a small error up to this value, N.
+/// Up to this value (N), the paper calls a force sensed at a node without contact a small error.
 pub const SMALL_N: f64 = 0.3;
-/// A total counts in relative differences only if it is at least this share of the largest total.
+/// Relative differences are computed only for totals above this share of the largest total.
 const COUNTS: f64 = 0.1;
 const SEED: u64 = 1;
 
@@ -22,11 +22,11 @@ const SEED: u64 = 1;
 pub struct Observations {
     /// Standard deviation of a coordinate's noise, mm.
     pub noise_mm: f64,
-    /// Name of each object grasped by the paper's fingers, with the comparison of its totals.
+    /// Objects grasped by the paper's fingers: name of the object, and comparison of its total forces.
     pub objects: Vec<(String, Totals)>,
-    /// By estimator: forces at nodes 16 to 20, sensed at once. Only nodes at least one node spacing away from every contact count.
+    /// For each estimator: forces at nodes 16 to 20, sensed simultaneously. Counts only nodes at least one node spacing away from every contact.
     pub untouched: Vec<(EstimatorId, Untouched)>,
-    /// Forces sensed at a sensor module's node without contact, while the other node has contact.
+    /// Forces sensed at a sensor module's node that has no contact, while the module's other node has contact.
     pub beside_sensor: Untouched,
 }
 
@@ -38,8 +38,8 @@ pub struct Totals {
     /// Largest difference of the true total between opening and closing at the same motor angle, relative to the largest total. `None` if the gripper
     /// does not open.
     pub opening: Option<f64>,
-    /// Largest difference of the true force at a node between opening and closing, relative to the largest force at a node. Each contact counts at its
-    /// nearest node. `None` if the gripper does not open.
+    /// Largest difference of the true force at a node between opening and closing, relative to the largest force at a node. The force of each contact
+    /// is attributed to the nearest node. `None` if the gripper does not open.
     pub opening_at_nodes: Option<f64>,
     /// Largest difference of the sensed total between opening and closing, relative to the largest true total. `None` if the gripper does not open.
     pub opening_sensed: Option<f64>,
@@ -149,7 +149,7 @@ pub(crate) fn run(
     Ok(Some(Observations { noise_mm: context.noise_mm, objects, untouched: untouched.to_vec(), beside_sensor }))
 }
 
-/// Nodes at least one node spacing away from every contact. `None` without contact, or if a contact is outside the range of nodes.
+/// Nodes at least one node spacing away from every contact. `None` without contact, or if a contact is outside the range of nodes 16 to 20.
 fn free_nodes(finger: &Finger, step: &FingerStep) -> Option<Vec<usize>> {
     let at_mm = |node: usize| finger.front_position_mm(NodeId(node)).unwrap_or(f64::NAN);
     let pitch_mm = at_mm(*NODES.start()) - at_mm(NODES.start() + 1);
@@ -163,7 +163,7 @@ fn free_nodes(finger: &Finger, step: &FingerStep) -> Option<Vec<usize>> {
     Some(NODES.filter(is_free).collect())
 }
 
-/// A contact at a node along the normal of the deformed plate; the camera sees this normal.
+/// A contact at a node, with a force along the deformed plate's normal; the camera sees this normal.
 fn along_normal(step: &FingerStep, node: NodeId) -> Contact {
     // A positive rotation of the plate (from x to y) turns the inward normal towards the tip.
     let angle_deg = step.shape.motion(node).rotation.to_degrees();

@@ -1,4 +1,4 @@
-//! Obstacles: bodies other than the object that fingers may touch.
+//! Obstacles: bodies that the fingers may touch, apart from the grasped object.
 
 use super::{GraspScene, finger_name};
 use finray_lattice::grasp::World;

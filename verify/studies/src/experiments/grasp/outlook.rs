@@ -3,7 +3,7 @@
 use super::{GraspStep, Phase};
 use serde::Serialize;
 
-/// Figures of a closed force loop. The force is the true force across the gripper, mean of both fingers.
+/// Figures of a closed force loop. The force is the true force across the gripper, averaged over both fingers.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LoopFigures {
     /// Target force, N.

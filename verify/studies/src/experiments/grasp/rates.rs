@@ -1,9 +1,9 @@
-//! The closed loop against the camera's frame rate: overshoot, steady error and rise time, with two noise levels and two delays.
+//! Effect of the camera's frame rate on the closed loop: overshoot, steady error and rise time, with two noise levels and two delays.
 //!
-//! The scene is `loop.toml` without its path: the gripper closes until the target force is sensed, then holds this force. Up to 90 % of the target,
-//! frames do not affect the loops. All loops therefore share this part, which has steps of the motor angle and no noise. Above 90 % of the target,
-//! each step is a frame. Until the target is reached, the motor turns regardless of the sensed force, so a slower camera sees a subset of the fastest
-//! camera's frames.
+//! The scene is `loop.toml` without its path: the gripper closes until the target force is sensed, then holds this force. Up to 90 % of the target
+//! force, the camera's frames do not affect the loops. All loops therefore share the closing motion up to 90 % of the target force, which has steps
+//! of the motor angle and no noise. Above 90 % of the target force, each step is one frame of the camera. Until the target is reached, the motor
+//! turns regardless of the sensed force, so a slower camera sees a subset of the fastest camera's frames.
 
 use super::course::Course;
 use super::{Eyes, GraspEnd, GraspError, GraspScene, GraspStep, LoopFigures, loop_figures};
@@ -19,7 +19,8 @@ const FRAMES_PER_S: [f64; 7] = [2.0, 5.0, 10.0, 25.0, 50.0, 100.0, 200.0];
 const CHECKED_PER_S: f64 = 25.0;
 /// Delays of sensing, in frames.
 pub const DELAYS: [usize; 2] = [0, 2];
-/// Number of lattice segments per plate member. The finger then differs by about 1 % from its model, which does not affect the controller.
+/// Number of lattice segments per plate member. With one segment, the finger differs by about 1 % from its beam model, which does not affect the
+/// controller.
 const FINENESS: usize = 1;
 /// A frame counts as a step if its force exceeds this share of the target force.
 const FRAMES_FROM: f64 = 0.9;
@@ -61,7 +62,7 @@ pub struct Spread {
 }
 
 impl LoopRun {
-    /// Mean and range of a figure over all realisations; `None` if the object was never held in one of the realisations.
+    /// Mean and range of a figure over all realisations; `None` if any realisation never held the object.
     pub fn over(&self, figure: impl Fn(&LoopFigures) -> f64) -> Option<Spread> {
         let values: Vec<f64> = self.figures.iter().map(|of| of.as_ref().map(&figure)).collect::<Option<_>>()?;
         let of = |fold: fn(f64, f64) -> f64| values.iter().copied().reduce(fold);
@@ -102,7 +103,7 @@ pub(crate) fn run(context: &Context) -> Result<Option<LoopStudy>, ExperimentErro
     Ok(Some(study))
 }
 
-/// Runs the shipped loop with all settings.
+/// Runs the shipped scene `loop.toml`, without its path, with every setting.
 ///
 /// # Errors
 /// [`ExperimentError`] if the scene cannot be grasped.

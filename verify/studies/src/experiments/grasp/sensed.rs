@@ -20,20 +20,20 @@ use std::borrow::Cow;
 pub enum Eyes {
     /// Marker positions with noise of this standard deviation (mm) on each coordinate.
     Noise(f64),
-    /// Images, one for each finger. The pose of the camera is relative to the frame of each finger at its motor angle. If the camera is on the gripper
-    /// ([`GraspDescription::camera_on_gripper`](finray_model::scene::GraspDescription)), the pose is relative to the gripper's frame.
+    /// Images, one for each finger. The pose of the camera is relative to each finger's frame, which follows from the motor angle. If the camera is
+    /// on the gripper ([`GraspDescription::camera_on_gripper`](finray_model::scene::GraspDescription)), the pose is relative to the gripper's frame.
     Images {
         /// The camera; its pose is relative to the finger or the gripper.
         camera: Box<Camera>,
         /// The markers of the finger.
         markers: Markers,
-        /// Standard deviation of the noise of every channel of every pixel, grey levels of 255.
+        /// Standard deviation of the noise of every channel of every pixel, in grey levels (0 to 255).
         grey_noise: f64,
         /// Standard deviation of the blur, px.
         blur_px: f64,
         /// Standard deviation of a coordinate of an outline point, mm.
         outline_noise_mm: f64,
-        /// Whether a finger without contact is rendered too. Without contact, no force is sensed from its image.
+        /// Whether fingers without contact are also rendered. No force is sensed from the image of a finger without contact.
         renders_free: bool,
     },
 }
@@ -59,8 +59,8 @@ impl Eyes {
         }
     }
 
-    /// Renders the image of a finger. `None` without a camera, or for a finger without contact whose image is not wanted. Fails if the camera does
-    /// not see the finger. Each image draws one number from `noise`, rendered or not, so that the noise of the other images remains the same.
+    /// Renders the image of a finger. `None` without a camera, or for a finger without contact if `renders_free` is false. Fails if the camera does
+    /// not see the finger. Each image draws one number from `noise`, even if it is not rendered, so the noise of the other images remains the same.
     fn image(
         &self,
         finger: &Finger,
@@ -77,7 +77,7 @@ impl Eyes {
         (renders_free || !is_free).then(|| render(&request).map_err(not_seen))
     }
 
-    /// Observes the markers of a deformed finger, with a camera in its image. Fails if the image does not show the finger.
+    /// Observes the markers of a deformed finger; if there is a camera, in the finger's image. Fails if the image does not show the finger.
     fn observed(
         &self,
         finger: &Finger,
@@ -109,11 +109,11 @@ fn not_seen(reason: impl std::fmt::Display) -> NotSensed {
 pub struct SeenFinger {
     /// Frame of the finger in the world.
     pub placement: Placement,
-    /// Frame of the finger in the gripper's frame.
+    /// Frame of the finger relative to the gripper's frame.
     pub in_gripper: Placement,
     /// Shape of the finger.
     pub shape: FingerShape,
-    /// Touches by the object, in the finger's frame.
+    /// Contacts at which the object touches the finger, in the finger's frame.
     pub touches: Vec<Touch>,
     /// Position (mm) and angle (rad) of the object in the world.
     pub object: [f64; 3],
@@ -158,7 +158,7 @@ impl FingerStep {
 }
 
 impl GraspScene {
-    /// Senses the forces on a finger. Also returns its image, if it was rendered.
+    /// Senses the forces on a finger. Also returns the finger's image, if the image was rendered.
     pub(super) fn sense(
         &self,
         lattice: &Lattice,

@@ -4,21 +4,22 @@ use super::{Eyes, FINENESS, GraspError, GraspScene, GraspStep, Summary};
 use crate::experiments::{Context, Evidence, ExperimentError};
 use crate::prelude::*;
 
-/// Tolerance of the imbalance of forces and moments, relative to the largest force: rounding of Newton's method, and numerical resistance to the object's
-/// motion.
+/// Tolerance of the imbalance of forces and moments, relative to the largest force. It covers rounding in Newton's method and numerical resistance to
+/// the object's motion.
 const BALANCE_TOLERANCE: f64 = 1e-4;
-/// Relative tolerance of the difference of both fingers' totals while only the fingers hold the object: the forces balance across the gripper.
+/// Relative tolerance of the difference between the two fingers' totals while only the fingers hold the object. In equilibrium, the forces balance
+/// across the gripper.
 const EQUAL_TOLERANCE: f64 = 1e-4;
-/// Tolerance of the relative error of sensed totals without noise. The error comes from friction, because sensing knows only the friction
-/// coefficient, and from the difference between the lattice and converged beams.
+/// Tolerance of the relative error of sensed totals without noise. The error has two causes: sensing knows only the coefficient of friction, and the
+/// lattice differs from converged beams.
 const TOTAL_TOLERANCE: f64 = 0.01;
-/// Relative tolerance of the difference between the work of the bases and the work of friction over the whole grasp. The trapezoidal rule computes
+/// Relative tolerance of the difference between the work of the motor and the work of friction over the whole grasp. The trapezoidal rule computes
 /// both works.
 const WORK_TOLERANCE: f64 = 0.02;
-/// Tolerance of unaccounted energy, relative to the largest elastic energy: the error of the trapezoidal rule over increments. While the bases move without a
-/// snap, the imbalance of an increment is at most 1e-4 of the energy that deforms a finger by the object's size.
+/// Tolerance of unaccounted energy, relative to the largest elastic energy. It covers the error of the trapezoidal rule over increments. Without a
+/// snap, the energy imbalance of an increment is at most 1e-4 of the energy that bends a finger by the object's size.
 const ENERGY_TOLERANCE: f64 = 0.01;
-/// Nominal share of totals within their intervals, and its tolerance: four standard errors for 78 totals.
+/// Nominal share of totals within their intervals. The next constant is its tolerance, four standard errors for 78 totals.
 const COVERED: f64 = 0.95;
 const COVERED_TOLERANCE: f64 = 0.1;
 
@@ -50,7 +51,7 @@ struct ReportedScene {
     clean: bool,
 }
 
-/// Grasps of the report: an object off the centre, one that the fingers rotate, and one between spring-steel fingers.
+/// Grasps of the report: an off-centre object, an object that the fingers rotate, and an object between spring-steel fingers.
 const SHOWN: [ReportedScene; 3] = [
     ReportedScene { toml: finray_fixtures::GRASPED_DISC_SCENE, fineness: FINENESS, coarser: None, clean: true },
     ReportedScene { toml: finray_fixtures::GRASPED_BOX_SCENE, fineness: 2, coarser: Some((45.0, 4)), clean: false },

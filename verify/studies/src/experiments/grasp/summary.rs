@@ -20,11 +20,12 @@ pub struct Summary {
     pub largest_total_n: f64,
     /// Largest imbalance of forces and moments, relative to the largest force of the step.
     pub worst_imbalance: f64,
-    /// Largest difference of the two fingers' totals while the support carries no load, relative to the larger total; `None` without such steps.
+    /// Largest difference between the two fingers' totals in steps without load on the support, relative to the larger total; `None` if there are no
+    /// such steps.
     pub left_right_difference: Option<f64>,
     /// Largest displacement of the object relative to the gripper while the object was lifted and carried, mm; `None` without a path.
     pub slid_mm: Option<f64>,
-    /// Account of the motor's work, N mm.
+    /// Work and energy over the grasp, N mm.
     pub energy: Account,
     /// Largest elastic energy of the fingers, N mm.
     pub largest_elastic_nmm: f64,

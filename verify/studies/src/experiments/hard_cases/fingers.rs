@@ -62,7 +62,7 @@ pub(super) const QUESTIONS: &[Question] = &[
 
 /// Force of most cases, N: it rotates parts of the paper's finger by tenths of a radian.
 const FORCE_N: f64 = 2.0;
-/// Two thicknesses, mm, and the tolerance of the effect of axial strain on their shapes, relative. The effect grows as thickness^2.
+/// Two thicknesses, mm. The next constant is the relative tolerance of the effect of axial strain on the shapes. The effect grows as thickness^2.
 const THIN_MM: [f64; 2] = [0.01, 0.005];
 const INEXTENSIBLE: f64 = 1e-4;
 const THICK_MM: f64 = 10.0;
@@ -70,7 +70,8 @@ const MODULI_MPA: [f64; 4] = [1e-3, 1.0, 1e3, 1e6];
 /// Tolerance of scaling laws, relative; Newton's method stops at 1e-11 of the energy norm.
 const SCALING: f64 = 1e-9;
 const ZONE_FACTORS: [f64; 2] = [1e6, 1e-6];
-/// Tolerance of the displacements caused by the strain of a zone that is 1e6 times stiffer, relative. It allows for the zone's lever arm.
+/// Relative tolerance of the displacements that the strain of a zone causes if the zone is 1e6 times stiffer. The tolerance allows for the zone's
+/// lever arm.
 const RIGID: f64 = 1e-5;
 const LARGE_MESH_NODES: usize = 100_000;
 /// Tolerance of an accepted solution, relative: four correct digits.
@@ -93,7 +94,7 @@ fn with_thickness(finger: &Finger, thickness_mm: f64) -> Result<Finger, Unexpect
     })
 }
 
-/// Force along the normal, N, that deforms a finger of another thickness about as much as the given finger.
+/// Force along the normal, N, that deforms a finger of another thickness about as much as `FORCE_N` deforms the given finger.
 fn bending_force(finger: &Finger, thickness_mm: f64) -> Vector {
     let ratio = thickness_mm / finger.description().front.thickness_mm;
     finger.direction(0.0) * (FORCE_N * ratio.powi(3))
@@ -146,7 +147,7 @@ fn zones(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unex
     let mut sound = Soundness::default();
     for (factor, elements) in ZONE_FACTORS.into_iter().flat_map(|factor| [(factor, 1), (factor, 4)]) {
         let mesh = Mesh::with_elements_per_member(&with_zone(factor)?, elements);
-        // Under the full force beside the zone, a soft zone would deform by more than its length.
+        // Under the full force at the tip, a soft zone would deform by more than its length.
         let force = finger.direction(0.0) * if factor < 1.0 { 0.1 * FORCE_N } else { FORCE_N };
         sound.add(&mesh, finger.tip(), force)?;
     }
@@ -199,7 +200,7 @@ fn close_ribs(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(),
 fn triangles(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unexpected> {
     let mut sound = Soundness::default();
     let mut sides = Vec::new();
-    // Lengths of base, front and back, mm: two needles, a flat roof, and a front plate that leans outwards over its base.
+    // Lengths of base, front and back, mm, of four triangles: two needles, a flat roof, and a front plate that leans outwards over its base.
     for [base, front, back] in [[0.5, 153.0, 153.0], [1e-3, 153.0, 153.0], [305.9, 153.0, 153.0], [100.0, 54.0, 153.0]]
     {
         let finger = variant(finger, |d| {

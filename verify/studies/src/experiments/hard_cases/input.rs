@@ -36,14 +36,14 @@ pub(super) const QUESTIONS: &[Question] = &[
 ];
 
 const NOT_FINITE: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
-/// Tolerance of proportionality, relative: nine digits under scaling by powers of ten.
+/// Relative tolerance of proportionality: after scaling by powers of ten, results agree in nine digits.
 const PROPORTIONAL: f64 = 1e-9;
 /// Tolerance of a displacement that must be zero, mm.
 const NOTHING_MM: f64 = 1e-300;
-/// Invalid values for any number, and for any size.
+/// Invalid values for any number. The next constant contains invalid values for any size.
 const NO_NUMBERS: [&str; 4] = ["nan", "inf", "-inf", "1e999"];
 const NO_SIZES: [&str; 3] = ["5e-324", "-5e-324", "-1.0"];
-/// Optional keys for the paper's scene: one text is inserted after the depth, the other at the end of the scene.
+/// Optional keys for the paper's scene, inserted before `[finger.front]`. The next constant is appended to the scene.
 const OPTIONAL_SIZES: &str = "rod_arm_mm = 0.5\npoissons_ratio = 0.3\nshear_correction = 0.8\n";
 const ZONE: &str = "[[finger.zone]]\nplate = \"front\"\nfrom_mm = 60.0\nto_mm = 95.0\nmodulus_factor = 0.5\n[camera]\nnoise_mm = 0.1\n";
 const EXTREME_VALUES: [&str; 6] = ["1e-100", "1e-30", "1e-10", "1e10", "1e30", "1e100"];
@@ -95,7 +95,7 @@ fn loads(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Unex
     Ok(())
 }
 
-/// Scenes with one number each replaced by `value`, with the key of the replaced number.
+/// Copies of the scene, each with one number replaced by `value`; each copy comes with the key of its replaced number.
 fn scenes_with<'s>(scene: &'s str, value: &'static str) -> impl Iterator<Item = (&'s str, String)> {
     let lines: Vec<&str> = scene.lines().collect();
     (0..lines.len()).filter_map(move |i| {
@@ -115,7 +115,7 @@ fn scene_values(_: &Finger, _: Effort, findings: &mut Findings) -> Result<(), Un
     let full = full_scene();
     Scene::from_toml(&full)?;
     let no_numbers = NO_NUMBERS.into_iter().flat_map(|value| scenes_with(&full, value));
-    // Optional keys may be zero or denormal, so only the scene without them is tested.
+    // Optional keys may be zero or denormal, so invalid sizes are tested only in the scene without optional keys.
     let no_sizes = NO_SIZES.into_iter().flat_map(|value| scenes_with(PAPER_SCENE, value));
     let (mut asked, mut refused) = (0, 0);
     for (key, scene) in no_numbers.chain(no_sizes) {
@@ -171,7 +171,7 @@ fn displacements(finger: &Finger, _: Effort, findings: &mut Findings) -> Result<
         off.push((linear.estimate(&scaled, None, Prior::None).forces_n[0] / factor - 1.0).abs());
         nonlinear.reset();
         match nonlinear.estimate(&scaled, None) {
-            // Tiny displacements equal those of the linear finger; displacements of 1e20 mm are impossible.
+            // Under tiny displacements, forces equal those of the linear finger; displacements of 1e20 mm are impossible.
             Ok(found) if exponent < 0 => off.push((found.forces.forces_n[0] / factor - 1.0).abs()),
             Ok(found) => {
                 // A returned force counts as wrong only if its residual is so small that the force seems to fit.

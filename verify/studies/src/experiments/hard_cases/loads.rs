@@ -28,14 +28,14 @@ pub(super) const QUESTIONS: &[Question] = &[
 ];
 
 const TINY_N: [f64; 5] = [1e-9, 1e-7, 1e-5, 1e-3, 1e-1];
-/// Tolerance of the relative change of the displacement by geometric nonlinearity, per newton: the value for a vanishing load at the middle of the finger,
-/// with a margin of 10 %. The change is proportional to the load. A stopping rule that ends early causes a larger change.
+/// Tolerance of the relative change of the displacement by geometric nonlinearity, per newton. It is the value for a vanishing load at the middle of
+/// the finger, plus 10 %. The change is proportional to the load. If a stopping rule ended the iteration too early, the change would be larger.
 const NONLINEARITY_PER_N: f64 = 1.1 * 0.08;
-/// Load steps, relative to the requested load, are not divided below this. A limit load is known to this accuracy.
+/// Load steps are not divided below this share of the requested load. A limit load is known to this share of the requested load.
 const LAST_STEP: f64 = 1e-6;
 /// Forces from the tip towards the base, N; the last three exceed the limit load.
 const BUCKLING_N: [f64; 4] = [1.0, 100.0, 1e3, 1e6];
-/// Force of the last case, N, and its directions, degrees from the inward normal.
+/// Force of the last case, N. The next constant contains its directions, degrees from the inward normal.
 const FORCE_N: f64 = 3.0;
 const ANGLES_DEG: [f64; 6] = [0.0, 90.0, -90.0, 135.0, -135.0, 180.0];
 

@@ -1,7 +1,7 @@
 //! Hard cases: fingers, loads, measurements and inputs at the limits of computation, each with an expected outcome.
 //!
-//! No expectation relies on the solver itself. Each is a scaling law, another solution method, an energy balance, equilibrium of the reactions,
-//! a limit with known solution, or a refusal. All cases are variants of one finger.
+//! No expectation relies on the solver itself. Each expectation is a scaling law, another solution method, an energy balance, equilibrium of the
+//! reactions, a limit with known solution, or a refusal. All cases are variants of one finger.
 
 mod fingers;
 mod input;
@@ -68,7 +68,7 @@ impl Findings {
         self.notes.push(words.into());
     }
 
-    /// Adds an internal check: another solution method, a law that solutions obey, or a count of refusals.
+    /// Adds an internal check: a comparison with another solution method or with a law that solutions obey, or a count of refusals.
     fn check(&mut self, source: &str, quantity: &str, reference: f64, ours: f64, tolerance: f64) {
         self.checks.push(Check::new(Kind::Internal, self.case, source, quantity, reference, ours, tolerance));
     }
@@ -93,7 +93,7 @@ pub(crate) fn run(context: &Context) -> Result<Vec<HardCase>, Infallible> {
     Ok(hard_cases(context.finger, context.effort, &|| context.progress.step()))
 }
 
-/// Computes all hard cases; `progress` is called after each.
+/// Computes all hard cases; `progress` is called after each case.
 pub fn hard_cases(finger: &Finger, effort: Effort, progress: &(dyn Fn() + Sync)) -> Vec<HardCase> {
     let questions: Vec<&Question> = questions().collect();
     let answer = |question: &&Question| {

@@ -47,15 +47,17 @@ pub(super) const QUESTIONS: &[Question] = &[
 
 /// Tolerance of the relative error without noise: rounding times the condition number (363 for twelve forces).
 const EXACT: f64 = 1e-7;
-/// Tolerance of an error over some hundred draws, in standard deviations. One draw exceeds it with a probability of 6e-7.
+/// Tolerance of each error among a few hundred draws, in standard deviations. The error of a single draw exceeds five standard deviations with a
+/// probability of 6e-7.
 const SIGMAS: f64 = 5.0;
-/// Tolerance of scatter / sigma against 1. It covers more than four standard errors of the draws, and geometric nonlinearity at 1 mm noise.
+/// Tolerance of the ratio scatter / sigma, whose reference is 1. The tolerance covers more than four standard errors of the draws, and geometric
+/// nonlinearity at 1 mm noise.
 const SCATTER: f64 = 0.25;
-/// Noise of a good camera, mm, for twelve forces at once; the paper's camera is too noisy for them.
+/// Noise of a good camera, mm, for twelve forces at once; the paper's camera is too noisy to sense twelve forces.
 const GOOD_NOISE_MM: f64 = 0.0067;
 const NOISES_MM: [f64; 4] = [0.01, CAMERA_NOISE_MM, 0.3, 1.0];
-/// Displacement error of the outlier, mm; tolerance of the relative change of a force; smallest required ratio of the outlier's residual to the
-/// noise.
+/// Displacement error of the outlier, mm. The next constants are the tolerance of the relative change of a force, and the smallest required ratio of
+/// the linear fit's residual to the noise.
 const WILD_MM: Vector = Vector::new(12.0, 16.0);
 const WILD_CHANGE: f64 = 0.02;
 const CONSPICUOUS: f64 = 10.0;
@@ -70,7 +72,7 @@ fn at_node(node: NodeId, angle_deg: f64) -> Contact {
     Contact { position: ContactPosition::Node(node), angle_deg }
 }
 
-/// Forces on a finger and their noise-free measurements, by kinematics.
+/// Forces on a finger, and their noise-free measurements under linear and co-rotational kinematics.
 struct Task<'m> {
     mesh: &'m Mesh,
     contacts: Vec<Contact>,
@@ -114,7 +116,7 @@ impl<'m> Task<'m> {
         worst(found.forces_n.iter().zip(&self.forces_n).map(|(found, force)| (found - force).abs())) / largest
     }
 
-    /// Errors divided by the stated standard deviations, by force.
+    /// Error of each force divided by its stated standard deviation.
     fn sigmas_off<'e>(&'e self, found: &'e Estimate) -> impl Iterator<Item = f64> + 'e {
         let errors = found.forces_n.iter().zip(&self.forces_n).map(|(found, force)| (found - force).abs());
         errors.zip(&found.sigmas_n).map(|(error, sigma)| error / sigma)

@@ -9,13 +9,13 @@ pub const AGREEMENT: f64 = 1e-8;
 /// Tolerance of the imbalance of force and moment between reactions and load, relative to the load. Strains of stiff elements have fewer correct
 /// digits.
 pub const BALANCE: f64 = 1e-6;
-/// Tolerance of elastic energy against work, relative to the work: the error of the quadrature.
+/// Tolerance of the difference between elastic energy and work, relative to the work. It covers the error of the quadrature.
 pub const ENERGY: f64 = 1e-6;
 /// Tolerance of a limit load, relative; load steps end at 1e-6 of the requested load.
 pub const LIMIT: f64 = 1e-3;
-/// Quantity of the comparison of two solutions: see [`difference`].
+/// Name of the quantity that compares two solutions: see [`difference`].
 pub const DIFFERENCE: &str = "difference / largest displacement";
-/// Number of parts of the load path with separate quadrature, because shallow arches soften along the path.
+/// The load path is divided into this number of parts for quadrature, because shallow arches soften along the path.
 const PANELS: usize = 4;
 /// Gauss-Legendre rule with eight points on 0..1: (abscissa, weight).
 const GAUSS: [(f64, f64); 8] = [
@@ -35,13 +35,13 @@ pub struct Soundness {
     against_sparse: Vec<f64>,
     unbalanced: Vec<f64>,
     energy: Vec<f64>,
-    /// Number of loads without equilibrium, and number of these refusals that a smaller load confirms.
+    /// Number of loads refused for lack of an equilibrium. The next field counts the refusals that a smaller load confirms.
     refused: usize,
     confirmed: usize,
 }
 
 impl Soundness {
-    /// Solves a force (N) on a node, linear and co-rotational, and returns both displacement fields.
+    /// Solves for the displacements under a force (N) on a node, linear and co-rotational, and returns both displacement fields.
     ///
     /// # Errors
     /// [`Unexpected`] if the load is invalid or has no equilibrium.
@@ -50,9 +50,9 @@ impl Soundness {
         Ok([self.linear(mesh, load)?, self.corotational(mesh, load)?])
     }
 
-    /// Like [`add`](Soundness::add), for a force (N) under which the finger may have no equilibrium. Without equilibrium, a force slightly below the
-    /// reported carried share must have an equilibrium, and half of the carried share must pass all checks. Returns the carried share, 1 for the full
-    /// force.
+    /// Like [`add`](Soundness::add), for a force (N) under which the finger may have no equilibrium. Without equilibrium, the finger must carry a
+    /// force slightly below the reported carried share. At half of the carried share, the finger must pass all checks. Returns the carried share of
+    /// the force: 1 if the finger carries the full force.
     pub fn add_or_refused(&mut self, mesh: &Mesh, node: NodeId, force: Vector) -> Result<f64, Unexpected> {
         let solve = |share: f64| {
             let load = mesh.frame_load(&Load::at_node(node, force * share))?;
@@ -87,7 +87,7 @@ impl Soundness {
             return Err(error.into());
         }
         let Some(full) = path.last() else { return Err("no equilibrium along the load path".into()) };
-        // Work of the growing load: F u at its end minus the complementary energy.
+        // Work of the growing load: F u under the full load minus the complementary energy.
         let complementary: f64 =
             path.iter().zip(&points).map(|(found, (_, weight))| weight * work(&load, &found.motion)).sum();
         let done = work(&load, &full.motion) - complementary;
@@ -110,7 +110,7 @@ impl Soundness {
         Ok(())
     }
 
-    /// Adds one check for each law over all equilibria; without equilibria all fail.
+    /// Adds one check for each law over all equilibria; without equilibria, all these checks fail.
     pub fn report(self, findings: &mut Findings) {
         let worst = |figures: Vec<f64>| if figures.is_empty() { f64::NAN } else { worst(figures) };
         findings.vanishes("general sparse path", DIFFERENCE, worst(self.against_sparse), AGREEMENT);
@@ -122,7 +122,7 @@ impl Soundness {
     }
 }
 
-/// Largest difference of two motions' displacements, relative to the second's largest displacement.
+/// Largest difference between the displacements of two motions, relative to the largest displacement of the second motion.
 pub fn difference(a: &FrameMotion, b: &FrameMotion) -> f64 {
     let differences = a.displacements.iter().zip(&b.displacements).map(|(a, b)| (a - b).norm());
     worst(differences) / b.largest_displacement()
@@ -136,8 +136,8 @@ fn work(load: &FrameLoad, motion: &FrameMotion) -> f64 {
     }
 }
 
-/// Relative imbalance of load and reactions: the force relative to the load, and the moment about the origin relative to the load times the distance
-/// of the loaded node.
+/// Relative imbalance of load and reactions: the larger of two ratios. These are force / load, and moment about the origin / (load x distance of the
+/// loaded node).
 fn unbalanced(mesh: &Mesh, load: &FrameLoad, motion: &FrameMotion, kinematics: Kinematics) -> f64 {
     let FrameLoad::Node { node, force, .. } = *load else { return f64::NAN };
     let (frame, finger) = (mesh.frame(), mesh.finger());

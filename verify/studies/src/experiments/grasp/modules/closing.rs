@@ -6,9 +6,9 @@ use crate::experiments::table_two::FORCES_N;
 use crate::prelude::*;
 use finray_model::scene::ROD_RADIUS_MM;
 
-/// Starting angle of the motor, degrees. The sensor's axis is then 12.4 degrees off the plate's normal (the paper: at most 12.5).
+/// Starting angle of the motor, degrees. At this angle, the sensor's axis is 12.4 degrees off the plate's normal (in the paper: at most 12.5).
 const START_DEG: f64 = 360.0;
-/// Motion of the motor between two steps at rest, degrees (sec. V-C).
+/// Rotation of the motor from one step at rest to the next, degrees (section V-C).
 const STEP_DEG: f64 = 22.5;
 /// Largest number of steps: 900 degrees, the end of the paper's figures.
 const MOST_STEPS: usize = 40;
@@ -26,7 +26,7 @@ pub struct ClosedStep {
     pub turned_deg: f64,
     /// Direction of the sensors' axis, degrees from the plate's undeformed inward normal, positive towards the tip.
     pub axis_deg: f64,
-    /// True force on each node along the axis, N.
+    /// True force on each node along the sensors' axis, N.
     pub true_n: Vec<f64>,
     /// Displacements of the markers relative to the undeformed finger at the motor angle.
     pub displacements: Measurement,
