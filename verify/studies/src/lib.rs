@@ -1,9 +1,9 @@
 //! Studies of force sensing with fin-ray fingers: true fingers, sampling, reference problems, experiments and checks. "The paper" is Xu et al. (2021).
 //!
-//! Modules depend downwards only. [`settings`], [`check`] and [`statistics`] use no other module of this crate. [`lattice`] measures the lattice's own error;
-//! [`exports`] contains shapes of fingers computed by other programs. [`truths`] contains the simulated fingers on which sensing is tested,
-//! [`finray_model::estimators`] contains the estimators under test, and [`sampling`] the test procedure. [`problems`] have known solutions.
-//! [`experiments`] produce the results, [`study`] runs them all for one scene, and [`claims`] compares the paper's statements with them.
+//! Modules depend downwards only. [`settings`], [`check`] and [`statistics`] use no other module of this crate. [`lattice`] measures the lattice's
+//! own error; [`exports`] contains shapes of fingers computed by other programs. [`truths`] contains the simulated fingers on which sensing is
+//! tested, [`finray_model::estimators`] contains the estimators under test, and [`sampling`] contains the test procedure. [`problems`] have known
+//! solutions. [`experiments`] produce the results, [`study`] runs them all for one scene, and [`claims`] compares the paper's statements with them.
 #![forbid(unsafe_code)]
 
 pub mod check;

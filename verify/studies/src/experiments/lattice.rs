@@ -1,4 +1,4 @@
-//! Study of the lattice: its error and the causes of the error, its computation time, and sensing of its shapes.
+//! Study of the lattice: its error and the causes, its computation time, and the sensing of forces from its shapes.
 
 use super::contact_scene::objects::Objects;
 use super::contact_scene::study::SceneStudy;
@@ -15,31 +15,31 @@ use finray_lattice::settling::Precision;
 use std::collections::HashMap;
 use std::ops::RangeInclusive;
 
-/// Forces under which axial springs are compared, N; rotations are negligible under the first.
+/// Forces under which settings of axial springs are compared, N; rotations are negligible under the smallest force.
 const AXIAL_FORCES_N: [f64; 3] = [0.1, 2.0, 5.0];
-/// Lattices are settled up to this fineness, because finer lattices need many seconds.
+/// Largest fineness at which lattices are settled (simulated until rest); finer lattices need many seconds.
 const SETTLED_FINENESS: usize = 4;
-/// Tolerance of the difference in sensed / true between lattice and beams. Under 3 N, displacements of the maps' lattice (four segments per member) have a
-/// relative error of 1.2e-4. Linear sensing of one force at most doubles this error.
+/// Tolerance of the difference in sensed / true between lattice and beams. Under 3 N, displacements of the maps' lattice (four segments per member)
+/// have a relative error of 1.2e-4. Linear sensing of one force at most doubles the relative error of the displacements.
 const MAP_TOLERANCE: f64 = 2.6e-4;
-/// Tolerance of the nonlinear estimator's error on the lattice. Its mesh (four elements per member) has an error of 4e-4 under 3 N; the lattice adds
-/// its own error.
+/// Tolerance of the nonlinear estimator's error on the lattice. The estimator's mesh (four elements per member) has an error of 4e-4 under 3 N; the
+/// lattice adds its own error.
 const NONLINEAR_TOLERANCE: f64 = 5.3e-4;
 
-/// All results of the lattice for a report.
+/// All results of the lattice study for a report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LatticeStudy {
-    /// Error and time by fineness. Only a full study settles lattices, at the coarser finenesses.
+    /// Error and time by fineness. Only a full study settles lattices (simulates them until rest), and only the coarser lattices.
     pub rows: Vec<FinenessRow>,
-    /// Loads under which the rows were computed: by Newton's method, and by settling.
+    /// Loads under which `rows` were computed: first the loads for Newton's method, then the load for settling.
     pub loads: [LoadGrid; 2],
-    /// Errors with the axial springs of a beam and with other axial springs, for [`FINENESS`] segments per member.
+    /// Errors of lattices with the axial springs of a beam and with other axial springs, at [`FINENESS`] segments per member.
     pub axial: Vec<AxialRow>,
     /// Forces at which axial springs are compared, N.
     pub axial_forces_n: Vec<f64>,
-    /// Errors by settings of settling, for [`FINENESS`] segments per member; empty in a quick study.
+    /// Errors of settling (simulation until rest), one row per setting, at [`FINENESS`] segments per member; empty in a quick study.
     pub settling: Vec<SettlingRow>,
-    /// Loads under which settings of settling are compared.
+    /// Loads under which the settings of `settling` are compared.
     pub settled: LoadGrid,
     /// Largest unbalanced force after rounding the equilibrium to single precision, relative to the load, dimensionless.
     pub out_of_balance: f64,
@@ -53,7 +53,7 @@ pub struct LatticeStudy {
     pub sensing: LatticeSensing,
 }
 
-/// Maps of sensing from the lattice's displacements. Only maps in `others` include noise.
+/// Accuracy maps of sensing from the lattice's displacements. Only maps in `others` include noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LatticeSensing {
     /// Map by linear least squares.
@@ -66,7 +66,7 @@ pub struct LatticeSensing {
     pub difference: MapDifference,
 }
 
-/// Difference of two maps without noise, over the cells of both.
+/// Difference of two maps without noise, over the cells that both maps contain.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MapDifference {
     /// Number of compared cells.
@@ -105,11 +105,11 @@ impl MapDifference {
 /// Size of the study by effort.
 struct Extent {
     finenesses: RangeInclusive<usize>,
-    /// Loads by fineness and for the axial springs: every `nodes`-th node, and directions in degrees.
+    /// Loads for comparing finenesses and axial springs: every `nodes`-th node, in the directions `angles_deg` (degrees).
     nodes: usize,
     angles_deg: &'static [f64],
-    /// Positions and step of the directions (degrees), for least squares and for the nonlinear estimator. Both grids are parts of the co-rotational
-    /// map's grid.
+    /// Number of positions and step of the directions (degrees): first for the map of least squares, then for the map of the nonlinear estimator.
+    /// Both grids are parts of the co-rotational map's grid.
     maps: [(usize, f64); 2],
 }
 
@@ -136,8 +136,8 @@ impl Evidence for LatticeStudy {
     }
 }
 
-/// Studies the lattice of the paper's finger in parallel with pressed objects, because settling of an object takes long on its single thread. `maps` includes
-/// the map of least squares on the co-rotational finger without noise.
+/// Studies the lattice of the paper's finger in parallel with pressed objects, because each object settles for a long time on a single thread. `maps`
+/// includes the map of least squares on the co-rotational finger without noise.
 pub(crate) fn run_beside_objects(
     context: &Context,
     maps: &[AccuracyMap],
@@ -163,7 +163,7 @@ impl LatticeStudy {
     pub const STEPS: usize = 7;
 
     /// Computes the study. `theirs` is the map of least squares on the co-rotational finger without noise. `noise` holds the standard deviations of a
-    /// coordinate (mm; the first is 0) and the number of samples of the maps.
+    /// coordinate's noise (mm; the first is 0) and the number of noise samples of the maps.
     pub(crate) fn run(
         finger: &Finger,
         effort: Effort,
@@ -181,11 +181,11 @@ impl LatticeStudy {
         let middle = few.nodes[few.nodes.len() / 2];
         let one = LoadGrid { nodes: vec![middle], angles_deg: vec![few.angles_deg[1]], forces_n: vec![2.0] };
         let largest = few.forces_n.iter().copied().fold(0.0, f64::max);
-        // Sweeps converge most slowly near the tip.
+        // The solver's sweeps over the springs converge most slowly for a load near the tip.
         let settled = LoadGrid { nodes: few.nodes[..1].to_vec(), forces_n: vec![largest], ..few };
         let finenesses: Vec<usize> = extent.finenesses.clone().collect();
 
-        // These computations are timed on one core, in parallel with the other computations of the study.
+        // The times in `rows` are measured on one core, in parallel with the other computations of the study.
         let settles = |fineness| (full && fineness <= SETTLED_FINENESS).then(|| one.clone());
         let rows = || study(finger, &finenesses, &all, settles).inspect(|_| step());
         let problem = || if full { problems::lattice::checks(finger).inspect(|_| step()) } else { Ok(Vec::new()) };

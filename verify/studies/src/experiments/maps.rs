@@ -13,9 +13,10 @@ struct Plan {
     request: MapRequest,
 }
 
-/// Computes a map for each true finger and estimator. For scenes other than the paper's, true fingers consist of the scene's own beams only. Maps on
-/// the spring lattice are part of [its own study](super::lattice), except maps of networks. The continuum has no map, because every cell would show
-/// the factor by which material and rods stiffen the finger. The claim on solid elements states this factor.
+/// Computes a map for each true finger and estimator. For scenes other than the paper's, the only true fingers are those made of the scene's own
+/// beams. Maps on the spring lattice are part of [its own study](super::lattice), except maps of networks. The continuum has no map, because every
+/// cell would show the factor by which material and rods stiffen the finger. The claim on solid elements states the factor by which material and rods
+/// stiffen the finger.
 pub(crate) fn run(context: &Context) -> Result<Vec<AccuracyMap>, TruthError> {
     let finger = context.finger;
     let is_mapped = |id: &TruthId| id.kinematics().is_some() || context.is_paper && *id != TruthId::Continuum;
@@ -56,7 +57,7 @@ fn plan(context: &Context, truth: &dyn Truth, estimator: EstimatorId) -> Result<
         return Ok(None);
     }
     let effort = context.effort;
-    // The shapes of these fingers differ strongly from the shapes of the scene's co-rotational beams.
+    // The shapes of the linear finger and of the twin differ strongly from the shapes of the scene's co-rotational beams.
     let unexplained = estimator.searches() && matches!(truth.id(), TruthId::Linear | TruthId::Twin);
     let (positions, step_deg, noise_samples) = match estimator {
         EstimatorId::LeastSquares if truth.id().kinematics().is_some() => effort.resolution(),

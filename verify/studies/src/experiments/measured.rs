@@ -62,11 +62,11 @@ pub struct MarkerResidual {
 pub struct MeasuredStudy {
     /// Number of images with a measured force.
     pub images: usize,
-    /// Sensed forces: by prior knowledge, then image.
+    /// Sensed forces, ordered by prior knowledge, then by image.
     pub forces: Vec<MeasuredForce>,
     /// Residuals of all markers.
     pub residuals: Vec<MarkerResidual>,
-    /// Pictures that show the residuals over the images. Only images with a given file have a picture.
+    /// Pictures that show the residuals over the images. Only images whose file is given have a picture.
     pub pictures: Vec<Picture>,
 }
 
@@ -159,7 +159,7 @@ fn sensed(
     let measured = Direction::Angle(scene.finger.angle_deg(force));
     let direction = (knowledge.direction)(measured, scene.contact.lean)?;
     let question = ContactQuestion { position: None, direction };
-    // Displacements are relative to the assumed finger; its model error counts as noise of the markers.
+    // Displacements are computed relative to the assumed finger; the model error of this finger counts as noise of the markers.
     let mut scene = Scene { finger: finger.clone(), ..scene.clone() };
     let mut observation = seen.observation.clone();
     if !knowledge.base_is_sought {

@@ -1,6 +1,7 @@
 //! Experiments on fingers, estimators and models: one file for each, with its own type of results.
 //!
-//! Experiments of the report `run` on the [`Context`] and on earlier results; [`study`](crate::study) lists them.
+//! Each experiment of the report has a function `run`, which takes the [`Context`] and earlier results; [`study`](crate::study) lists the
+//! experiments.
 
 pub mod assumed;
 pub mod camera;
@@ -47,7 +48,7 @@ pub struct Context<'c> {
     pub is_paper: bool,
     /// Standard deviation of the camera noise of one coordinate, mm.
     pub noise_mm: f64,
-    /// Forces of maps, drawings and their explanations.
+    /// Forces of maps and drawings, and of the explanations of maps.
     pub forces: ReportForces,
     /// Amount of computation.
     pub effort: Effort,
@@ -97,7 +98,7 @@ pub enum ExperimentError {
     /// A contact cannot be sensed.
     #[error(transparent)]
     Sensing(#[from] SensingError),
-    /// An estimator refuses a case that it supports.
+    /// An estimator fails, or does not support the contacts.
     #[error(transparent)]
     Estimator(#[from] EstimatorError),
     /// A network cannot be read.
@@ -113,7 +114,7 @@ pub enum ExperimentError {
     /// A grasp cannot be set up.
     #[error(transparent)]
     Grasp(#[from] GraspError),
-    /// The markers are invalid for a camera.
+    /// Markers do not form a valid measurement.
     #[error(transparent)]
     Markers(#[from] MeasurementError),
     /// The finger has no digital twin.

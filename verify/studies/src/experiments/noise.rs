@@ -6,14 +6,14 @@ use crate::prelude::*;
 use crate::sampling::scatter::{self, Controlled, Counts, ScatterRequest, ScatterRow, scatter_controlled};
 use crate::settings::{ONE_FORCE_N, TWO_FORCES_N};
 
-/// Tolerance of the mean relative error of one force at nodes 14 to 24. The Cramer-Rao bound is largest at node 24, 1.2 %.
+/// Tolerance of the mean relative error of one force at nodes 14 to 24. The mean error at the Cramer-Rao bound is largest at node 24: 1.2 %.
 const ONE_FORCE_TOLERANCE: f64 = 0.013;
-/// Checks at nodes require at least this number of drawn cases. The ratio of a mean relative error to its bound is then known to 3 %, a third of its
-/// tolerance. Refused cases count as drawn, so that they cannot remove a check.
+/// Checks of single nodes require at least this number of drawn cases. With 1000 cases, the ratio of a mean relative error to its bound is known to 3
+/// %, a third of the ratio's tolerance. Refused cases count as drawn, so that they cannot remove a check.
 const ENOUGH_CASES: usize = 1000;
-/// With at least this number of drawn cases, a pair's tolerance has no allowance for chance. With fewer, two standard errors are allowed, because
-/// the bound of neighbours is just below the tolerance. Relative errors of uniformly drawn forces have a standard deviation of `MEAN_SCATTER` times
-/// their mean.
+/// With at least this number of drawn cases, a pair's tolerance has no allowance for chance. With fewer cases, two standard errors are added to the
+/// tolerance, because the bound for neighbouring nodes is just below the tolerance. Relative errors of uniformly drawn forces have a standard
+/// deviation of `MEAN_SCATTER` times their mean.
 const ENOUGH_PAIR_CASES: usize = 2000;
 const MEAN_SCATTER: f64 = 1.1;
 const MEAN_STANDARD_ERRORS: f64 = 2.0;
@@ -22,10 +22,12 @@ pub const CHECKED_NODES: std::ops::RangeInclusive<usize> = 14..=24;
 /// Pairs of contact nodes, each with the tolerance of its mean relative error, averaged over both forces.
 pub const CHECKED_PAIRS: [([usize; 2], f64); 4] =
     [([19, 20], 0.03), ([16, 17], 0.03), ([18, 20], 0.012), ([16, 20], 0.012)];
-/// Tolerance of the relative difference from the Cramer-Rao bound: for mean errors at nodes and of sums, and for root mean squares of every pair.
+/// Tolerance of the relative difference from the Cramer-Rao bound. It applies to mean errors of single nodes and of sums, and to root mean square
+/// errors of every pair.
 pub const BOUND_TOLERANCE: f64 = 0.10;
-/// Tolerance of the standard error of a figure that is checked with [`BOUND_TOLERANCE`]. Chance then does not hide an error of twice that tolerance (four
-/// standard errors). The standard error is 2 % for neighbouring nodes, and a few tenths of a per cent for distant nodes.
+/// Tolerance of the standard error of a figure that is checked with [`BOUND_TOLERANCE`]. Chance then cannot hide a difference of twice
+/// [`BOUND_TOLERANCE`], which exceeds the tolerance by four standard errors. The standard error is 2 % for neighbouring nodes, and a few tenths of a
+/// per cent for distant nodes.
 pub const BOUND_STANDARD_ERROR: f64 = BOUND_TOLERANCE / 4.0;
 
 /// Results of sensing random forces under camera noise.
@@ -33,12 +35,12 @@ pub const BOUND_STANDARD_ERROR: f64 = BOUND_TOLERANCE / 4.0;
 pub struct NoiseStudy {
     /// Standard deviation of a coordinate's noise, mm.
     pub noise_mm: f64,
-    /// Results of single contact nodes under forces of [`ONE_FORCE_N`] (scaled for another finger), by the nonlinear estimator.
+    /// Results of single contact nodes under forces of [`ONE_FORCE_N`] (scaled for fingers other than the paper's), by the nonlinear estimator.
     pub single: Vec<ScatterRow>,
-    /// Results of every pair of contact nodes under forces of [`TWO_FORCES_N`] (scaled for another finger), by the nonlinear estimator. Empty in a
-    /// quick study.
+    /// Results of every pair of contact nodes under forces of [`TWO_FORCES_N`] (scaled for fingers other than the paper's), by the nonlinear
+    /// estimator. Empty in a quick study.
     pub pairs: Vec<ScatterRow>,
-    /// Results of every pair with the same samples, by linear least squares.
+    /// Results of every pair by linear least squares, with the samples of `pairs`.
     pub linear_pairs: Vec<ScatterRow>,
     /// Condition number of the linear finger's compliance (largest over smallest singular value), one for each of `pairs`.
     pub condition_numbers: Vec<f64>,
@@ -46,7 +48,7 @@ pub struct NoiseStudy {
     pub checked: Vec<ScatterRow>,
 }
 
-/// Sources of the references: applied forces, and the bound of the same model.
+/// Names of the two references in checks: the applied forces, and the Cramer-Rao bound of the same model.
 const TRUE_FORCES: &str = "true forces";
 const BOUND: &str = "Cramer-Rao bound";
 
@@ -58,8 +60,9 @@ struct Cases {
 }
 
 impl Cases {
-    /// Pairs of the paper's finger have more cases, because their figures are checked against [`BOUND_STANDARD_ERROR`]. On other fingers, the figures
-    /// are only shown. Control variates then allow half as many cases: with 100 cases, a mean error has a standard error of 9 %, without control 14 %.
+    /// Pairs of the paper's finger have more cases, because their figures are checked against [`BOUND_STANDARD_ERROR`]. The figures of other fingers
+    /// are shown, but not checked. For other fingers, control variates allow half as many cases: with 100 cases, the standard error of a mean error
+    /// is 9 %. Without control variates it is 14 %.
     fn of(effort: Effort, is_paper: bool) -> Cases {
         match effort {
             Effort::Quick => Cases { single: 20, pairs: 0, checked: 100 },
@@ -94,7 +97,8 @@ impl NoiseStudy {
         progress.part("noise", singles.len() + pairs.len() + checked.len());
         let model = Mesh::with_elements_per_member(finger, ELEMENTS);
         let nonlinear = BeamEstimator::nonlinear(&model);
-        // For pairs only errors are shown, so the model error, a part of the stated standard deviation, is not computed.
+        // Reports show only the errors of pairs. Stated standard deviations are not shown, so the model error that they would include is not
+        // computed.
         let of_pairs = [BeamEstimator::nonlinear, BeamEstimator::least_squares]
             .map(|estimator| estimator(&model).of_noise_alone());
         let noise_levels_mm = [noise_mm];
@@ -113,7 +117,8 @@ impl NoiseStudy {
         let both = scatter_controlled(&request(cases.pairs), &[&of_pairs[0], &of_pairs[1]], &pairs, two_n, &step)?;
         let (mut nonlinear_pairs, linear_pairs): (Vec<ScatterRow>, Vec<ScatterRow>) =
             both.into_iter().partition(|row| row.estimator == EstimatorId::Nonlinear);
-        // On the paper's finger, pairs that are too close to the tolerance for a verdict are computed again with more cases, which are newly drawn.
+        // On the paper's finger, pairs that exceed the tolerance, or are too close to it for a verdict, are computed again with more, newly drawn
+        // cases.
         let is_open = |&i: &usize| is_paper && nonlinear_pairs[i].is_near_tolerance(BOUND_TOLERANCE);
         let open: Vec<usize> = (0..pairs.len()).filter(is_open).collect();
         let sets: Vec<Vec<NodeId>> = open.iter().map(|&i| pairs[i].clone()).collect();

@@ -46,8 +46,8 @@ impl Evidence for TouchedFinger {}
 /// Step of the directions of [`touched`], degrees.
 const TOUCHED_STEP_DEG: f64 = 20.0;
 
-/// Shapes of the co-rotational finger under the force at which maps are drawn, at up to 13 contact nodes, in all directions with equilibrium. For the paper's
-/// scene, the same shapes of the finger with softer ends follow.
+/// Shapes of the co-rotational finger under the force at which maps are drawn, at up to 13 contact nodes. Directions without equilibrium are omitted.
+/// For the paper's scene, shapes of the finger with softer ends under the same loads follow.
 pub(crate) fn touched(context: &Context) -> Result<Vec<TouchedFinger>, TruthError> {
     let mut touched = shapes_of(context, context.corotational);
     if context.is_paper {
@@ -72,7 +72,8 @@ fn shapes_of(context: &Context, truth: &dyn Truth) -> Vec<TouchedFinger> {
     contacts.par_iter().filter_map(shape).collect()
 }
 
-/// The finger under the force at which maps are drawn, at up to three nodes, linear and co-rotational. Shapes without equilibrium are omitted.
+/// Linear and co-rotational shapes of the finger under the force at which maps are drawn, at up to three nodes. Shapes without equilibrium are
+/// omitted.
 pub(crate) fn run(context: &Context) -> Result<Vec<BentFinger>, Infallible> {
     let (finger, mesh, force_n) = (context.finger, context.fine, context.forces.drawn_n());
     let nodes: Vec<_> = finger.contact_nodes().collect();

@@ -1,7 +1,7 @@
 //! Computation time against error, for every model of the finger and every estimator.
 //!
-//! Each point is timed when it is computed, on one core, as the median and 95th percentile over its answers. Preparation for a finger or mesh
-//! is excluded, because a stream of frames or a sweep needs it only once. Preparation for a contact is stated separately. Results of
+//! Each point is timed on one core while it is computed. Its times are the median and the 95th percentile over its answers. Preparation for a finger
+//! or mesh is excluded, because a stream of frames or a sweep needs it only once. Preparation for a contact is stated separately. Results of
 //! [criterion] and of [other programs](peers) are added if given.
 
 pub mod criterion;
@@ -86,7 +86,7 @@ impl From<TimedBy> for String {
 pub enum Start {
     /// No earlier solution: a direct solution, or iterations that start from rest.
     None,
-    /// Least squares on the linear finger, as for an unrelated measurement.
+    /// The least-squares solution on the linear finger, as for a frame that is unrelated to the previous frame.
     Cold,
     /// The answer for the previous frame.
     Warm,
@@ -123,7 +123,7 @@ pub struct SpeedErrorPoint {
     pub seconds_95: Option<f64>,
     /// Median preparation time for a new contact, s; only for sensing that was timed by the report.
     pub preparation_seconds: Option<f64>,
-    /// Relative error. For shapes: worst difference from the reference over the largest displacement. For forces: mean of |sensed / true - 1|.
+    /// Relative error. For shapes: worst difference from the reference, divided by the largest displacement. For forces: mean of |sensed / true - 1|.
     pub error: f64,
     /// Largest error for frames without noise, in standard deviations of the noise: the error of the model and its mesh.
     pub bias_sigmas: Option<f64>,
@@ -131,7 +131,8 @@ pub struct SpeedErrorPoint {
     pub failed: usize,
     /// Number of requested answers.
     pub asked: usize,
-    /// Whether the point is on the Pareto front of its task: no other point is both faster and more accurate. Points of other programs do not count.
+    /// Whether the point is on the Pareto front of its task: no other point is at least as good in time and error, and better in one. Points of other
+    /// programs are excluded.
     pub on_front: bool,
     /// Source of the time.
     pub timed_by: TimedBy,
@@ -144,7 +145,7 @@ impl SpeedErrorPoint {
     }
 }
 
-/// Forces are requested at up to this number of nodes along the front plate: all nodes that the paper loads on its finger.
+/// Largest number of front nodes at which load cases apply forces; 11 includes all nodes that the paper loads on its finger.
 pub const ASKED_NODES: usize = 11;
 
 /// Load cases of a task on a finger: nodes and forces.
@@ -177,7 +178,7 @@ pub fn asked(finger: &Finger, forces: ReportForces, task: Task) -> Asked {
     Asked { nodes, forces_n }
 }
 
-/// Marks the Pareto front of each task: points that no other point surpasses in both time and error.
+/// Marks the Pareto front of each task. A point is on the front unless another point is at least as good in time and error, and better in one.
 fn mark_fronts(points: &mut [SpeedErrorPoint]) {
     let ours = |point: &SpeedErrorPoint| !matches!(point.timed_by, TimedBy::OtherProgram { .. });
     let beaten = |point: &SpeedErrorPoint, by: &SpeedErrorPoint| {

@@ -63,7 +63,8 @@ pub struct TableOne {
     pub truth: TruthId,
     /// Direction of the weights, degrees from the inward normal, positive towards the tip.
     pub angle_deg: f64,
-    /// Ratio of calibrated to true Young's modulus: eq. (11), from the shapes under weights at nodes 17, 19 and 21.
+    /// Ratio of calibrated to true Young's modulus. The modulus is calibrated by eq. (11) of the paper, from the shapes under weights at nodes 17, 19
+    /// and 21.
     pub modulus_factor: f64,
     /// One row for each loaded node, from tip to base.
     pub rows: Vec<TableOneRow>,
@@ -71,7 +72,7 @@ pub struct TableOne {
 
 impl Evidence for TableOne {}
 
-/// Results for Table I by assumed direction, on the co-rotational finger; empty unless the finger is the paper's.
+/// Results for Table I on the co-rotational finger, one for each assumed direction of the weights; empty unless the finger is the paper's.
 pub(crate) fn run(context: &Context) -> Result<Vec<TableOne>, ExperimentError> {
     if !context.is_paper {
         return Ok(Vec::new());
@@ -117,7 +118,7 @@ pub fn table_one(
     Ok(TableOne { truth: truth.id(), angle_deg, modulus_factor, rows })
 }
 
-/// Ratio of calibrated to assumed Young's modulus: eq. (11), from shapes of the true finger under forces (N) at some nodes.
+/// Ratio of calibrated to assumed Young's modulus, by eq. (11) of the paper, from shapes of the true finger under forces (N) at some nodes.
 pub(crate) fn modulus_factor(
     finger: &Finger,
     truth: &dyn Truth,

@@ -1,7 +1,7 @@
 //! The protocol of Table II of Xu et al. (2021): forces of 0.3 to 3 N on one node, on two neighbours and on two distant nodes.
 //!
-//! The paper measures on its gripper, at the nodes of sec. V-C, and lists the mean over the tests of each group. Here a finger of known kinematics
-//! replaces the gripper, with and without camera noise. All estimators get the same samples.
+//! The paper measures on its gripper, at the nodes of sec. V-C, and lists the mean over the tests of each group. Here a simulated finger with known
+//! kinematics replaces the gripper, with and without camera noise. All estimators get the same samples.
 
 use super::{Context, Evidence};
 use crate::prelude::*;
@@ -56,13 +56,13 @@ pub const COMPARED_SETS: [ComparedSet; 3] = [
 /// Range of each force, N (sec. V-C).
 pub const FORCES_N: [f64; 2] = TWO_FORCES_N;
 
-/// Largest number of cases per set for the nonlinear estimator on the linear finger, whose shapes no co-rotational finger fits. The search then tries every
-/// starting point and takes a hundred times as long; the estimator often refuses.
+/// Largest number of cases per set for the nonlinear estimator on the linear finger, whose shapes no co-rotational finger fits. For shapes that it
+/// cannot fit, the search tries every starting point and takes a hundred times as long; the estimator often refuses.
 pub const CASES_WITHOUT_FIT: usize = 20;
-/// On the linear finger, the nonlinear estimator senses at most the number of cases divided by this.
+/// Divisor of the number of cases, for the cases that the nonlinear estimator senses on the linear finger.
 const SHARE_WITHOUT_FIT: usize = 4;
-/// Largest number of cases per set for the nonlinear estimator, which takes as long as all other computations together. A mean error over the sets
-/// of a group is then known to 4 %, because relative errors have a standard deviation of 1.1 times their mean.
+/// Largest number of cases per set for the nonlinear estimator; this estimator takes as long as all other computations together. A mean error over
+/// the sets of a group is known to 4 % with this number of cases. Relative errors have a standard deviation of 1.1 times their mean.
 pub const MOST_FITS: usize = 500;
 /// Number of times that [`table_two`] calls `progress`: four runs with one call for each set of contacts.
 pub const STEPS: usize = 4 * {
@@ -74,10 +74,11 @@ const SEED: u64 = 1;
 /// Results for Table II on two fingers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TableTwo {
-    /// Number of random cases for each set of contacts. The nonlinear estimator senses the first [`MOST_FITS`] of them; on the linear finger it senses
-    /// a quarter, at most [`CASES_WITHOUT_FIT`].
+    /// Number of random cases for each set of contacts. The nonlinear estimator senses at most the first [`MOST_FITS`] of these cases; on the linear
+    /// finger it senses a quarter of them, at most [`CASES_WITHOUT_FIT`].
     pub cases: usize,
-    /// Condition number of the linear compliance (largest over smallest singular value), for each of [`contact_sets`]: amplification of shape errors.
+    /// Condition number of the linear compliance (largest over smallest singular value), for each of [`contact_sets`]. It states how strongly errors
+    /// of the shape are amplified.
     pub condition_numbers: Vec<f64>,
     /// Results on each true finger.
     pub fingers: Vec<TableTwoFinger>,
@@ -101,7 +102,7 @@ impl TableTwo {
     }
 }
 
-/// Errors of an estimator in the tests of one group: means over its sets, as in the paper's table.
+/// Errors of an estimator in the tests of one group: means over the group's sets, as in the paper's table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GroupErrors {
     /// Mean relative error of each force.
@@ -129,7 +130,7 @@ impl GroupErrors {
         let mean = |figure: &dyn Fn(&ScatterRow) -> Option<f64>| {
             mean(rows.iter().map(|row| figure(row)).collect::<Option<Vec<f64>>>()?)
         };
-        // The sum of a single force is that force.
+        // The sum of a single force is the force itself, so its error is not stated again.
         let several = |figure: Option<f64>| figure.filter(|_| group.paper_sum.is_some());
         Some(GroupErrors {
             force: mean(&ScatterRow::mean_error)?,
@@ -181,7 +182,7 @@ pub(crate) fn run(context: &Context) -> Result<Option<TableTwo>, EstimatorError>
 /// squares, ridge, the `further` estimators and the nonlinear estimator. `progress` is called after each set of contacts, [`STEPS`] times in all.
 ///
 /// # Errors
-/// [`EstimatorError`] for a finger without these nodes, or an estimator that does not support one of the sets.
+/// [`EstimatorError`] for a finger without the nodes of Table II, or an estimator that does not support one of the sets.
 pub fn table_two(
     fine: &Mesh,
     noise_levels_mm: &[f64],
@@ -198,7 +199,7 @@ pub fn table_two(
     let sets: Vec<Vec<NodeId>> =
         contact_sets().iter().map(|set| set.iter().map(|&node| NodeId(node)).collect()).collect();
     let run = |mesh, kinematics, cases, estimators: &[&dyn Estimator]| {
-        // The bound depends little on the mesh, so the coarsest mesh suffices.
+        // The Cramer-Rao bound depends little on the mesh, so the coarsest mesh suffices.
         let request = ScatterRequest { truth: mesh, kinematics, model: &key_nodes, noise_levels_mm, cases, seed: SEED };
         scatter(&request, estimators, &sets, FORCES_N, progress)
     };

@@ -1,5 +1,5 @@
-//! Fingers as plane continua, solved by CalculiX: plates and ribs with their thickness, rods as stiff discs, plane strain, Poisson's ratio 0.45 (one: 0.35).
-//! `fixtures/calculix/README.md` describes the export and its accuracy.
+//! Fingers as plane continua in plane strain, solved by CalculiX: plates and ribs with their thickness, and rods as stiff discs. Poisson's ratio is
+//! 0.45, for one finger 0.35. `fixtures/calculix/README.md` describes the export and its accuracy.
 
 use super::{ExportedFinger, Program};
 use finray_model::finger::{Finger, FingerDescription};
@@ -18,7 +18,8 @@ pub const PAPER_PLAIN: ExportedFinger = ExportedFinger {
     csv: finray_fixtures::CONTINUUM_PAPER_PLAIN,
 };
 
-/// Fingers with rods that were solved after the rule of arms was found, at some nodes. They are no true fingers, only tests of the rule.
+/// Fingers with rods, solved under forces at a few nodes after the rule for the length of rod arms was found. These fingers only test the rule for
+/// rod arms, and are not used as true fingers.
 pub const FURTHER: [ExportedFinger; 3] = [
     ExportedFinger {
         name: "wide-rods",
@@ -37,7 +38,8 @@ pub const FURTHER: [ExportedFinger; 3] = [
     },
 ];
 
-/// CalculiX's fingers, all with rods. A finger has the shapes of an export if both have the same drawing, whatever the beams assume of the material.
+/// CalculiX's fingers, all with rods. An export applies to a finger if both have the same drawing; Poisson's ratio, rod arms, shear correction and a
+/// common factor on all moduli may differ.
 pub const PROGRAM: Program = Program {
     name: "CalculiX",
     fingers: &[
@@ -68,10 +70,10 @@ pub const PROGRAM: Program = Program {
         shear_correction and a common factor on all moduli may differ",
 };
 
-/// Tolerance of ratios of moduli, relative: a common factor is rounded in each modulus, and in a scene file to about fifteen digits.
+/// Relative tolerance of ratios of moduli: each modulus is rounded when a common factor multiplies it, and a scene file keeps about fifteen digits.
 const SAME_RATIO: f64 = 1e-12;
 
-/// Whether two fingers differ only in what a beam model assumes of one printed finger: Poisson's ratio, arms, shear, and a common factor on all
+/// Whether two fingers differ at most in parameters of the beam model: Poisson's ratio, rod arms, shear correction, and a common factor on all
 /// moduli.
 fn has_drawing_of(finger: &Finger, exported: &Finger) -> bool {
     let moduli = [finger, exported].map(|finger| moduli_mpa(finger.description()));

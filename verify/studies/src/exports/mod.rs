@@ -1,4 +1,4 @@
-//! Shapes of fingers under single forces that other programs computed, read from exported tables.
+//! Shapes of fingers under single forces, computed by other programs and read from exported tables.
 //!
 //! Entry points: [`mujoco::PROGRAM`] solves the same beams by another formulation; [`calculix::PROGRAM`] solves fingers as plane continua.
 
@@ -31,21 +31,21 @@ pub enum ExportError {
 pub struct Program {
     /// Name of the program.
     pub name: &'static str,
-    /// All exported fingers. At most one of them has the shapes of a given scene's finger.
+    /// All exported fingers. At most one of the exports applies to a given scene's finger.
     pub fingers: &'static [ExportedFinger],
-    /// Whether the first finger (from a scene) has the shapes of the second finger (exported).
+    /// Whether the shapes of the second finger (exported) also apply to the first finger (from a scene).
     is_exported: fn(&Finger, &Finger) -> bool,
     /// Text for messages: the differences from an exported finger that do not matter. Empty if every difference matters.
     ignored: &'static str,
 }
 
 impl Program {
-    /// The export that has the shapes of `finger`, regardless of names; `None` if no export has these shapes.
+    /// The export whose shapes apply to `finger`, regardless of names; `None` if no export applies.
     pub fn export_of(&self, finger: &Finger) -> Option<&'static ExportedFinger> {
         self.fingers.iter().find(|exported| exported.finger().is_ok_and(|known| (self.is_exported)(finger, &known)))
     }
 
-    /// Beginning of a message, which lists the exported fingers.
+    /// First part of a message; it lists the exported fingers.
     pub fn coverage(&self) -> String {
         let names = self.fingers.iter().map(|exported| exported.name).collect::<Vec<_>>().join(", ");
         format!("{}'s shapes were exported only for the fingers {names}{}", self.name, self.ignored)

@@ -1,5 +1,6 @@
-//! Shapes computed by MuJoCo for three fingers, and for the paper's finger with a cylinder pushed into it. MuJoCo solves discrete elastic rods
-//! between rigid rods, with independent code. `fixtures/mujoco/README.md` describes the export and its accuracy.
+//! Shapes computed by MuJoCo for three fingers, and for the paper's finger with a cylinder pushed into it. MuJoCo models each member as a discrete
+//! elastic rod between the rigid rods at key nodes, with code that is independent of finray. `fixtures/mujoco/README.md` describes the export and its
+//! accuracy.
 
 use super::{ExportError, ExportedFinger, Program, rows, shape};
 use crate::prelude::*;
@@ -8,7 +9,7 @@ use crate::prelude::*;
 pub const PAPER: ExportedFinger =
     ExportedFinger { name: "paper", scene: finray_fixtures::PAPER_SCENE, csv: finray_fixtures::MUJOCO_PAPER };
 
-/// The fingers that MuJoCo solved. The shapes of an export apply only to an equal finger.
+/// The fingers that MuJoCo solved. An export applies only to a finger that equals the exported finger.
 pub const PROGRAM: Program = Program {
     name: "MuJoCo",
     fingers: &[
@@ -39,7 +40,7 @@ pub struct TouchedRod {
     pub moment_nmm: f64,
 }
 
-/// Equilibrium of the paper's finger with a rigid cylinder pushed into it, by MuJoCo.
+/// Equilibrium, computed by MuJoCo, of the paper's finger with a rigid cylinder pushed into it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactStep {
     /// Number of the push. A push is a series of steps with one cylinder.

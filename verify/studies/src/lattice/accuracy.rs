@@ -1,4 +1,4 @@
-//! Error of the lattice against converged beams, and its computation time, by fineness.
+//! Error of the lattice against converged beams, and computation time of the lattice, for each fineness.
 
 use crate::prelude::*;
 
@@ -110,10 +110,10 @@ pub struct FinenessRow {
     pub settling: Option<SettlingCost>,
 }
 
-/// Error of a settled lattice against its own equilibrium, and its computation time.
+/// Error of a settled lattice against the equilibrium that Newton's method finds for it, and computation time of settling.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SettlingCost {
-    /// Largest difference of a settled lattice from its own equilibrium, relative to the largest displacement, dimensionless.
+    /// Largest difference of a settled lattice from its equilibrium by Newton's method, relative to the largest displacement, dimensionless.
     pub error: f64,
     /// Largest number of steps to rest under one load.
     pub steps: usize,
@@ -132,7 +132,8 @@ pub enum AccuracyError {
     Beams(#[from] StaticsError),
 }
 
-/// Computes error and time by fineness: Newton's method solves `grid`, and settling uses the loads that `settled` returns for a fineness.
+/// Computes error and time for each fineness. Newton's method solves the loads of `grid`; settling uses the loads that `settled` returns for the
+/// fineness.
 ///
 /// Times refer to one core: the timed computations run in sequence on one thread.
 ///
@@ -171,8 +172,8 @@ fn settling_cost(lattice: &Lattice, loads: &LoadGrid) -> Result<SettlingCost, La
     Ok(SettlingCost { error: worst(worst_by_force(&equilibria, &shapes, loads.forces_n.len())), steps, ms })
 }
 
-/// Settles a lattice under every load of a grid, in sequence. Returns the shapes by node and direction, then force, the largest number of steps to rest,
-/// and the mean time under one load, ms.
+/// Settles a lattice under every load of a grid, in sequence. Returns three values: the shapes (by node and direction, then force), the largest
+/// number of steps to rest, and the mean time under one load, ms.
 pub(crate) fn settled_shapes(
     lattice: &Lattice,
     grid: &LoadGrid,

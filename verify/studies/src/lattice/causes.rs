@@ -9,7 +9,7 @@ use finray_lattice::springs::AxialSprings;
 /// Stiffness factor at which axial springs count as rigid. A factor 100 times as large changes displacements of the paper's finger by 1e-3, relative.
 pub const AS_GOOD_AS_RIGID: f64 = 1e3;
 
-/// Axial springs to compare, with their names. The springs of a beam are first.
+/// Axial springs to compare, with their names. The first entry has the axial springs that are equivalent to a beam.
 pub const AXIAL_SPRINGS: [(&str, AxialSprings); 4] = [
     ("as a beam's", AxialSprings::OF_A_BEAM),
     ("fixed at the segments' ends", AxialSprings { inset: 0.0, ..AxialSprings::OF_A_BEAM }),
@@ -57,7 +57,7 @@ pub const SETTLINGS: [(usize, Precision); 5] = [
 /// A lattice counts as not settled after this number of steps, several times the number that the paper's finger needs.
 const MOST_STEPS: usize = 20_000;
 
-/// Error of settling with one setting, against the lattice's own equilibrium.
+/// Error of settling with one setting, against the lattice's equilibrium by Newton's method.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SettlingRow {
     /// Sweeps over the springs in one step.
@@ -103,8 +103,8 @@ pub fn settling(lattice: &Lattice, grid: &LoadGrid) -> Result<Vec<SettlingRow>, 
     SETTLINGS.par_iter().map(row).collect()
 }
 
-/// Imbalance caused by rounding alone: the largest unbalanced force on a body, relative to the load. The bodies are at equilibrium under each
-/// load of a grid, with positions and rotations rounded once to the given precision.
+/// Imbalance caused by rounding alone: the largest unbalanced force on a body, relative to the load. For each load of a grid, the positions and
+/// rotations of the bodies at equilibrium are rounded once to the given precision.
 ///
 /// # Errors
 /// [`LatticeError`] if a load has no equilibrium.

@@ -1,5 +1,5 @@
-//! A second formulation of plane beams, for problems with limit loads: the differential equation of the elastic line, integrated from one end
-//! to the other (shooting). It shares the Euler-Bernoulli theory with the model, but neither elements nor solver.
+//! A second formulation of plane beams, for problems with limit loads: the differential equation of the elastic line, integrated from one end to the
+//! other (shooting). This formulation shares the Euler-Bernoulli theory with the model, but neither the elements nor the solver.
 
 use super::ProblemError;
 use nalgebra::{DMatrix, DVector};
@@ -39,8 +39,8 @@ pub struct Section {
 impl Section {
     /// The section at the end of a straight segment of the given undeformed length, by the classical Runge-Kutta method.
     ///
-    /// Derivatives with respect to the undeformed length, with position r, unit tangent t, constant force F and N = F . t:
-    /// r' = (1 + N / EA) t, direction' = M / EI, M' = -r' x F.
+    /// Derivatives with respect to the undeformed length, with position r, unit tangent t, moment M, constant force F and axial force N = F . t: r' =
+    /// (1 + N / EA) t, direction' = M / EI, M' = -r' x F.
     ///
     /// Source: Antman, Nonlinear Problems of Elasticity, ch. 4 (planar elastica without shear).
     pub fn beyond(self, length: f64, rigidity: Rigidity) -> Section {
@@ -64,8 +64,9 @@ impl Section {
     }
 }
 
-/// The limit load nearest to `start`. The vector contains the unknowns and, last, the load. At the limit load the N residuals `miss` are zero and
-/// their derivative with respect to the unknowns is singular. `scale` contains the magnitude of each entry. Fails if the search does not converge.
+/// The limit load nearest to `start`. `start` contains the unknowns and, as its last entry, the load. At the limit load the N residuals `miss` are
+/// zero and their derivative with respect to the unknowns is singular. `scale` contains the magnitude of each entry of `start`. Fails if the search
+/// does not converge.
 pub(crate) fn limit_load<const N: usize, const M: usize>(
     miss: impl Fn(&[f64; M]) -> [f64; N],
     start: [f64; M],

@@ -39,7 +39,8 @@ pub(super) fn cantilever(elements: usize, axial_rigidity_n: f64) -> (PlaneFrame,
     (frame, nodes)
 }
 
-/// Tip displacements across (w) and against (u) the undeformed axis, relative to the length, and tip rotation (rad). `load` is P L^2 / EI.
+/// Tip displacements perpendicular to the undeformed axis (w) and along this axis towards the clamp (u), relative to the length, and tip rotation
+/// (rad). `load` is P L^2 / EI.
 pub(super) fn solve(
     load: f64,
     angle_deg: f64,

@@ -1,6 +1,7 @@
 //! The elastic energy of the bent finger equals the work of its load.
 //!
-//! Source: conservation of energy. The work is F u(F) minus the integral of u over F, by Boole's rule.
+//! Source: conservation of energy. With the displacement u of the loaded node along the force F, the work is F u(F) minus the integral of u over F,
+//! by Boole's rule.
 
 use super::ProblemError;
 use crate::prelude::*;
@@ -12,9 +13,9 @@ const FORCE_N: f64 = 3.0;
 const NODES: [usize; 3] = [14, 19, 24];
 /// Number of intervals of the quadrature.
 const STEPS: usize = 64;
-/// Tolerance of energy against work, relative to the work. Simpson's rule alone has an error of at most 4e-10 here: its change from half as many
-/// intervals, divided by 15. Boole's rule, which extrapolates Simpson's rule, is much more accurate. The rest of the tolerance covers the convergence
-/// error of Newton's method.
+/// Tolerance of energy against work, relative to the work. Simpson's rule alone has an error of at most 4e-10 here, estimated as its difference from
+/// the result with half as many intervals, divided by 15. Boole's rule, which extrapolates Simpson's rule, is much more accurate. The rest of the
+/// tolerance covers the convergence error of Newton's method.
 pub const TOLERANCE: f64 = 1e-10;
 
 /// Elastic energy and work of the load, N mm.

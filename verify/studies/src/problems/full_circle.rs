@@ -15,8 +15,9 @@ const AXIAL_RIGIDITY: f64 = 1e6;
 /// Tolerance of the tip's position (relative to the length) and rotation (rad): rounding error. Equal elements turn by equal angles, so their chords
 /// form a closed polygon for any number of elements.
 pub const CLOSURE_TOLERANCE: f64 = 1e-9;
-/// Tolerance of the middle's height, relative to the length. The chord of an element that bends by the angle 2 a is 1 - a^2 / 6 instead of
-/// sin a / a, relative to its length. The chord is too short by a^4 / 120, here 4.8e-8.
+/// Tolerance of the height of the cantilever's middle, relative to the cantilever's length. Relative to its length, an element that bends by the
+/// angle 2 a has a chord of 1 - a^2 / 6 instead of sin a / a. With half the bending angle a of an element, the chord is too short by a^4 / 120, here
+/// 4.8e-8.
 pub const CHORD_TOLERANCE: f64 = 1e-7;
 
 /// Checks of the tip's position, the tip's rotation, and the height of the middle.

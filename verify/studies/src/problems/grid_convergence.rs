@@ -2,10 +2,10 @@
 //!
 //! Source: P. J. Roache, J. Fluids Eng. 116 (1994) 405-413; I. B. Celik et al., J. Fluids Eng. 130 (2008) 078001.
 //!
-//! Expected orders: an element bends by an angle phi proportional to its length h. The relative error of its chord is of order phi^2 with chord
-//! strain and phi^4 with shallow-arch strain, which gives orders 2 and 4. The shallow-arch strain also ignores that an elongated beam has more
-//! length to bend, an error of phi^2 times the strain. On very fine meshes of elongated beams the order therefore falls to 2. Here the strain,
-//! a factor of that error, is 1e-4 to 1e-3.
+//! The expected orders follow from the angle phi by which an element bends; phi is proportional to the element's length h. The relative error of its
+//! chord is of order phi^2 with chord strain and phi^4 with shallow-arch strain, which gives orders 2 and 4. The shallow-arch strain also ignores
+//! that an elongated beam has more length to bend. The resulting error is phi^2 times the strain. On very fine meshes of elongated beams the order
+//! therefore falls to 2. The error of phi^2 times the strain is small here, because the strain is 1e-4 to 1e-3.
 
 use super::{ProblemError, elastica};
 use crate::prelude::*;
@@ -25,21 +25,21 @@ const CANTILEVER_LOAD: f64 = 2.0;
 const FORCE_N: f64 = 3.0;
 /// Loaded nodes: beside the tip, in the middle, near the base.
 const NODES: [usize; 3] = [14, 19, 24];
-/// Elements per member of the three meshes whose index is checked.
+/// Elements per member of the three meshes whose grid convergence index is checked.
 const ELEMENTS: [usize; 3] = [4, 8, 16];
 /// Numbers of nodes: the paper's two meshes, and a finer mesh as reference for the index.
 const NODE_COUNTS: [usize; 3] = [25, 684, 5000];
 /// Tolerance of the displacement on 684 nodes, relative to the displacement.
 pub const FINE_MESH_TOLERANCE: f64 = 1e-4;
-/// Tolerance of the index on 5000 nodes, relative to the displacement: small against [`FINE_MESH_TOLERANCE`].
+/// Tolerance of the grid convergence index on 5000 nodes, relative to the displacement; small compared with [`FINE_MESH_TOLERANCE`].
 pub const FINEST_MESH_TOLERANCE: f64 = 1e-6;
 
-/// Figures on three meshes, the coarsest first, and their extrapolation to the mesh-independent solution.
+/// Values of one quantity on three meshes, the coarsest first, and their extrapolation to the mesh-independent solution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GridConvergence {
     /// Numbers of nodes of the meshes.
     pub nodes: [usize; 3],
-    /// Figure under study on each mesh, in its own unit.
+    /// Value of the quantity on each mesh, in the quantity's own unit.
     pub values: [f64; 3],
     /// Observed order of convergence, dimensionless; NaN if the values do not differ.
     pub order: f64,
@@ -51,9 +51,9 @@ pub struct GridConvergence {
 }
 
 impl GridConvergence {
-    /// Procedure of Celik et al., eqs (3) to (7). `sizes` are representative element lengths in any common unit. With r the ratios of the sizes and e the
-    /// differences of the values, the order p solves p ln(r21) = |ln|e32 / e21| + q(p)| by fixed-point iteration, with
-    /// q(p) = ln((r21^p - s) / (r32^p - s)) and s = sign(e32 / e21).
+    /// Procedure of Celik et al., eqs (3) to (7). `sizes` are representative element lengths in any common unit. The order p solves p ln(r21) =
+    /// |ln|e32 / e21| + q(p)|, with q(p) = ln((r21^p - s) / (r32^p - s)) and s = sign(e32 / e21). Here r are ratios of sizes and e differences of
+    /// values; p is found by fixed-point iteration.
     pub fn of(nodes: [usize; 3], sizes: [f64; 3], values: [f64; 3]) -> GridConvergence {
         let [r32, r21] = [sizes[0] / sizes[1], sizes[1] / sizes[2]];
         let [e32, e21] = [values[0] - values[1], values[1] - values[2]];
@@ -91,7 +91,8 @@ pub(crate) fn of_finger(
     Ok(GridConvergence::of(meshes.map(Mesh::node_count), sizes, values))
 }
 
-/// Grid convergence of the deflection of an inextensible cantilever, whose error has no term of second order with the shallow-arch strain.
+/// Grid convergence of the deflection of an inextensible cantilever. With the shallow-arch strain, the error of this deflection has no term of second
+/// order.
 fn of_cantilever(kinematics: Kinematics) -> Result<GridConvergence, ProblemError> {
     let mut values = [0.0; 3];
     for (value, elements) in values.iter_mut().zip(ELEMENTS) {
@@ -100,7 +101,7 @@ fn of_cantilever(kinematics: Kinematics) -> Result<GridConvergence, ProblemError
     Ok(GridConvergence::of(ELEMENTS.map(|n| n + 1), ELEMENTS.map(|n| 1.0 / n as f64), values))
 }
 
-/// Checks of observed orders, of the index against 5000 nodes, and of the meshes with 684 and 5000 nodes.
+/// Checks of the observed orders, of the grid convergence index against the error relative to 5000 nodes, and of the meshes with 684 and 5000 nodes.
 pub(crate) fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     let [coarse, medium, fine] = ELEMENTS.map(|elements| Mesh::with_elements_per_member(finger, elements));
     let meshes = [&coarse, &medium, &fine];

@@ -1,7 +1,8 @@
 //! The camera on the gripper: positions of the undeformed fingers in the camera's images while the gripper closes. Measured displacements are
-//! relative to these positions.
+//! relative to the positions of the undeformed finger.
 //!
-//! Source: Xu et al. (IEEE T-RO 2021), eq. (10), and the joint of rocker and link by Newton's method. Lens, pose and lengths are assumed.
+//! Source: Xu et al. (IEEE T-RO 2021), eq. (10); Newton's method gives the position of the joint of rocker and link. Lens, pose and lengths are
+//! assumed.
 
 use super::ProblemError;
 use super::linkage::{TOLERANCE, over_reach};
@@ -81,7 +82,7 @@ fn frames_mm(finger: &Finger, gripper: &Gripper, pose: &LinkagePose) -> f64 {
         // The first axis of the paper's finger frame is along the finger's base, the second points towards the tip.
         let there = matrix * Vector4::new(at.y, at.x, HEIGHT_MM, 1.0);
         let mirrored = Vector3::new(2.0 * (l4 - w) - there.x, there.y, there.z);
-        // The third axis of the left finger has the opposite direction.
+        // The third axis of the left finger's frame is opposite to the third axis of the paper's frame.
         let of_left = (left.to_camera(&at.push(-HEIGHT_MM)) - there.xyz()).norm();
         of_left.max((right.to_camera(&at.push(HEIGHT_MM)) - mirrored).norm())
     };
@@ -122,7 +123,7 @@ fn key_nodes(finger: &Finger) -> impl Iterator<Item = Vector> + '_ {
 }
 
 /// Position of the joint of rocker and link in the mechanism frame, mm, for each motor angle (degrees). The search starts at the smallest angle that
-/// is not negative, with the rocker pointing outwards, and continues to both ends.
+/// is not negative, with the rocker pointing outwards. It continues from there to the smallest and the largest angle.
 fn joints(gripper: &Gripper, angles: &[f64]) -> Vec<Vector> {
     let begin = angles.iter().position(|motor_deg| *motor_deg >= 0.0).unwrap_or(angles.len() - 1);
     let outwards = Vector::new(-gripper.description().link_mm[0], 0.0);

@@ -1,4 +1,4 @@
-//! The finger as a lattice of rigid bodies and springs, settled by the physics engine rapier, against beams.
+//! Compares the finger as a lattice of rigid bodies and springs, settled by the physics engine rapier, with the finger as beams.
 //!
 //! The springs have the stiffnesses EA / l, 12 EI / l^3 and EI / l of the beams' own sections, and no parameter is fitted. The comparison
 //! therefore verifies solver and co-rotational kinematics, not Euler-Bernoulli theory.
@@ -8,20 +8,20 @@ use crate::check::SETTLED_LATTICE;
 use crate::lattice::accuracy::{LoadGrid, beam_shapes, lattice_shapes, settled_shapes, worst_by_force};
 use crate::prelude::*;
 
-/// Source of checks whose reference is the lattice without rapier: finray's Newton method finds the shapes of least energy.
+/// Source of checks whose reference is the lattice solved by finray's Newton method, which finds the shapes of least energy without rapier.
 pub const NEWTON: &str = "spring lattice, Newton";
 /// Quantity of all checks.
 const QUANTITY: &str = "largest displacement difference / largest displacement";
 /// Number of segments per plate member.
 pub const FINENESS: usize = 2;
-/// Discretisation error of the lattice against beams, relative. The lattice's segments bend only at their middles. For small rotations they deflect
-/// like beams, so the error vanishes with the load. The relative difference is odd in the rotations, so it grows as a F + b F^3. Two segments per
-/// plate member have a = 2.5e-4 / N and b = 2.4e-5 / N^3 from 0.1 to 5 N, within 5 %. Both coefficients fall with the third to fourth power of the
-/// segments' length. The constants allow 25 % more.
+/// Discretisation error of the lattice against beams, relative. The lattice's segments bend only at their middles. For small rotations the segments
+/// deflect like beams, so the error vanishes with the load. The relative difference between lattice and beams is odd in the rotations, so it grows
+/// with the force F as a F + b F^3. For two segments per plate member, a = 2.5e-4 / N and b = 2.4e-5 / N^3 describe the difference from 0.1 to 5 N,
+/// within 5 %. Both coefficients, a and b, fall with the third to fourth power of the segments' length. The constants allow 25 % more.
 const COARSENESS_PER_N: f64 = 3.1e-4;
 const COARSENESS_PER_N3: f64 = 3e-5;
-/// Error of settling, relative to the largest displacement: 6e-5 from 32 solver sweeps per time step (measured by varying their number), and 2e-5
-/// from the criterion by which the bodies count as at rest.
+/// Error of settling, relative to the largest displacement. 32 solver sweeps per time step cause 6e-5 (measured by varying their number). The
+/// criterion by which the bodies count as at rest causes 2e-5.
 const SETTLING_TOLERANCE: f64 = 1e-4;
 /// A tiny force, N. Co-rotational terms change displacements by a relative amount of at most 0.12 per newton (MuJoCo shows the same at 0.01 N).
 const TINY_FORCE_N: f64 = 1e-4;

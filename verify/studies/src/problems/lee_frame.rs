@@ -78,7 +78,7 @@ pub fn checks() -> Result<Vec<Check>, ProblemError> {
     let shooting = against(Kind::Internal, "elastic line by shooting");
     for (quantity, limit) in ["first limit load", "second limit load"].into_iter().zip(&path.limits) {
         let held = reaction(&frame, &limit.motion, Kinematics::Corotational, &[], base).force;
-        // The search on the elastic line starts from the frame's own state, perturbed by 1 %.
+        // The search on the elastic line starts from the limit point that the beam model finds, perturbed by 1 %.
         let start = [limit.motion.rotations[frame.rotation_of(base)], -held.x, -held.y, limit.multiple];
         let reference = elastic_line::limit_load(miss, start.map(|x| x * 1.01), start.map(f64::abs))?;
         let tolerance = TOLERANCE * reference.abs();

@@ -1,20 +1,20 @@
-//! The gripper's linkage over its whole reach: closed forms against the equations that they solve.
+//! Checks the closed forms of the gripper's linkage over its whole reach against the equations that they solve.
 //!
-//! Source: Xu et al. (IEEE T-RO 2021), eqs (6) to (9). The lengths are assumed; the shipped scenes state them.
+//! Source: Xu et al. (IEEE T-RO 2021), eqs (6) to (9). The lengths of the links are assumed values, stated in the shipped scenes.
 
 use super::ProblemError;
 use crate::prelude::*;
 use finray_model::gripper::{Gripper, LinkagePose};
 use nalgebra::{Matrix3, Vector3};
 
-/// Number of intervals between motor angles over the reach.
+/// Number of equal intervals between the motor angles that sample the reach.
 const ANGLES: usize = 200;
 /// Share of the reach omitted at each end, because the derivative of the opening is infinite there.
 const END: f64 = 0.01;
-/// Tolerance of lengths, relative to the sum of both links: rounding error.
+/// Tolerance of lengths, relative to the sum of the lengths of rocker and link: rounding error.
 pub const TOLERANCE: f64 = 1e-12;
-/// Tolerance of the opening at the motor angle that the inverse returns, relative to the sum of both links. At the ends of the reach the inverse
-/// loses half of its digits, because of its cosine.
+/// Tolerance of the opening at the motor angle that the inverse returns, relative to the sum of the lengths of rocker and link. At the ends of the
+/// reach the inverse loses half of its digits, because it contains an arccosine.
 pub const INVERSE_TOLERANCE: f64 = 1e-9;
 /// Step of the finite differences, degrees of the motor angle.
 const STEP_DEG: f64 = 0.1;
@@ -93,8 +93,8 @@ fn residual_mm(gripper: &Gripper, motor_deg: f64) -> f64 {
     of_7.hypot(of_8)
 }
 
-/// Largest distance, mm, of a key node from its position by eq. (9) for the left finger, or by the mirror image of eq. (9) for the right finger. In the
-/// paper's finger frame, x and y are exchanged.
+/// Largest distance, mm, of a key node from its position by eq. (9) for the left finger, or by the mirror image of eq. (9) for the right finger. The
+/// paper's finger frame has x and y exchanged compared with the finger frame of the model.
 fn frames_mm(finger: &Finger, gripper: &Gripper, pose: &LinkagePose) -> f64 {
     let ([l1, _], l4) = (gripper.description().link_mm, gripper.description().fixed_joint_mm);
     let (sin, cos) = pose.phi2_rad.sin_cos();

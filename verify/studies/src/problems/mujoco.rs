@@ -20,18 +20,21 @@ const ROTATION: &str = "largest rotation difference (rad)";
 /// deg) differs by 1.6e-4; the export states an uncertainty of 2e-3 for this case.
 pub const STATIC_TOLERANCE: f64 = 2e-4;
 /// Tolerance of displacements in cases for which the export states an uncertainty up to `CERTAIN`. MuJoCo's extrapolated shapes and the shapes of the
-/// beams differ by 1e-5 on a uniform finger. They differ by 3.1e-5 if a zone ends inside elements, because such elements have an average stiffness.
+/// beams differ by 1e-5 on a uniform finger. MuJoCo's shapes and the shapes of the beams differ by 3.1e-5 if a zone ends inside elements, because
+/// such elements have an average stiffness.
 pub const CERTAIN_TOLERANCE: f64 = 4e-5;
 /// A case counts as certain up to this stated uncertainty, relative to the largest displacement. For a larger uncertainty, the export used a finer
 /// mesh.
 const CERTAIN: f64 = 2e-4;
 /// Tolerance of rotations, rad: [`CERTAIN_TOLERANCE`] times displacements of about 20 mm, divided by 12 mm between two ribs.
 pub const ROTATION_TOLERANCE_RAD: f64 = CERTAIN_TOLERANCE * 20.0 / 12.0;
-/// Tolerance as a multiple of the sum of both solvers' uncertainties, which are estimates and no bounds. At 0.01 N rounding causes a multiple of 1.7.
+/// Tolerance of a difference, as a multiple of the sum of both solvers' uncertainties; these uncertainties are estimates, not bounds. At 0.01 N,
+/// rounding causes a difference of 1.7 times the sum of the uncertainties.
 pub const UNCERTAINTIES: f64 = 2.0;
 /// Largest force, N, under which the finger counts as linear, within [`LINEAR_TOLERANCE`].
 const LINEAR_FORCE_N: f64 = 0.01;
-/// Tolerance of linear theory at 0.01 N, relative. Its error is 1.22e-3 against co-rotational beams and MuJoCo, and above 1e-3 for 7 of 60 loads.
+/// Tolerance of linear theory at 0.01 N, relative. Linear theory has an error of at most 1.22e-3 against co-rotational beams and MuJoCo; the error is
+/// above 1e-3 for 7 of 60 loads.
 pub const LINEAR_TOLERANCE: f64 = 1.3e-3;
 /// Tolerance of displacements under the exported contact forces, relative to the step's largest displacement. MuJoCo's shapes (extrapolated from 16
 /// and 32 segments) and the shapes of the beams (32 elements per member) differ by 5e-6; the tolerance is twice this value.
@@ -39,7 +42,7 @@ pub const CONTACT_TOLERANCE: f64 = 1e-5;
 /// Elements per member of the two meshes of beams from which shapes are extrapolated. The error falls with the square of the element length.
 const ELEMENTS: [usize; 2] = [16, 32];
 
-/// A case, and the deviation of the beams from it.
+/// A case of the export, and the deviation of the beams' solution from it.
 #[derive(Debug, Clone)]
 pub struct CaseDeviation {
     /// The case.
@@ -153,8 +156,8 @@ fn linear_check(exported: &ExportedFinger) -> Result<Check, ProblemError> {
     Ok(Check::new(Kind::External, problem, SOURCE, DISPLACEMENT, 0.0, worst(differences), LINEAR_TOLERANCE))
 }
 
-/// Largest difference of a key node's displacement between MuJoCo's shape at one step of a push and beams on `mesh` under the exported contact
-/// forces, relative to the largest displacement.
+/// Compares MuJoCo's shape at one step of a push with beams on `mesh` under the exported contact forces. Returns the largest difference of a key
+/// node's displacement, relative to the largest displacement.
 pub(crate) fn contact_deviation(mesh: &Mesh, step: &ContactStep) -> Result<f64, ProblemError> {
     let load = |rod: &TouchedRod| Load::Node { node: rod.node, force: rod.force, moment_nmm: rod.moment_nmm };
     let loads: Vec<Load> = step.touched.iter().map(load).collect();

@@ -42,7 +42,7 @@ impl Row {
     }
 }
 
-/// A load case, and the deviation of the model from it.
+/// A load case of the reference file, and the deviation of the model's solution from it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CaseDeviation {
     /// Number of the case in the reference file.

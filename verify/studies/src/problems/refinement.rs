@@ -1,6 +1,7 @@
 //! Comparison of the paper's two meshes, with 25 and 684 nodes.
 //!
-//! Linear frame theory is exact at nodes, so refinement changes only rounding. The paper reports a difference of 0.26 % (sec. III).
+//! Linear frame theory is exact at nodes, so a finer mesh changes only the rounding errors. The paper reports a difference of 0.26 % between the
+//! meshes (sec. III).
 
 use super::ProblemError;
 use crate::lattice::accuracy::difference;
@@ -8,15 +9,16 @@ use crate::prelude::*;
 use crate::sampling::scatter::sampled_nodes;
 use crate::truths::fine_mesh;
 
-/// Tolerance between the meshes, relative to the largest displacement: the rounding error of a double-precision solution on 684 nodes. This error
-/// grows with about the fourth power of the number of nodes.
+/// Tolerance between the meshes, relative to the largest displacement: the rounding error of a double-precision solution on 684 nodes. The rounding
+/// error grows with about the fourth power of the number of nodes.
 pub const ROUNDING_TOLERANCE: f64 = 1e-8;
-/// Force on the linear finger, N. The finger's shapes are proportional to the force, so any value is suitable.
+/// Force on the linear finger, N. The displacements of the linear finger are proportional to the force, so any value is suitable.
 const ANY_FORCE_N: f64 = ReportForces::PAPER.drawn_n();
 /// Directions, degrees from the inward normal.
 const ANGLES_DEG: [f64; 3] = [-45.0, 0.0, 45.0];
 
-/// Largest difference of a key node's displacement between two meshes, relative to the largest displacement, over three directions of the force (N).
+/// Largest difference of a key node's displacement between two meshes, relative to the largest displacement, over three directions of the force
+/// `force_n` (N).
 fn refined(
     finger: &Finger,
     meshes: [&Mesh; 2],
@@ -40,7 +42,8 @@ pub(crate) fn linear_difference(finger: &Finger) -> Result<f64, ProblemError> {
     Ok(worst(differences.collect::<Result<Vec<_>, _>>()?))
 }
 
-/// Checks that the linear finger does not depend on the mesh. No checks for fingers with zones (a zone may end inside an element) or tapered plates.
+/// Checks that the linear finger does not depend on the mesh. Returns no checks for fingers with tapered plates, or with zones, because a zone may
+/// end inside an element.
 pub(crate) fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
     let tapers = [Plate::Front, Plate::Back].into_iter().any(|plate| finger.tapers(plate));
     if tapers || !finger.description().zones.is_empty() {

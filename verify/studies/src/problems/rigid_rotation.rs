@@ -10,7 +10,7 @@ use finray_model::statics::Assembly;
 const ANGLES: [f64; 7] = [1e-9, 1e-6, 1e-3, 0.1, 1.0, 3.0, std::f64::consts::PI];
 /// Elements per member. Element lengths range from a fraction of a millimetre to a whole rib.
 const ELEMENTS: [usize; 3] = [1, 4, 16];
-/// Tolerance of nodal forces, relative to EA times the angle: the size of the nodal forces in linear kinematics.
+/// Tolerance of nodal forces, relative to EA times the angle, which is the magnitude of the nodal forces in linear kinematics.
 pub const TOLERANCE: f64 = 1e-10;
 
 /// Motion of all nodes rotated about the origin by `angle` (rad). Half-angle formulas keep the digits of small rotations.
@@ -25,7 +25,7 @@ fn turned(frame: &PlaneFrame, angle: f64) -> FrameMotion {
     motion
 }
 
-/// Largest nodal force of the rotated frame, relative to EA times the angle (at most 1 rad).
+/// Largest nodal force of the rotated frame over all angles, relative to EA times the angle; angles above 1 rad count as 1 rad in this product.
 fn force(frame: &PlaneFrame, kinematics: Kinematics) -> f64 {
     let rigidity = worst(frame.members().iter().map(|member| member.beam.axial_rigidity_n));
     let mut assembly = Assembly::new(frame, kinematics);

@@ -1,7 +1,7 @@
-//! Analytical derivatives against central differences: nodal forces as derivatives of the energy, the tangent stiffness as derivative of the
-//! nodal forces. The subjects are one element, a load between its ends, and a whole finger.
+//! Compares analytical derivatives with central differences: nodal forces with differences of the energy, and the tangent stiffness with differences
+//! of the nodal forces. The derivatives are checked for one element, for a load between the ends of an element, and for a whole finger.
 //!
-//! Source: differences of fourth order, (8 (f(h) - f(-h)) - (f(2h) - f(-2h))) / 12 h.
+//! Source: differences of fourth order, (8 (f(h) - f(-h)) - (f(2h) - f(-2h))) / (12 h).
 
 use super::ProblemError;
 use crate::prelude::*;
@@ -13,10 +13,10 @@ use finray_model::validity::SHEAR_CORRECTION;
 const KINEMATICS: [Kinematics; 3] = [Kinematics::Linear, Kinematics::Corotational, Kinematics::CorotationalChord];
 /// End displacements (mm) and rotations (rad) of a strongly bent and elongated beam: x, y and rotation of each end.
 const BENT: [f64; 6] = [0.3, -0.2, 0.4, -0.5, 0.9, -0.3];
-/// Step of the differences, mm and rad. Truncation error (proportional to the fourth power of the step) and rounding error (to its inverse) are below
-/// the tolerance.
+/// Step of the differences, mm and rad. Truncation error (proportional to the fourth power of the step) and rounding error (inversely proportional to
+/// the step) are below the tolerance.
 const STEP: f64 = 2e-3;
-/// Tolerance of a difference, relative to the largest derivative.
+/// Tolerance of the difference between an analytical derivative and finite differences, relative to the largest derivative.
 pub const TOLERANCE: f64 = 1e-9;
 
 /// Derivative at 0 by finite differences of fourth order.
@@ -63,7 +63,7 @@ fn of_finger(mesh: &Mesh, loads: &[FrameLoad], kinematics: Kinematics) -> [f64; 
         assembly
     };
     let residual = |by: f64, loads: &[FrameLoad]| DVector::from_column_slice(at(by, loads).residual());
-    // This energy is the elastic energy of the beams, without the loads.
+    // The differentiated energy is the elastic energy of the beams, without the loads.
     let power = slope(|by| DVector::from_element(1, at(by, &[]).elastic_energy()));
     let mut change = DVector::zeros(unknowns);
     for (value, (row, column)) in at(0.0, loads).stiffness() {
@@ -75,10 +75,10 @@ fn of_finger(mesh: &Mesh, loads: &[FrameLoad], kinematics: Kinematics) -> [f64; 
     ]
 }
 
-/// Two checks each for an element, a load between its ends, and the finger, over all kinematics, without and with shear
-/// deformation.
+/// Two checks for each of three subjects: an element, a load between its ends, and the finger. Each check covers all kinematics, without and with
+/// shear deformation.
 pub(crate) fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
-    // Without shear deformation, and with shear deformation of the same size as the deflection by bending in sway.
+    // The first beam has no shear deformation. In sway, the second beam deflects as much by shear as by bending.
     let beams = [1.0, 0.5].map(|sway_factor| Beam {
         direction: Vector::new(0.8, 0.6),
         length_mm: 10.0,

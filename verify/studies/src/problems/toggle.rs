@@ -39,8 +39,8 @@ fn frame() -> (PlaneFrame, [NodeIndex; 2]) {
     (frame, [nodes[0], nodes[ELEMENTS]])
 }
 
-/// Residuals of the elastic line at the apex, integrated from the clamp with an assumed horizontal force and moment there. The residuals are the
-/// direction of the axis, which symmetry keeps constant, and the horizontal position relative to half the span.
+/// Residuals at the apex of the elastic line, which is integrated from the clamp with an assumed horizontal force and moment at the clamp. The
+/// residuals are the change of the axis direction and the horizontal displacement relative to half the span; by symmetry, both are zero.
 fn miss(&[pull, moment, load]: &[f64; 3]) -> [f64; 2] {
     let direction = HEIGHT.atan2(HALF_SPAN);
     let clamp = elastic_line::Section { at: [0.0; 2], direction, force: [pull, -0.5 * load], moment };
@@ -63,7 +63,7 @@ pub fn checks() -> Result<Vec<Check>, ProblemError> {
     let mut checks = vec![literature.counts("limit points of the path", 2, path.limits.len())];
     for (quantity, limit) in ["limit load (lb)", "load where it stiffens again (lb)"].into_iter().zip(&path.limits) {
         let held = reaction(&frame, &limit.motion, Kinematics::Corotational, &[], clamp);
-        // The search on the elastic line starts from the toggle's own state, perturbed by 1 %.
+        // The search on the elastic line starts from the limit point that the beam model finds, perturbed by 1 %.
         let start = [-held.force.x, -held.moment_nmm, limit.multiple];
         let reference = elastic_line::limit_load(miss, start.map(|x| x * 1.01), start.map(f64::abs))?;
         checks.push(shooting.is(quantity, reference, limit.multiple, TOLERANCE * reference));

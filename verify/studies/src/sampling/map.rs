@@ -23,7 +23,7 @@ pub struct AccuracyMap {
     pub estimator: EstimatorId,
     /// Standard deviation of the noise of a measured coordinate, mm.
     pub noise_mm: f64,
-    /// Cells by position, then direction, then force.
+    /// Cells, ordered by position, then direction, then force.
     pub cells: Vec<MapCell>,
 }
 
@@ -55,7 +55,7 @@ pub fn accuracy_maps(
 }
 
 impl AccuracyMap {
-    /// Reads the cells of a sweep with one true finger, estimator and noise level, written as [`Table::Map`](sweep::Table::Map).
+    /// Reads the cells of a sweep with one true finger, one estimator and one noise level, from a table written as [`Table::Map`](sweep::Table::Map).
     ///
     /// # Errors
     /// [`csv::Error`] if the table is invalid.
@@ -69,12 +69,14 @@ impl AccuracyMap {
         })
     }
 
-    /// Mean relative error of one force (N), or over all forces, by direction, then position. `None` if a force is refused or has no equilibrium.
+    /// Mean relative errors for one force (N), or over all forces, indexed by direction, then position. An entry is `None` if a force of its cell is
+    /// refused or has no equilibrium.
     pub fn errors(&self, force_n: Option<f64>) -> Vec<Vec<Option<f64>>> {
         self.values(force_n, |cell| cell.mean_error)
     }
 
-    /// A quantity of the cells for one force (N), or its mean over all forces, by direction, then position. `None` if a force lacks the quantity.
+    /// A quantity of the cells for one force (N), or its mean over all forces, indexed by direction, then position. An entry is `None` if a force of
+    /// its cell lacks the quantity.
     pub fn values(&self, force_n: Option<f64>, of: impl Fn(&MapCell) -> Option<f64>) -> Vec<Vec<Option<f64>>> {
         let means: Vec<Option<f64>> =
             self.groups(force_n).map(|group| group.map(&of).collect::<Option<Vec<f64>>>().and_then(mean)).collect();
@@ -100,8 +102,8 @@ impl AccuracyMap {
         self.cells.chunks(self.request.forces_n.len().max(1)).map(move |group| group.iter().filter(wanted))
     }
 
-    /// Summary for one force (N), or for the mean over all forces. A cell with several forces has the worst outcome of its forces: without
-    /// equilibrium is worse than refused, and refused is worse than answered.
+    /// Summary for one force (N), or for the mean over all forces. A cell with several forces has the worst outcome of its forces. From worst to
+    /// best, the outcomes are: without equilibrium, refused, answered.
     pub fn summary(&self, force_n: Option<f64>) -> MapSummary {
         let errors = self.errors(force_n);
         let known: Vec<f64> = errors.iter().flatten().flatten().copied().collect();
@@ -138,7 +140,7 @@ fn ratio(part: usize, all: usize) -> Option<f64> {
     (all > 0).then(|| part as f64 / all as f64)
 }
 
-/// Summary of a map. Show [`counts`](MapSummary::counts) beside a mean: the mean covers answered cells only.
+/// Summary of a map. Show [`counts`](MapSummary::counts) beside a mean, because the mean covers answered cells only.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MapSummary {
     /// The true finger.
@@ -155,7 +157,8 @@ pub struct MapSummary {
     pub answered: usize,
     /// Number of cells that the estimator refused.
     pub refused: usize,
-    /// Number of cells in which a force has no equilibrium. The errors and shares of cells below exclude these cells.
+    /// Number of cells in which a force has no equilibrium. `mean_error`, `largest_error` and the shares of cells exclude the cells without
+    /// equilibrium.
     pub without_equilibrium: usize,
     /// Mean of |sensed / true - 1| over the answered cells; `None` without answered cells.
     pub mean_error: Option<f64>,
@@ -170,7 +173,7 @@ pub struct MapSummary {
 }
 
 impl MapSummary {
-    /// Phrase with the counts that belong beside every mean and share.
+    /// Phrase that states the counts; shown beside every mean and share.
     pub fn counts(&self) -> String {
         format!(
             "{} cells: {} answered, {} refused, {} without equilibrium",

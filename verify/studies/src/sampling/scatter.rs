@@ -1,8 +1,8 @@
 //! Sensing under camera noise: errors of each estimator against the Cramer-Rao bound, and coverage of its stated standard deviation.
 //!
 //! Random forces deform a true finger, and noise is added to its marker displacements. Each estimator knows the contact nodes and the directions
-//! (undeformed normals), and uses no result of earlier cases. All estimators get the same forces and noise. Errors are divided by the bound at the
-//! true forces of each case. For an unbiased estimator, the root mean square of these ratios is at least 1.
+//! (undeformed normals), and uses no result of earlier cases. All estimators get the same forces and noise. Each error is divided by the Cramer-Rao
+//! bound at the true forces of its case. For an unbiased estimator, the root mean square of these ratios is at least 1.
 
 mod cases;
 mod scout;
@@ -12,7 +12,8 @@ use cases::{Case, Sample};
 
 /// Mean of |x| for x of a normal distribution with standard deviation 1: sqrt(2 / pi).
 const MEAN_ABSOLUTE: f64 = 0.797_884_560_802_865_4;
-/// Largest number of contact nodes that are sampled. A finger with more nodes is sampled at every second node, or at fewer nodes.
+/// Largest number of contact nodes that are sampled. On a finger with more contact nodes than this, only every second node is sampled, or an even
+/// smaller share of the nodes.
 const MOST_NODES: usize = 12;
 
 /// Parameters of a study of errors under camera noise.
@@ -22,9 +23,10 @@ pub struct ScatterRequest<'m> {
     pub truth: &'m Mesh,
     /// Kinematics of the true finger.
     pub kinematics: Kinematics,
-    /// Mesh of the same finger, on which the Cramer-Rao bound is computed.
+    /// Mesh of the true finger on which the Cramer-Rao bound is computed.
     pub model: &'m Mesh,
-    /// Standard deviations of a coordinate's noise, mm; 0 for none. All levels share the forces and, up to the scale, the noise.
+    /// Standard deviations of a coordinate's noise, mm; 0 means no noise. All noise levels use the same forces and the same noise, scaled to the
+    /// level.
     pub noise_levels_mm: &'m [f64],
     /// Number of random cases for each set of contacts.
     pub cases: usize,
@@ -35,11 +37,11 @@ pub struct ScatterRequest<'m> {
 /// Errors of one quantity: a force, or the sum of all forces.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Scatter {
-    /// Mean of |sensed / true - 1|, dimensionless; with the control variate of [`Controlled`], if requested.
+    /// Mean of |sensed / true - 1|, dimensionless; computed with the control variate of [`Controlled`], if requested.
     pub mean_error: f64,
     /// Mean of |sensed - true|, N.
     pub mean_error_n: f64,
-    /// Errors against the Cramer-Rao bound; `None` without noise, because the bound is then 0, or if no case has a bound.
+    /// Errors relative to the Cramer-Rao bound. `None` if no case has a bound, or without noise, because the bound is then 0.
     #[serde(flatten)]
     pub bound: Option<AgainstBound>,
     /// Coverage of the stated standard deviations; `None` without noise, or if the estimator states no standard deviations.
@@ -63,9 +65,9 @@ pub struct AgainstBound {
 
 /// Root mean square of z = error / bound, with the first-order response to the same noise as control variate.
 ///
-/// To first order the error is a linear function of the noise, and the bound is its standard deviation. The mean square of z1 = response / bound
-/// is therefore 1 up to sampling error. z and z1 share most of this sampling error. So 1 + mean(z^2 - z1^2) has a much smaller standard error
-/// than mean(z^2) over the same cases. The mean of |error| is controlled likewise: the mean of |response| is sqrt(2 / pi) of the bound.
+/// To first order the error is a linear function of the noise, and the bound is its standard deviation. The mean square of z1 = response / bound is
+/// therefore 1 up to sampling error. z and z1 share most of this sampling error. So 1 + mean(z^2 - z1^2) has a much smaller standard error than
+/// mean(z^2) over the same cases. |response| is the control variate for the mean of |error|: its mean is sqrt(2 / pi) times the bound.
 ///
 /// Reference: control variates; e.g. Owen, Monte Carlo theory, methods and examples, ch. 8.9.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
@@ -98,8 +100,8 @@ pub struct ScatterRow {
     pub cases: usize,
     /// Number of draws that were repeated because the finger has no equilibrium under the drawn forces.
     pub not_carried: usize,
-    /// Number of cases that the estimator refused. No mean includes these cases, so reports show their number beside a mean, and a check fails if
-    /// the number is not 0.
+    /// Number of cases that the estimator refused. No mean includes refused cases. Reports therefore show the number of refused cases beside a mean,
+    /// and a check fails if the number is not 0.
     pub refused: usize,
     /// Errors of each force, in the order of the nodes; empty if no case was answered.
     pub forces: Vec<Scatter>,
@@ -137,8 +139,8 @@ impl ScatterRow {
         self.cases + self.refused
     }
 
-    /// Whether more cases are needed: a root mean square of error / bound differs from 1 by more than `tolerance`, or is within `tolerance` by less
-    /// than two standard errors.
+    /// Whether more cases are needed: for some force or for the sum, |r - 1| plus two standard errors exceeds `tolerance`, where r is the root mean
+    /// square of error / bound.
     pub fn is_near_tolerance(&self, tolerance: f64) -> bool {
         let mut figures = self.forces.iter().chain(&self.sum).filter_map(|scatter| scatter.bound?.controlled);
         figures.any(|found| (found.over_bound_controlled - 1.0).abs() + 2.0 * found.standard_error > tolerance)
@@ -169,7 +171,7 @@ impl ScatterRow {
 }
 
 /// Senses random forces, uniform in `range_n` (N), and returns one row for each set of contact nodes, noise level and estimator, in this order.
-/// `progress` is called after each set. Results do not depend on threads or other estimators.
+/// `progress` is called after each set. The results of an estimator do not depend on the number of threads or on the other estimators.
 ///
 /// # Errors
 /// [`EstimatorError`] if a node is no contact node, or an estimator does not support the contacts.
@@ -295,7 +297,8 @@ struct Sums {
     bound: f64,
     standardised: f64,
     squared: f64,
-    /// Number of cases with a first-order response; `beyond` and `beyond_squared` sum z^2 - z1^2 and its square over them: see [`Controlled`].
+    /// Number of cases with a first-order response. Over these cases, `beyond` sums z^2 - z1^2 and `beyond_squared` sums its square, with z and z1 of
+    /// [`Controlled`].
     controlled: usize,
     beyond: f64,
     beyond_squared: f64,
@@ -305,7 +308,7 @@ struct Sums {
 }
 
 impl Sums {
-    /// Adds a case: true value, error and first-order error (NaN if not computed), bound, and stated standard deviation.
+    /// Adds a case, given by the true value, the error, the first-order error (NaN if not computed), the bound, and the stated standard deviation.
     fn add(&mut self, truth: f64, [error, first_order]: [f64; 2], bound: Option<f64>, stated_sigma: Option<f64>) {
         self.cases += 1;
         self.error += (error / truth).abs();
@@ -338,7 +341,7 @@ impl Sums {
         Controlled { over_bound_controlled: root, standard_error: variance.sqrt() / (2.0 * root) }
     }
 
-    /// Whether every case has its first-order response. A controlled figure over the other cases only would be biased.
+    /// Whether every case has its first-order response. A figure computed with the control variate from only some of the cases would be biased.
     fn is_controlled(&self) -> bool {
         self.controlled > 1 && self.controlled == self.cases
     }

@@ -6,7 +6,7 @@ use finray_model::sensing::{Direction, Lean};
 /// Prior knowledge for sensing: all that the scene states, or all except one item.
 pub(super) struct Knowledge {
     pub name: &'static str,
-    /// The finger that sensing assumes; `None` if this variant does not differ from the scene's finger.
+    /// The finger that sensing assumes; `None` if the scene's finger lacks the item that this variant leaves out.
     pub finger: fn(&Finger) -> Option<Finger>,
     /// Direction of the force for sensing, given the measured direction; `None` if the scene does not define it.
     pub direction: fn(measured: Direction, Option<Lean>) -> Option<Direction>,
@@ -32,7 +32,7 @@ const DIRECTION_MEASURED: Knowledge = Knowledge {
     lens_is_known: true,
 };
 
-/// All variants; the first has all knowledge.
+/// All variants of prior knowledge; the first variant includes every item.
 pub(super) const KNOWLEDGE: [Knowledge; 8] = [
     DIRECTION_MEASURED,
     Knowledge {

@@ -1,4 +1,4 @@
-//! Positions at which the markers of an image would be located by a camera without lens distortion.
+//! Positions at which a camera model without lens distortion would locate the markers of an image.
 
 use finray_model::calibration::LocatedView;
 use finray_model::camera::{Camera, Pixel};
@@ -12,7 +12,8 @@ const BOARD: [usize; 2] = [16, 10];
 /// Projective map from pixels to the plane z = 0, fitted to a board that fills the image.
 ///
 /// # Reference
-/// Direct linear transformation (Hartley and Zisserman, Multiple View Geometry in Computer Vision, sec. 4.1). Pixels are divided by the size of the image.
+/// Direct linear transformation (Hartley and Zisserman, Multiple View Geometry in Computer Vision, sec. 4.1). Pixel coordinates are divided by the
+/// size of the image.
 struct Projective {
     size_px: Vector,
     entries: DVector<f64>,
@@ -56,7 +57,7 @@ impl Projective {
     }
 }
 
-/// The view as located by a camera without distortion; `None` if the scene has no camera pose or no distortion.
+/// The view as a camera model without distortion would locate it; `None` if the scene has no camera pose or no distortion.
 pub(super) fn without_distortion(scene: &Scene, seen: &LocatedView) -> Option<LocatedView> {
     let description = scene.camera?;
     let camera = Camera { lens: description.lens, pose: description.pose? };
@@ -71,7 +72,7 @@ pub(super) fn without_distortion(scene: &Scene, seen: &LocatedView) -> Option<Lo
     };
     let mut observation = seen.observation.clone();
     let seen_base = observation.base.map_or_else(Isometry2::identity, |base| base.pose);
-    // Marks on the base get the same location errors as the markers.
+    // The neglected distortion displaces the marks on the base in the same way as the markers.
     let references = scene.base.as_ref().map_or(&[][..], |base| &base.references);
     let marks = references.iter().map(|reference| {
         let placed = (seen_base * Point2::from(reference.at)).coords;

@@ -10,7 +10,8 @@ use finray_model::estimators::network::{NetworkSensing, Networks};
 
 /// Range of each force, N.
 pub const FORCES_N: [f64; 2] = TWO_FORCES_N;
-/// Allowance for chance in a mean error: three standard errors. Relative errors have a standard deviation of 1.1 times their mean.
+/// Relative allowance for chance in a mean error over n cases, multiplied by sqrt(n): three standard errors. Relative errors have a standard
+/// deviation of 1.1 times their mean.
 const CHANCE: f64 = 3.3;
 /// Tolerance of the mean relative error of the sum of two forces.
 const SUM_ERROR: f64 = 0.01;
@@ -21,7 +22,7 @@ const OVER_BOUND: f64 = 1.10;
 const SUM_OVER_BOUND: f64 = 1.70;
 const SEED: u64 = 2;
 
-/// Contact nodes, with the tolerance of each force's mean error at the camera's noise.
+/// A set of contact nodes, with the tolerance of the mean error of each force at the camera's noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CheckedSet {
     /// Nodes at which the forces act.
@@ -30,7 +31,8 @@ pub struct CheckedSet {
     pub force: f64,
 }
 
-/// Single contact nodes, two pairs of neighbours and two distant pairs. The Cramer-Rao bound is 1.5 % at node 24, 2.1 % at nodes 19 and 20.
+/// Single contact nodes, two pairs of neighbours and two distant pairs. The mean error at the Cramer-Rao bound is 1.5 % at node 24, and 2.1 % for the
+/// pair of nodes 19 and 20.
 pub const CHECKED_SETS: [CheckedSet; 15] = {
     const fn set(nodes: &'static [usize], force: f64) -> CheckedSet {
         CheckedSet { nodes, force }
@@ -105,7 +107,7 @@ impl NetworkStudy {
         let network = NetworkSensing { networks, finger, refuses: true };
         let open = CHECKED_SETS.iter().filter(|set| found(set, sensed).is_none());
         let sets: Vec<Vec<NodeId>> = open.map(|set| set.nodes.iter().map(|&node| NodeId(node)).collect()).collect();
-        // The bound depends little on the mesh, so the coarsest mesh suffices.
+        // The Cramer-Rao bound depends little on the mesh, so the coarsest mesh suffices.
         let request = ScatterRequest {
             truth: fine,
             kinematics: Kinematics::Corotational,
@@ -124,8 +126,8 @@ impl NetworkStudy {
         self.rows.iter().flat_map(|row| self.checks_of(row)).collect()
     }
 
-    /// Checks of one set of contacts: each force, and the sum of several. The checks apply only to the camera's noise, for which the networks are
-    /// trained. At another noise the list is empty.
+    /// Checks of one set of contacts: the error of each force and, for several forces, the error of their sum. The checks apply only to the camera's
+    /// noise, for which the networks are trained. At another noise level, the list of checks is empty.
     pub fn checks_of(&self, row: &ScatterRow) -> Vec<Check> {
         let set = CHECKED_SETS.iter().find(|set| set.nodes == row.nodes);
         let Some(set) = set.filter(|_| self.noise_mm == CAMERA_NOISE_MM) else { return Vec::new() };

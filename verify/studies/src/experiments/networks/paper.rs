@@ -1,7 +1,7 @@
-//! The paper's own method on its Table II: recorded errors of its network at the paper's contact nodes, against the paper's five figures.
+//! The paper's own method on Table II: recorded errors of the paper's network at the paper's contact nodes, beside the paper's five figures.
 //!
-//! Networks are trained as in sec. IV-A, on noise-free cases of the linear finger, with several seeds. The records contain their errors on simulated
-//! fingers. The paper does not state its scaling of displacements, so two scalings are recorded.
+//! Networks are trained as in sec. IV-A, on noise-free cases of the linear finger, with several seeds. The records contain the networks' errors on
+//! simulated fingers. The paper does not state its scaling of displacements, so two scalings are recorded.
 
 use crate::experiments::networks::records::RecipeRow;
 use crate::experiments::table_two::{CONTACT_GROUPS, ContactGroup};
@@ -10,8 +10,8 @@ use crate::truths::TruthId;
 
 /// Names of the recorded recipes that follow the paper: displacements scaled by the largest displacement, or by their spread.
 pub const PAPER_RECIPES: [&str; 2] = ["a", "a, by spread"];
-/// A figure of the paper counts as reproduced if the larger of our figure and the paper's is at most this multiple of the smaller. The value is a
-/// choice: with inputs scaled by the largest displacement, networks that differ only in their seed are within this factor of their mean.
+/// A figure of the paper counts as reproduced if the larger of our figure and the paper's is at most this multiple of the smaller. The factor 1.5 is
+/// a choice. With inputs scaled by the largest displacement, errors of networks that differ only in their seed are within this factor of their mean.
 pub const SAME_FACTOR: f64 = 1.5;
 
 /// Whether our error reproduces the paper's, by [`SAME_FACTOR`].
@@ -63,7 +63,7 @@ pub fn nodes_in_records(nodes: &[usize]) -> String {
     nodes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
 }
 
-/// Sets of a group at which a recipe is recorded. Some sets may be missing; the results for the group then refer only to the recorded sets.
+/// Contact sets of a group for which a recipe has records. Some sets may be missing; the results for the group then refer only to the recorded sets.
 pub fn recorded_sets(records: &[RecipeRow], recipe: &str, group: &ContactGroup) -> Vec<&'static [usize]> {
     let recorded = |nodes: &&&'static [usize]| {
         let name = nodes_in_records(nodes);
@@ -73,7 +73,7 @@ pub fn recorded_sets(records: &[RecipeRow], recipe: &str, group: &ContactGroup) 
 }
 
 /// Recorded relative error of a recipe on a finger, for one quantity of a group, at one noise level (mm). Each seed contributes the mean over the
-/// [recorded](recorded_sets) sets. `None` if no set is recorded, or if a set lacks the answer of a seed.
+/// [recorded](recorded_sets) sets. `None` if no set is recorded, or if the network of one seed answered no case of a set.
 pub fn recorded(
     records: &[RecipeRow],
     recipe: &str,

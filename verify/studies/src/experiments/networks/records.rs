@@ -1,6 +1,6 @@
-//! Records of trainings that take too long for a report: three recipes, and error against number of samples and network size.
+//! Records of networks whose training takes too long for a report: errors of three recipes, and error against number of samples and network size.
 //!
-//! `fixtures/networks` contains the records, and the command that computes them.
+//! `fixtures/networks` contains the records; the example `shipped_networks` computes them.
 
 use crate::experiments::{Context, Evidence};
 use crate::truths::TruthId;
@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RecipeRow {
     /// Name of the recipe. `a` is the paper's recipe: the linear finger without noise, and inputs scaled by the largest displacement. `a, by spread`
-    /// scales the inputs by their spread; `b` adds noise to `a`. `c` uses the co-rotational finger with noise, principal directions and a linear
-    /// branch.
+    /// is `a` with inputs scaled by their spread; `b` is `a` with noise. `c` uses the co-rotational finger with noise, principal directions and a
+    /// linear branch.
     pub recipe: String,
     /// Seed of the training.
     pub seed: u64,
@@ -66,7 +66,7 @@ pub struct Records {
 
 impl Evidence for Records {}
 
-/// The records for the paper's finger; empty for any other.
+/// The records for the paper's finger; empty for any other finger.
 pub(crate) fn run(context: &Context) -> Result<Records, csv::Error> {
     if context.is_paper { Records::shipped() } else { Ok(Records::default()) }
 }

@@ -5,7 +5,7 @@ use crate::prelude::*;
 use finray_model::finger::NodeId;
 use finray_train::TrainingRecipe;
 
-/// Number of the tip's node. The paper's single contacts are the nodes after the tip.
+/// Number of the tip's node. The paper's single contacts are the nodes with higher numbers, 14 to 24.
 const TIP: usize = 13;
 
 /// A shipped network.

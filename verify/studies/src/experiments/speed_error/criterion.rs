@@ -1,14 +1,15 @@
-//! Times measured by the benchmark library criterion, which replace the report's times.
+//! Times measured by the benchmark library `criterion`; they replace the report's times.
 //!
-//! The bench `speed_error` times the report's points under the same names: groups are `speed_error/TASK`, functions are models, parameters are
-//! settings. For each bench, criterion writes a folder `new`, in which `benchmark.json` contains the names and `estimates.json` the times in ns.
+//! The bench `speed_error` times the points of the report under their names: a group is `speed_error/TASK`, a function is a model, and a parameter is
+//! a setting. For each bench, `criterion` writes a folder `new`. Its file `benchmark.json` contains the names, and its file `estimates.json` the
+//! times in ns.
 
 use super::{SpeedErrorPoint, Task, TimedBy, mark_fronts};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 
-/// Depth of criterion's folders for one bench: group, function, parameter, `new`.
+/// Number of nested folders that `criterion` writes for one bench: group, function, parameter and `new`.
 const DEPTH: usize = 4;
 
 const NANOSECONDS_A_SECOND: f64 = 1e9;
@@ -32,7 +33,7 @@ pub struct CriterionTime {
 pub struct CriterionTimes {
     /// Times of the report's points; results of other benches are ignored.
     pub times: Vec<CriterionTime>,
-    /// Files that are not in criterion's format.
+    /// Files and folders that cannot be read, or files that are not in the format of `criterion`.
     pub unreadable: Vec<PathBuf>,
 }
 
@@ -109,7 +110,7 @@ fn read_json<T: DeserializeOwned>(path: &Path) -> Option<T> {
     serde_json::from_slice(&std::fs::read(path).ok()?).ok()
 }
 
-/// Replaces the times of points that criterion has measured too. Returns the number of replaced times.
+/// Replaces the time of each point that the library `criterion` also timed. Returns the number of replaced times.
 pub fn take_times(points: &mut [SpeedErrorPoint], times: &CriterionTimes) -> usize {
     let mut taken = 0;
     for point in points.iter_mut().filter(|point| point.seconds.is_finite()) {

@@ -1,4 +1,4 @@
-//! Reader of the times and errors of other programs, which `bench/peers` writes and `report` uses.
+//! Reader of a table with times and errors of other programs: `bench/peers` writes the table, and the command `report` uses it.
 
 use crate::experiments::speed_error::peers::{Peer, Peers};
 use crate::experiments::speed_error::{Asked, Task};

@@ -1,4 +1,4 @@
-//! Other programs on the same tasks, timed and compared by `bench/peers`.
+//! Other programs on the tasks of the report: `bench/peers` times them and computes their errors.
 
 use super::{Asked, SpeedErrorPoint, Start, Task, TimedBy};
 
@@ -7,7 +7,7 @@ use super::{Asked, SpeedErrorPoint, Start, Task, TimedBy};
 pub struct Peer {
     /// Task of the point.
     pub task: Task,
-    /// Nodes and forces of the task. Points are compared only if these are equal.
+    /// Nodes and forces of the task. Points are compared only if their nodes and forces are equal.
     pub asked: Asked,
     /// Name of the model or estimator.
     pub model: String,

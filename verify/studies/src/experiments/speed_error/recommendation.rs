@@ -3,17 +3,17 @@
 use super::{SpeedErrorPoint, Start, Task, TimedBy};
 use finray_model::estimators::EstimatorId;
 
-/// A recommended setting has at most this model error, in standard deviations of the noise. At 0.4 the interval of 1.96 standard deviations covers
-/// 93 % instead of 95 %, the lower limit of coverage: Phi(1.96 - 0.4) - Phi(-1.96 - 0.4).
+/// A recommended setting has at most this model error, in standard deviations of the noise. At 0.4, the interval of 1.96 standard deviations covers
+/// Phi(1.96 - 0.4) - Phi(-1.96 - 0.4) = 93 % instead of 95 %. Checks of coverage have the lower limit 93 %.
 pub const LARGEST_BIAS_SIGMAS: f64 = 0.4;
-/// The error of a recommended setting is at most this multiple of the best error. The mean over some hundred noisy frames has a standard error of 10
-/// %.
+/// The error of a recommended setting is at most this multiple of the best error. The mean error over about a hundred noisy frames has a standard
+/// error of 10 %.
 const NEAR_BEST: f64 = 1.25;
 
 /// A sensing method with all its timed points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Recommendation<'p> {
-    /// Point for one force. Each answer starts from the previous one if the method iterates from a starting point.
+    /// Point for one force. Each answer starts from the previous answer if the method iterates from a starting point.
     pub one: &'p SpeedErrorPoint,
     /// Point for one force from a cold start; `None` if the method does not iterate from a starting point.
     pub cold: Option<&'p SpeedErrorPoint>,
@@ -35,7 +35,7 @@ impl Recommendation<'_> {
     }
 }
 
-/// Every method for one force that was timed by finray.
+/// Every method that finray timed for sensing one force.
 pub fn ways(points: &[SpeedErrorPoint]) -> Vec<Recommendation<'_>> {
     let ours = |point: &&SpeedErrorPoint| {
         !matches!(point.timed_by, TimedBy::OtherProgram { .. }) && point.error.is_finite() && point.seconds.is_finite()
@@ -55,8 +55,8 @@ pub fn ways(points: &[SpeedErrorPoint]) -> Vec<Recommendation<'_>> {
     .collect()
 }
 
-/// The fastest method for any contact that [holds](Recommendation::holds) and has nearly the smallest error. Networks are excluded, because they
-/// support only their own contacts.
+/// The fastest method that supports any contact, [holds](Recommendation::holds), and has nearly the smallest error. Networks are excluded, because
+/// they support only the contacts for which they were trained.
 pub fn recommended(points: &[SpeedErrorPoint]) -> Option<Recommendation<'_>> {
     let hold: Vec<Recommendation> =
         ways(points).into_iter().filter(|way| way.one.estimator != Some(EstimatorId::Network) && way.holds()).collect();

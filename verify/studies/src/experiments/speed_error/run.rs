@@ -16,13 +16,13 @@ pub fn run(context: &Context) -> Result<Vec<SpeedErrorPoint>, ExperimentError> {
     let &Context { finger, noise_mm, progress, .. } = context;
     let forces = context.checked_forces();
     progress.part("speed and error", 2);
-    // Numbers of oscillation periods, for one force and for two forces. Two forces on a folding finger take tens of milliseconds per frame.
-    // The effort changes only these numbers and not the nodes, so that points of other programs are always comparable.
+    // Numbers of oscillation periods, for one force and for two forces. Sensing two forces on a finger that folds takes tens of milliseconds per
+    // frame. The effort changes only these numbers and not the nodes, so that points of other programs are always comparable.
     let periods = match context.effort {
         Effort::Quick => [1, 4],
         Effort::Full => [2, 2 * ASKED_NODES],
     };
-    // Without equilibrium under the loads, the points for solving are omitted; the maps show the missing equilibria.
+    // If the finger has no equilibrium under the loads, the points of the task `solve` are omitted; the maps show the missing equilibria.
     let mut points = match solving(finger, ASKED_NODES, forces) {
         Err(ExperimentError::Statics(StaticsError::NoEquilibrium { .. })) => Vec::new(),
         points => points?,

@@ -1,10 +1,11 @@
 //! Sensing of a moving force, frame by frame: time, error, and the error of the mesh.
 //!
-//! A force at a node oscillates over [`TWO_FORCES_N`] once per second, at the paper's 25 frames per second. The force changes by up to 0.34 N between frames.
-//! Frames show the co-rotational finger of the finest mesh, with noise. The nonlinear estimator is timed from a cold start (least squares, as for an
-//! unrelated measurement) and from a warm start (the previous frame). Other estimators do not iterate from a starting point. Preparation for a contact is
-//! timed separately. Stated standard deviations cover only noise, so that errors of linearisation and mesh are visible in comparison. `finray sense` also
-//! computes these errors to widen its intervals; that computation is not timed here.
+//! A force at a node oscillates over the range [`TWO_FORCES_N`] once per second, at the paper's 25 frames per second. The force changes by up to 0.34
+//! N between frames. Frames contain the displacements, with noise, of the co-rotational finger on the finest mesh. The nonlinear estimator is timed
+//! from a cold start (the least-squares solution) and from a warm start (the answer for the previous frame). Other estimators do not iterate from a
+//! starting point. Preparation for a contact is timed separately. In this study, stated standard deviations cover only noise, so that errors of
+//! linearisation and mesh can be compared with the noise. `finray sense` also computes the errors of linearisation and mesh, to widen its intervals;
+//! that computation is not timed here.
 
 use super::{ASKED_NODES, ExperimentError, SpeedErrorPoint, Start, Task, TimedBy, mark_fronts, spread};
 use crate::prelude::*;
@@ -128,7 +129,7 @@ pub fn beam_estimators(meshes: &[Mesh]) -> Vec<TimedEstimator<'_>> {
     meshes.first().into_iter().flat_map(linear).chain(cold).chain(warm).collect()
 }
 
-/// The nonlinear estimator, which starts each frame from the previous one.
+/// The nonlinear estimator, which starts each frame from the answer for the previous frame.
 struct Streaming<'m> {
     mesh: &'m Mesh,
 }
@@ -167,15 +168,17 @@ pub fn singles(finger: &Finger, nodes: usize) -> Vec<Vec<NodeId>> {
     spread(finger, nodes).map(|node| vec![node]).collect()
 }
 
-/// One set of two neighbouring nodes in the middle of the front plate: 19 and 20 of the paper's finger. Empty if there are fewer than two nodes.
+/// One set of two neighbouring nodes in the middle of the front plate: 19 and 20 of the paper's finger. Empty if there are fewer than two contact
+/// nodes besides the tip.
 pub fn neighbours(finger: &Finger) -> Vec<Vec<NodeId>> {
     let loaded: Vec<NodeId> = finger.contact_nodes().skip(1).collect();
     let first = (loaded.len() / 2).min(loaded.len().saturating_sub(2));
     loaded.windows(2).skip(first).take(1).map(<[NodeId]>::to_vec).collect()
 }
 
-/// Times sensing of one oscillating force at [`ASKED_NODES`] nodes, and of two forces at neighbouring nodes, on the finger of `truth`. `periods` are the
-/// numbers of oscillations for the two tasks. The noise is `noise_mm` (mm). `further` estimators are added to the beam estimators.
+/// Times sensing of one oscillating force at [`ASKED_NODES`] nodes, and of two forces at neighbouring nodes, on the finger of `truth`. `periods` are
+/// the numbers of oscillations for the two tasks. The noise is `noise_mm` (mm). The estimators in `further` are timed in addition to the beam
+/// estimators.
 pub(crate) fn sensing(
     truth: &Mesh,
     noise_mm: f64,
@@ -199,8 +202,8 @@ pub(crate) fn sensing(
         let estimators: Vec<&TimedEstimator<'_>> = beams.iter().chain(&further).collect();
         let of_task = estimators.iter().map(|timed| sensed(task, timed, noise_mm, &streams));
         let mut of_task = of_task.collect::<Result<Vec<_>, _>>()?;
-        // Timing is complete, so this may run in parallel. The model error does not depend on the starting point, so cold starts get the error of
-        // warm starts.
+        // Timing is complete at this point, so the model errors may be computed in parallel. The model error does not depend on the starting point,
+        // so cold starts get the error of warm starts.
         let once: Vec<&&TimedEstimator<'_>> = estimators.iter().filter(|timed| timed.start != Start::Cold).collect();
         let biases = once.par_iter().map(|timed| largest_bias(timed, noise_mm, &streams));
         let biases: Vec<Option<f64>> = biases.collect::<Result<_, _>>()?;
@@ -216,7 +219,7 @@ pub(crate) fn sensing(
     Ok(points)
 }
 
-/// Time and error of an estimator on streams of frames with noise `noise_mm` (mm), without its model error.
+/// Time and error of an estimator on streams of frames with noise `noise_mm` (mm). The model error (`bias_sigmas`) is left `None`.
 ///
 /// # Errors
 /// [`ExperimentError`] if the estimator does not support the contacts.
@@ -268,8 +271,8 @@ pub fn sensed(
     })
 }
 
-/// Model error of an estimator: largest error over frames without noise, in standard deviations of the noise. These standard deviations follow from
-/// the Cramer-Rao bound, because the estimator's stated standard deviation grows with its model error.
+/// Model error of an estimator: largest error over frames without noise, in standard deviations of the noise. The standard deviations are those of
+/// the Cramer-Rao bound. The estimator's stated standard deviation is not used, because it grows with the model error.
 ///
 /// # Errors
 /// [`ExperimentError`] if the estimator does not support the contacts.

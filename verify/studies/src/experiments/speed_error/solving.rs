@@ -1,4 +1,4 @@
-//! Time and error of computing the shape under a load: every beam theory on its meshes, and lattices.
+//! Time and error of computing the shape under a load, by every beam theory on its meshes and by lattices.
 
 use super::{ExperimentError, SpeedErrorPoint, Start, Task, TimedBy, mark_fronts, spread};
 use crate::lattice::accuracy::{CONVERGED_ELEMENTS, difference};
@@ -35,7 +35,8 @@ impl ReferenceSolutions {
     }
 }
 
-/// Point of a solution method, from its times (s) for the loads with equilibrium among `asked` loads. The error is NaN without such loads.
+/// Point of a solution method. `seconds` holds the computation times (s) for those of the `asked` loads that have an equilibrium. The error is NaN if
+/// no load has an equilibrium.
 pub fn solved_point(model: &str, setting: String, mut seconds: Vec<f64>, error: f64, asked: usize) -> SpeedErrorPoint {
     SpeedErrorPoint {
         task: Task::Solve,
@@ -56,8 +57,8 @@ pub fn solved_point(model: &str, setting: String, mut seconds: Vec<f64>, error: 
 }
 
 /// Times beams on several meshes, and lattices of several finenesses, under the force at which maps are drawn. The force acts at `nodes` nodes along
-/// the front plate, in three directions each. Errors are against beams of [`CONVERGED_ELEMENTS`] elements per member. Empty for a finger without such
-/// nodes.
+/// the front plate, in three directions each. Errors are differences from beams with [`CONVERGED_ELEMENTS`] elements per member. Empty if the front
+/// plate has no contact node besides the tip.
 ///
 /// # Errors
 /// [`ExperimentError`] if the reference has no equilibrium or a lattice cannot be built.
@@ -115,7 +116,7 @@ pub fn beams(finger: &Finger) -> Vec<Beams> {
         (Kinematics::Corotational, "co-rotational"),
     ];
     let on_meshes = |(kinematics, model)| {
-        // Linear frames are exact at the nodes, so finer meshes only take longer.
+        // Linear beam elements are exact at the nodes, so finer meshes only take longer.
         let elements: &[usize] = if kinematics == Kinematics::Linear { &[1] } else { &[1, 2, 4, 8] };
         elements.iter().map(move |&elements| {
             let mesh = Mesh::with_elements_per_member(finger, elements);

@@ -1,4 +1,4 @@
-//! Fit of zone factors to the six mean errors of Table I.
+//! Fit of the zones' modulus factors to the six mean errors of Table I.
 
 use super::{MEMBER_MM, ZoneSet};
 use crate::experiments::ExperimentError;
@@ -17,13 +17,13 @@ pub const TARGETS: [(f64, f64); 6] =
     [(0.563, 0.02), (0.121, 0.02), (0.0, 0.03), (0.0, 0.03), (0.0, 0.03), (0.200, 0.02)];
 /// Tolerance of the calibrated modulus relative to the published modulus; small, because equality is required.
 const MODULUS_TOLERANCE: f64 = 1e-3;
-/// Step of ln(factor) for finite differences; errors are smooth to nine digits.
+/// Step of ln(factor) for finite differences; the computed errors of Table I are smooth to nine digits.
 const DIFFERENCE: f64 = 1e-4;
-/// The fit has converged if no factor changes by more than this, relative. Finite differences allow no smaller value.
+/// The fit has converged if one iteration changes every factor by at most this relative amount. Finite differences allow no smaller value.
 const SMALLEST_STEP: f64 = 1e-7;
 /// The fit is abandoned after this number of iterations; every set of zones needs fewer.
 const MAX_STEPS: usize = 40;
-/// One iteration changes ln(factor) by at most this.
+/// Largest change of ln(factor) in one iteration.
 const LARGEST_STEP: f64 = 0.5;
 
 /// Factors of a [`ZoneSet`] that fit Table I best.
@@ -31,11 +31,11 @@ const LARGEST_STEP: f64 = 0.5;
 pub struct TwinFit {
     /// Zones whose factors are fitted.
     pub set: ZoneSet,
-    /// The fitted finger. Its modulus is chosen so that the paper's calibration results in the published modulus.
+    /// The fitted finger. The finger's modulus is chosen so that the paper's calibration yields the published modulus.
     pub finger: Finger,
     /// Modulus factor of each group of zones, dimensionless.
     pub factors: Vec<f64>,
-    /// Standard deviation of each factor, dimensionless, with the tolerances of [`TARGETS`] as independent standard deviations.
+    /// Standard deviation of each factor, dimensionless. The tolerances of [`TARGETS`] are taken as independent standard deviations.
     pub sigmas: Vec<f64>,
     /// Ratio of the modulus outside the zones to the published modulus.
     pub modulus_factor: f64,
@@ -107,8 +107,8 @@ fn run(paper: &Finger, set: &ZoneSet, logs: &DVector<f64>) -> Result<(Finger, Ta
     Ok((finger, table))
 }
 
-/// Residuals of the fit: differences from the targets over their tolerances, then the relative difference of the calibrated modulus over its
-/// tolerance. Unknowns are logarithms of factors.
+/// Residuals of the fit: each difference from a target divided by its tolerance, then the relative difference of the calibrated modulus divided by
+/// its tolerance. Unknowns are logarithms of factors.
 struct TwinProblem<'p> {
     paper: &'p Finger,
     set: &'p ZoneSet,
@@ -119,7 +119,7 @@ impl LeastSquaresProblem for TwinProblem<'_> {
     type Error = ExperimentError;
 
     fn residual(&mut self, logs: &DVector<f64>) -> Result<DVector<f64>, Refusal<ExperimentError>> {
-        // A finger without equilibrium under the weights counts as too soft.
+        // A trial finger without equilibrium under the weights is refused, because it is too soft.
         let (_, table) = run(self.paper, self.set, logs).map_err(Refusal::Here)?;
         let errors = mean_errors(&table).into_iter().zip(TARGETS).map(|(error, (target, off))| (error - target) / off);
         let modulus = (table.modulus_factor - 1.0) / MODULUS_TOLERANCE;

@@ -1,9 +1,9 @@
 //! A digital twin of the finger behind Table I of Xu et al. (2021): the paper's finger with one of several possible sets of softer ends.
 //!
-//! The paper infers from its errors that the modulus "at the tip and base should be lower", and does not test it. Here the factors of zones, and the
-//! modulus outside the zones, are [fitted](fit) to the six published mean errors, and the consequences are [studied](study). Six numbers, with an
+//! The paper infers from its errors that the modulus "at the tip and base should be lower", and does not test it. Here the modulus factors of zones,
+//! and the modulus outside the zones, are [fitted](fit) to the six published mean errors. The consequences are [studied](study). Six numbers, with an
 //! assumed direction of the weights, do not determine a finger: other zones fit equally well, some even better. The twin's moduli are below those of
-//! TPU. Soft ends are an assumption of the fit, so the effect of soft ends is no evidence that they exist.
+//! TPU. Soft ends are an assumption of the fit, so their effect on the twin is no evidence that the real finger has soft ends.
 
 pub mod fit;
 pub mod study;
@@ -19,7 +19,7 @@ pub type Section = (Part, f64, f64);
 pub struct ZoneSet {
     /// Name in tables.
     pub name: &'static str,
-    /// Groups of zones, each with the starting factor of its fit: the result of an earlier fit that started from 0.2.
+    /// Groups of zones, each with the factor at which its fit starts. This factor is the result of an earlier fit that started from 0.2.
     pub groups: &'static [(&'static [Section], f64)],
 }
 
@@ -30,11 +30,11 @@ const BASE: &[Section] = &[(Part::Front, 0.0, 1.0), (Part::Back, 0.0, 1.0)];
 const NEXT: &[Section] = &[(Part::Front, 8.0, 10.0), (Part::Back, 8.0, 10.0)];
 const TIP: &[Section] = &[(Part::Front, 10.0, 12.0), (Part::Back, 10.0, 12.0)];
 
-/// Zones of the twin: the members at the base, the two members next to the tip zone, and the two members at the tip.
+/// Zones of the twin on each plate: the member at the base, the two members next to the tip zone, and the two members at the tip.
 pub const TWIN: ZoneSet =
     ZoneSet { name: "base, before the tip, tip (drawn here)", groups: &[(BASE, 0.72), (NEXT, 0.153), (TIP, 0.064)] };
 
-/// Alternative sets of zones; some of them fit as well.
+/// Alternative sets of zones; some of them fit Table I as well as the twin's zones do.
 pub const OTHERS: [ZoneSet; 6] = [
     ZoneSet {
         name: "base of the front plate alone, members before the tip, tip",

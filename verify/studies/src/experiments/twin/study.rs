@@ -1,4 +1,5 @@
-//! Study of the digital twin: Table I before and after, calibration of its zones from noisy shapes, and sensing with the calibrated zones.
+//! Study of the digital twin: Table I on the uniform finger and on the twin, calibration of zones from noisy shapes, and sensing with the calibrated
+//! zones.
 
 use super::fit::{ANGLE_DEG, TwinFit, fit};
 use super::{OTHERS, TWIN};
@@ -11,7 +12,7 @@ use crate::settings::ONE_FORCE_N;
 use crate::truths::{MeshTruth, TruthId, fine_mesh, twin_of};
 use finray_model::calibration::{CalibrationCase, CalibrationError, FactorEstimate, FactorModel, Unknown, factors};
 
-/// Indices of the zones in the twin's scene that share a factor, front and back.
+/// Pairs of zones that share a factor, one zone on the front plate and one on the back plate, as indices in the twin's scene.
 pub const GROUPS: [[usize; 2]; 3] = [[0, 1], [2, 3], [4, 5]];
 /// Nodes loaded by weights for the calibration of the zones: the nodes of Table I and of the paper's calibration.
 pub const LOADED: [usize; 9] = [14, 16, 17, 18, 19, 20, 21, 22, 24];
@@ -21,8 +22,8 @@ const SENSED_NODES: std::ops::RangeInclusive<usize> = 14..=24;
 const CALIBRATION_ELEMENTS: usize = 12;
 /// Tolerance of the mean relative error at a node with known zones: 10 % above the Cramer-Rao bound at the worst node (24).
 const SENSED: f64 = 0.013;
-/// Tolerance of (rms error / sigma) against 1. Chance exceeds it once in thousands of studies of 10 repetitions and 4 parameters (standard error
-/// 0.11).
+/// Tolerance of the difference of (rms error / sigma) from 1. By chance alone, one in thousands of studies with 10 repetitions and 4 parameters
+/// exceeds the tolerance (standard error 0.11).
 const COVERED: f64 = 0.45;
 
 /// Results of the study of the digital twin.
@@ -34,7 +35,8 @@ pub struct TwinStudy {
     pub before: TableOne,
     /// Table I on the twin.
     pub after: TableOne,
-    /// Modulus by eq. (11) on the twin, from all weights of Table I and the calibration, relative to the modulus from the paper's three nodes.
+    /// Modulus of the twin by eq. (11) of the paper, from the weights at all nodes of [`LOADED`], relative to the modulus from the paper's three
+    /// calibration nodes.
     pub recalibrated: f64,
     /// Fits of the twin's zones, then of alternative sets.
     pub fits: Vec<TwinFit>,
@@ -69,7 +71,7 @@ impl Evidence for TwinStudy {
     }
 }
 
-/// Study of the twin; `None` for another finger than the paper's, and without noise. `before` is Table I of the uniform finger.
+/// Study of the twin; `None` if the finger is not the paper's, or if there is no noise. `before` is Table I of the uniform finger.
 pub(crate) fn run(context: &Context, before: Option<&TableOne>) -> Result<Option<TwinStudy>, ExperimentError> {
     let Some(before) = before.filter(|_| context.noise_mm > 0.0) else { return Ok(None) };
     context.progress.part("digital twin", TwinStudy::STEPS);
@@ -82,7 +84,8 @@ impl TwinStudy {
     /// Number of times that the study reports progress.
     pub const STEPS: usize = 3;
 
-    /// Runs the study: `repeats` calibrations, `cases` forces at each node, and fits of the first `sets` sets of zones, beginning with the twin's.
+    /// Runs the study: `repeats` calibrations, `cases` forces at each node, and a fit of each of the first `sets` zone sets, beginning with the
+    /// twin's.
     pub(crate) fn run(
         paper: &Finger,
         before: &TableOne,
@@ -133,8 +136,8 @@ impl TwinStudy {
         rms(factors.map(|(factor, sigma)| factor.ln() / sigma)).unwrap_or(f64::NAN)
     }
 
-    /// Checks of results on the twin. The twin's agreement with Table I is not checked, because three factors were fitted to these six numbers.
-    /// [`comparisons`](TwinStudy::comparisons) show the residuals of the fit.
+    /// Checks of results on the twin. The twin's agreement with Table I is not checked, because three factors were fitted to the six errors of that
+    /// table. [`comparisons`](TwinStudy::comparisons) show the residuals of the fit.
     pub fn checks(&self) -> Vec<Check> {
         let problem = "digital twin of Table I";
         let nonlinear = || self.sensing.iter().map(|sensing| &sensing.nonlinear);

@@ -11,8 +11,9 @@ use finray_model::statics::equilibria;
 const MOST_DRAWS: usize = 100;
 /// Number of cases per block. Cases of a block share prepared estimators, and one thread computes a block.
 const BLOCK: u64 = 100;
-/// Share of the noise at which the first-order response is computed. The estimated forces then change by about a tenth of their standard deviation,
-/// far more than the convergence tolerance of the search. The effect of curvature is a tenth of its size at full noise.
+/// Noise for the first-order response, as a fraction of the full noise. With this fraction of the noise, the estimated forces change by about a tenth
+/// of their standard deviation, far more than the convergence tolerance of the search. The second-order error of the response is a tenth of the
+/// second-order error at full noise.
 const LITTLE: f64 = 0.1;
 
 pub(super) struct Case {
@@ -25,10 +26,11 @@ pub(super) struct Case {
 }
 
 pub(super) struct Sample {
-    /// Cramer-Rao bound: standard deviations stated by an estimator with the true finger's kinematics. `None` without noise, or if this estimator
-    /// returns no estimate.
+    /// Cramer-Rao bound: standard deviations stated by an estimator with the true finger's kinematics. `None` without noise, or if the estimator that
+    /// gives the bound returns no estimate.
     pub bound: Option<Sensed>,
-    /// First-order errors caused by the noise, N, of the estimator that gives the bound; `None` without noise, or if not requested or not computed.
+    /// First-order errors due to the noise, N, of the estimator that gives the Cramer-Rao bound. `None` without noise, or if not requested or not
+    /// computed.
     pub first_order: Option<Vec<f64>>,
     /// Estimates by estimator; `None` if the estimator refused.
     pub sensed: Vec<Option<Sensed>>,
@@ -72,7 +74,7 @@ struct CaseRunner<'a> {
     contacts: &'a [Contact],
     kinematics: Kinematics,
     ratio_limits: &'a RatioLimits<'a>,
-    /// Recognises forces above the limit load; created at the first such draw.
+    /// Recognises forces above the limit load; created at the first draw without equilibrium.
     scout: Option<Scout<'a>>,
     bound: Box<dyn PreparedEstimator + 'a>,
     estimators: Vec<Box<dyn PreparedEstimator + 'a>>,
@@ -101,14 +103,14 @@ impl<'a> CaseRunner<'a> {
         })
     }
 
-    /// Solves for the finger's shape under each draw, in batches, and measures it without noise. A draw without equilibrium is repeated; `None` if all
-    /// its repetitions have no equilibrium either.
+    /// Solves for the finger's shape under each draw, in batches, and measures it without noise. A draw without equilibrium is replaced by a new
+    /// draw. The entry is `None` if none of the draws has an equilibrium.
     fn carried(&mut self, mut draws: Vec<Draw>, range_n: [f64; 2]) -> Vec<Option<(Draw, Measurement)>> {
         let mut carried: Vec<Option<(Draw, Measurement)>> = draws.iter().map(|_| None).collect();
         let size_n = |number: &usize| draws[*number].forces_n.iter().sum::<f64>();
         let mut open: Vec<usize> = (0..draws.len()).collect();
         open.sort_by(|a, b| size_n(b).total_cmp(&size_n(a)));
-        // The largest draw is solved first. If it has no equilibrium, the other draws are classified by a scout before they are solved.
+        // The largest draw is solved first. If the largest draw has no equilibrium, a scout classifies the other draws before they are solved.
         let others = open.split_off(open.len().min(1));
         let mut open = self.attempt(&mut draws, open, &mut carried, range_n);
         open.extend(others);
@@ -118,7 +120,8 @@ impl<'a> CaseRunner<'a> {
         carried
     }
 
-    /// Solves for the finger's shape under the draws with these indices. Draws without equilibrium get new forces; their indices are returned.
+    /// Solves for the finger's shape under the draws whose indices are in `open`. Draws without equilibrium get new forces; their indices are
+    /// returned.
     fn attempt(
         &mut self,
         draws: &mut [Draw],
@@ -137,7 +140,7 @@ impl<'a> CaseRunner<'a> {
                 true
             });
         }
-        // Contacts off the finger have no load.
+        // Contacts off the finger have no load, so no draw can be solved.
         let Some(found) = self.motions(draws, &mut open) else { return Vec::new() };
         let mut again = Vec::new();
         for (number, found) in open.into_iter().zip(found) {
@@ -155,8 +158,9 @@ impl<'a> CaseRunner<'a> {
         again
     }
 
-    /// Motions of the finger under the draws with these indices, `None` without equilibrium. Equilibria under a single force form one path. These draws are
-    /// sorted by force and followed from one to the next, because a finger that folds needs many load steps from rest. `None` for contacts off the finger.
+    /// Motions of the finger under the draws whose indices are in `open`; `None` for a draw without equilibrium. Equilibria under a single force form
+    /// one path. Draws of a single force are sorted by force and solved one after the other along the path, because a finger that folds needs many
+    /// load steps from rest. `None` for contacts off the finger.
     fn motions(&self, draws: &[Draw], open: &mut [usize]) -> Option<Vec<Option<FrameMotion>>> {
         let is_path = self.contacts.len() == 1 && open.iter().all(|&number| draws[number].forces_n[0] > 0.0);
         if !is_path {

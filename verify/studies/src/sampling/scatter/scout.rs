@@ -1,22 +1,23 @@
-//! Fast detection of forces that clearly exceed the finger's limit load. It uses the estimator's mesh, which is coarser than the true finger's.
+//! Fast detection of forces that clearly exceed the finger's limit load. The detection uses the estimator's mesh, which is coarser than the true
+//! finger's mesh.
 
 use crate::prelude::*;
 use finray_model::statics::Ladder;
 use std::sync::OnceLock;
 
 /// Forces are clearly too large if the estimator's mesh carries less than this fraction of them. Over 432 random pairs of forces on two fingers, the
-/// true finger's mesh has 0.990 to 1.001 times the limit load of the estimator's mesh.
+/// limit load on the true finger's mesh is 0.990 to 1.001 times the limit load on the estimator's mesh.
 const CLEARLY_TOO_LARGE: f64 = 0.98;
-/// Known limit loads replace a solve if both sides of the forces' ratio have a known limit load within this angle, rad.
+/// Limit loads known within this angle (rad) on both sides of the forces' ratio can replace a solve.
 const NEIGHBOURS: f64 = 0.1;
-/// Factor for a margin around the largest forces that the two neighbouring ratios carry. Forces count as carried below this factor times the smaller
-/// limit load, and as too large above the larger limit load divided by this factor.
+/// Factor for a margin around the limit loads of the two neighbouring force ratios. Forces count as carried below this factor times the smaller limit
+/// load, and as too large above the larger limit load divided by this factor.
 const BETWEEN_NEIGHBOURS: f64 = 0.9;
 
-/// Largest angle, rad, between neighbouring ratios of forces whose limit loads are computed once for all blocks of cases.
+/// Largest angle, rad, between neighbouring force ratios. The limit loads of these ratios are computed once for all blocks of cases.
 const SPREAD: f64 = 0.05;
 
-/// Limit loads on the estimator's mesh, for ratios over the whole range of drawn forces. They are computed at the first request.
+/// Limit loads on the estimator's mesh, for force ratios over the whole range of drawn forces. The limit loads are computed at the first request.
 pub(super) struct RatioLimits<'m> {
     mesh: &'m Mesh,
     kinematics: Kinematics,
@@ -40,7 +41,7 @@ impl<'m> RatioLimits<'m> {
         let mut scout = Scout { mesh: self.mesh, contacts: self.contacts, statics, limits: Vec::new() };
         let limits = self.limits.get_or_init(|| {
             let limit = |forces_n: Vec<f64>| match scout.sees(&forces_n) {
-                // Forces that are fully carried have their limit beyond the range.
+                // If the finger carries the largest forces of the range, its limit load is beyond the range.
                 LoadClass::Carried => Ray::of(&forces_n).map(|ray| Limit { ray, size_n: f64::INFINITY }),
                 LoadClass::AtTheLimit | LoadClass::TooLarge => scout.limits.drain(..).next(),
             };
@@ -50,7 +51,7 @@ impl<'m> RatioLimits<'m> {
         scout
     }
 
-    /// Largest forces (N) of the range for each ratio; empty if the range includes forces of zero or less, or for more than two contacts.
+    /// Largest forces (N) of the range for each ratio. Empty if the range includes forces of zero or less, or if there are more than two contacts.
     fn largest_forces(&self) -> Vec<Vec<f64>> {
         let [least, most] = self.range_n;
         if least <= 0.0 || self.contacts.len() > 2 {
@@ -96,7 +97,8 @@ struct Limit {
     size_n: f64,
 }
 
-/// Ratio of one or two forces, as an angle, rad. A load path keeps its ratio from rest to full load.
+/// Ratio of two forces, as an angle, rad; for a single force, 0 or pi by its sign. Along a load path, the forces keep their ratio from rest to full
+/// load.
 #[derive(Clone, Copy)]
 struct Ray(f64);
 
@@ -112,7 +114,8 @@ impl Ray {
 }
 
 impl Scout<'_> {
-    /// Load class of forces (N), from the limit loads of neighbouring ratios or from a solve. A solve without equilibrium stores its limit load.
+    /// Load class of forces (N), from the limit loads of neighbouring ratios or from a solve. If a solve finds no equilibrium, its limit load is
+    /// stored.
     pub(super) fn sees(&mut self, forces_n: &[f64]) -> LoadClass {
         let size_n = forces_n.iter().map(|force| force * force).sum::<f64>().sqrt();
         let ray = Ray::of(forces_n);
@@ -135,7 +138,8 @@ impl Scout<'_> {
         }
     }
 
-    /// Limit loads (N) of the nearest known ratios on both sides, the smaller limit first; `None` if one side has no known ratio nearby.
+    /// Limit loads (N) of the nearest known ratios on both sides of a ratio, the smaller limit load first; `None` if one side has no known ratio
+    /// nearby.
     fn known_limits_n(&self, Ray(angle): Ray) -> Option<[f64; 2]> {
         let nearest = |side: f64| {
             let away = |limit: &Limit| side * (limit.ray.0 - angle);

@@ -11,10 +11,10 @@ use std::time::Duration;
 
 /// Number of pieces of work per thread between two writes. With many pieces, waiting for the slowest piece costs little.
 const PIECES_A_THREAD: usize = 16;
-/// If a round of pieces takes less time than this, waiting for threads and files dominates, so the next pieces have up to twice as many blocks. A
+/// If a round of pieces takes less time than this, waiting for threads and files dominates. The next pieces then have up to twice as many blocks. A
 /// stopped run loses at most the current round.
 const LEAST_TIME: Duration = Duration::from_millis(10);
-/// Largest number of rows in memory, unless pieces of a single block already have more.
+/// Largest number of rows in memory, exceeded only if pieces of a single block already have more rows.
 const MOST_ROWS: usize = 1 << 16;
 
 /// A sweep of true fingers and estimators over a grid.
@@ -22,7 +22,8 @@ pub struct Sweep<'s> {
     finger: &'s Finger,
     truths: Vec<&'s dyn Truth>,
     estimators: Vec<&'s dyn Estimator>,
-    /// For each estimator: versions prepared once for many contacts, for a nonlinear and for a linear true finger; `None` if this saves no time.
+    /// For each estimator, two versions prepared once for many contacts: for a nonlinear and for a linear true finger. `None` if preparing once saves
+    /// no time.
     for_many: Vec<[Option<Box<dyn Estimator + 's>>; 2]>,
     grid: &'s Grid,
     noise: NoiseSamples,
@@ -123,8 +124,8 @@ impl<'s> Sweep<'s> {
         self.grid.noise_levels_mm.iter().flat_map(of_level)
     }
 
-    /// Computes blocks in parallel. `write` gets them in order, several at a time: their number and their rows. Memory contains only a few blocks per
-    /// thread.
+    /// Computes blocks in parallel. `write` gets the blocks in order, several at a time: the number of blocks and their rows. Memory contains only a
+    /// few blocks per thread.
     ///
     /// # Errors
     /// The first error of `write` or of the CSV writer.

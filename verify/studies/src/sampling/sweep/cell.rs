@@ -6,8 +6,9 @@ use crate::truths::TruthId;
 /// One force at one position, direction and noise level, on one true finger, sensed by one estimator. The fields are the columns of
 /// [`Table::Sweep`](super::Table::Sweep).
 ///
-/// Errors refer to the answered samples. They are `None` if fewer than half of the samples were answered, because such a selection is biased. The
-/// counts `warned`, `covered` and `covered_warned` are `None` if the estimator states no standard deviations, or answered no sample.
+/// Errors refer to the answered samples. The errors are `None` if fewer than half of the samples were answered, because the answered samples are then
+/// a biased selection. The counts `warned`, `covered` and `covered_warned` are `None` if the estimator states no standard deviations, or answered no
+/// sample.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cell {
     /// The true finger.
@@ -22,7 +23,7 @@ pub struct Cell {
     pub angle_deg: f64,
     /// True force, N.
     pub force_n: f64,
-    /// Number of noise samples: one without noise, 0 if the finger has no equilibrium.
+    /// Number of noise samples: 1 at the noise level 0, and 0 if the finger has no equilibrium.
     pub samples: usize,
     /// Number of answered samples.
     pub answered: usize,
@@ -30,16 +31,18 @@ pub struct Cell {
     pub mean_error: Option<f64>,
     /// Mean of sensed / true - 1, dimensionless: the systematic error.
     pub bias: Option<f64>,
-    /// Standard deviation of sensed / true over the noise samples, dimensionless; also `None` if fewer than two noisy samples were answered.
+    /// Standard deviation of sensed / true over the noise samples, dimensionless. `None` like `mean_error`, or if fewer than two noisy samples were
+    /// answered.
     pub spread: Option<f64>,
-    /// Root mean square of the standard deviations stated by the estimator, N; also `None` if it states none.
+    /// Root mean square of the standard deviations stated by the estimator, N. `None` like `mean_error`, or if the estimator states no standard
+    /// deviations.
     pub sigma_n: Option<f64>,
     /// Reason for missing answers, on one line: the finger has no equilibrium, or the reason of the first refusal. `None` if all samples were answered.
     pub refusal: Option<String>,
     /// Number of answers with a warning.
     pub warned: Option<usize>,
-    /// Among answers without a warning: the number whose interval of 1.96 stated standard deviations contains the true force.
+    /// Number of answers without a warning whose interval of 1.96 stated standard deviations contains the true force.
     pub covered: Option<usize>,
-    /// Among answers with a warning: the number whose interval of 1.96 stated standard deviations contains the true force.
+    /// Number of answers with a warning whose interval of 1.96 stated standard deviations contains the true force.
     pub covered_warned: Option<usize>,
 }

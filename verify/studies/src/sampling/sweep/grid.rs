@@ -15,7 +15,7 @@ pub struct Grid {
     pub angles_deg: Vec<f64>,
     /// Forces, N, ascending.
     pub forces_n: Vec<f64>,
-    /// Standard deviations of a measured coordinate's noise, mm; 0 for none.
+    /// Standard deviations of a measured coordinate's noise, mm; 0 means no noise.
     pub noise_levels_mm: Vec<f64>,
     /// Number of noise samples per cell. All cells share the samples.
     #[serde(rename = "noise_pictures")]

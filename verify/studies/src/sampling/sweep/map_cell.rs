@@ -1,4 +1,4 @@
-//! Cells of an accuracy map: the cells of a sweep with one true finger, estimator and noise level.
+//! Cells of an accuracy map: the cells of a sweep with one true finger, one estimator and one noise level.
 
 use super::Cell;
 use serde::{Deserialize, Serialize};
@@ -18,15 +18,15 @@ pub struct MapCell {
     pub bias: Option<f64>,
     /// Standard deviation of sensed / true over the noise samples, dimensionless.
     pub spread: Option<f64>,
-    /// Number of noise samples, one without noise; 0 if the finger has no equilibrium.
+    /// Number of noise samples: 1 at the noise level 0, and 0 if the finger has no equilibrium.
     pub samples: usize,
-    /// Number of answered samples, over which the errors above are averaged.
+    /// Number of answered samples, over which `mean_error`, `bias` and `spread` are computed.
     pub answered: usize,
     /// Number of answers with a warning; `None` if no standard deviation is stated.
     pub warned: Option<usize>,
-    /// Among answers without a warning: the number whose interval of 1.96 stated standard deviations contains the true force.
+    /// Number of answers without a warning whose interval of 1.96 stated standard deviations contains the true force.
     pub covered: Option<usize>,
-    /// Among answers with a warning: the number whose interval of 1.96 stated standard deviations contains the true force.
+    /// Number of answers with a warning whose interval of 1.96 stated standard deviations contains the true force.
     pub covered_warned: Option<usize>,
 }
 
@@ -35,7 +35,7 @@ pub struct MapCell {
 pub enum CellState {
     /// At least half of the samples were answered.
     Answered,
-    /// The finger has an equilibrium, but the estimator refuses more than half of the samples. The other answers are a biased selection.
+    /// The finger has an equilibrium, but the estimator refuses more than half of the samples. The answered samples are then a biased selection.
     Refused,
     /// The finger has no equilibrium under the force, so no force can be sensed.
     WithoutEquilibrium,

@@ -1,4 +1,4 @@
-//! Merges the shards of a sweep, which independent machines have computed.
+//! Merges the shards of a sweep that several machines have computed independently.
 
 use super::request::lines_of_head;
 use super::{Head, Request, Shard};
@@ -123,7 +123,7 @@ fn whole_shard(path: &Path) -> Result<(Request, Shard, u64), FileError> {
     Ok((head.request, shard, (lines.len() + header.len()) as u64))
 }
 
-/// Rows of all shards in sequence. One file is open at a time, because there may be more shards than a process may open.
+/// Rows of all shards in sequence. One file is open at a time, because there may be more shards than a process may open files.
 struct Rows<'s> {
     rest: std::collections::btree_map::Values<'s, usize, (PathBuf, u64)>,
     open: Option<File>,
