@@ -27,11 +27,11 @@ FIXTURES = Path(__file__).resolve().parents[2] / "fixtures"
 SCENE = FIXTURES / "scenes" / "paper.toml"
 COLUMNS = ["task", "model", "setting", "seconds", "error", "program", "version", "nodes", "forces_n", "machine"]
 REFERENCE_NODES, TRUTH_NODES = 4000, 684  # mesh nodes of the converged shapes, and of the frames' true shapes (the paper's fine mesh)
-# Nodes, directions and forces of finray's own points (verify/studies/src/experiments/speed_error):
+# Nodes, directions and forces are the same as in finray's own timings (verify/studies/src/experiments/speed_error):
 NODES, ANGLES_DEG, FORCE_N = range(14, 25), (-40.0, 0.0, 40.0), 3.0  # loads for which shapes are solved, N
 SENSED_N, FRAMES_A_PERIOD, PERIODS = (0.3, 3.0), 25, 2               # range of an oscillating force, N; frames per period; periods
 NOISE_MM, SEED = 0.067, 11
-# Names of these nodes and forces in finray, which ignores rows with others.
+# Text by which finray identifies these nodes and forces; finray ignores rows with other text.
 ASKED = {"solve": ("14-24", "3"), "sense-one": ("14-24", "0.3-3")}
 REPEATS = 5              # repetitions of every timed answer; the median is reported
 SHORT_S = 1e-4           # answers shorter than this, s, are timed in batches of 1000

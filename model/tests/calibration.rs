@@ -43,7 +43,7 @@ proptest! {
         markers[0].displacement *= 3.0;
         spoiled[0].measurement = Measurement::new(&finger, markers.clone()).expect("the same markers");
         let forgiven = youngs_modulus(&finger, &spoiled).expect("loads move the nodes");
-        // Eq. (11) sums distances, so one bad node has no effect at all while the other nodes outweigh it.
+        // Eq. (11) of the paper sums distances, so one bad node has no effect at all while the other nodes outweigh it.
         if markers.len() > 8 {
             prop_assert!((forgiven.factor / factor - 1.0).abs() <= ROUNDING, "{}", forgiven.factor);
         }

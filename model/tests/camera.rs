@@ -54,7 +54,7 @@ fn paper_camera(distortion: [f64; 5]) -> Camera {
     Camera { lens: lens.expect("a lens"), pose: Pose::new([std::f64::consts::PI, 0.0, 0.0], [-75.0, 0.0, 170.0]) }
 }
 
-/// Compared with values by hand: the front plate (+y) is at the top of the image, x points to the right, and 1 mm is 8 px.
+/// Pixels are compared with values calculated by hand. The front plate (+y) is at the top of the image, x points to the right, and 1 mm is 8 px.
 #[test]
 fn the_finger_stands_upright_in_the_image() {
     let camera = paper_camera([0.0; 5]);
@@ -96,7 +96,7 @@ fn what_cannot_be_seen_is_refused() {
     assert!(!camera.lens.contains(&Pixel::new(1600.0, 0.0)) && camera.lens.contains(&Pixel::new(1599.4, -0.4)));
 }
 
-/// r (1 + k1 r^2) is largest at r = 1 / sqrt(-3 k1); the image's corner is at 0.78.
+/// r (1 + k1 r^2) is largest at r = 1 / sqrt(-3 k1); the image's corner is at r = 0.78.
 #[test]
 fn a_lens_that_folds_the_image_is_refused() {
     let lens = |k1: f64| {

@@ -51,7 +51,7 @@ fn zones_of_ribs_go_by_their_front_ends() {
         ))
     };
     assert_eq!(zone(40.0, 55.0), [1.0, 0.25, 1.0]);
-    // If back ends counted, this zone would cover the first rib.
+    // If zones covered ribs by their back ends, this zone would cover the first rib.
     assert_eq!(zone(55.0, 85.0), [1.0, 1.0, 0.25]);
 }
 
@@ -127,7 +127,7 @@ fn numbering_goes_over_the_tip() {
     assert_eq!(finger.tip(), NodeId(5));
     assert!((finger.position(NodeId(1)).y + 30.0).abs() < ROUNDING);
     assert!((finger.position(NodeId(9)).y - 30.0).abs() < ROUNDING);
-    // From the tip down the front plate: ribs 3, 2, 1; from the base up the back plate: ribs 1, 2, 3.
+    // Ribs meet the front plate in the order 3, 2, 1 from the tip, and the back plate in the order 1, 2, 3 from the base.
     let from_base = |node: usize, base: usize| (finger.position(NodeId(node)) - finger.position(NodeId(base))).norm();
     for (node, position) in [(6, 80.0), (7, 50.0), (8, 20.0)] {
         assert!((from_base(node, 9) - position).abs() < 1e3 * ROUNDING, "node {node}");

@@ -15,8 +15,8 @@ fn lens() -> impl Strategy<Value = Lens> {
     )
 }
 
-/// A pose in which the camera faces the finger's plane. The plane is tilted by up to half a radian and rotated arbitrarily about its normal. Its point
-/// (75, 0) mm is 150 to 400 mm from the camera along the optical axis, and within 10 mm of that axis in each coordinate.
+/// A pose in which the camera faces the finger's plane. The plane is tilted by up to half a radian and rotated arbitrarily about its normal. The
+/// plane's point (75, 0) mm is 150 to 400 mm from the camera along the optical axis, and within 10 mm of that axis in each coordinate.
 fn pose() -> impl Strategy<Value = Pose> {
     let tilt = (-0.35..0.35, -0.35..0.35, -3.0..3.0);
     (tilt, -10.0..10.0, -10.0..10.0, 150.0..400.0).prop_map(|((a, b, turn), x, y, z)| {

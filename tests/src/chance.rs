@@ -10,8 +10,8 @@ pub use finray_fixtures::CAMERA_NOISE_MM;
 /// Half width of the interval that contains 95 % of a normal distribution, in standard deviations.
 pub const TWO_SIDED_95: f64 = 1.96;
 
-/// Tolerance of random deviations, in standard errors. If a run checks some hundred figures, chance exceeds the tolerance in about one of a hundred
-/// runs.
+/// Tolerance of random deviations, in standard errors. If a run checks some hundred figures, one of them exceeds the tolerance by chance in about one
+/// of a hundred runs.
 pub const STANDARD_ERRORS: f64 = 4.0;
 
 fn from_environment<T: std::str::FromStr>(name: &str, otherwise: T) -> T {

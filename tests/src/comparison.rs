@@ -4,7 +4,7 @@ use finray_model::Kinematics;
 use finray_model::frame::FrameMotion;
 use finray_model::mesh::FingerShape;
 
-/// All kinematics, for tests of a property that every kinematics has.
+/// Every kind of kinematics, for tests of a property that all kinds have.
 pub const KINEMATICS: [Kinematics; 3] = [Kinematics::Linear, Kinematics::Corotational, Kinematics::CorotationalChord];
 
 /// The largest of some magnitudes, or NaN if one magnitude is NaN; `f64::max` would ignore NaN.

@@ -1,4 +1,4 @@
-//! Figures that guides quote. The study that measures a figure writes it to a table, together with a digest of the measured code.
+//! Figures that guides quote. Each study writes the figures that it measures to a table, together with a digest of the measured code.
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -36,7 +36,7 @@ pub struct Figure {
     pub command: String,
 }
 
-/// Makes studies that run at the same time write one after the other.
+/// Lock with which concurrent studies write to the table one after the other.
 static WRITING: Mutex<()> = Mutex::new(());
 
 fn root() -> PathBuf {
@@ -108,7 +108,7 @@ fn sources(folder: &Path, files: &mut Vec<PathBuf>) {
 /// The present date in UTC, such as 2026-11-26.
 ///
 /// # Reference
-/// Howard Hinnant, chrono-Compatible Low-Level Date Algorithms: `civil_from_days`.
+/// Source: Howard Hinnant, chrono-Compatible Low-Level Date Algorithms, function `civil_from_days`.
 pub fn today() -> String {
     let seconds = SystemTime::now().duration_since(UNIX_EPOCH).expect("a time after 1970").as_secs();
     let days = seconds / 86_400 + 719_468;

@@ -1,8 +1,9 @@
-//! Fingers of scene files, and the fineness of the meshes in tests.
+//! Builds fingers from scene files, and defines the fineness of the meshes in tests.
 
 use finray_model::{Finger, Scene};
 
-/// Elements per member of the meshes on which tests sense forces. The error of these meshes is small compared with the noise.
+/// Elements per member of the meshes on which tests sense forces. With this number of elements, the discretisation error is small compared with the
+/// noise.
 pub const ELEMENTS: usize = 4;
 
 /// The paper's finger.
@@ -16,7 +17,7 @@ pub fn finger_of(scene: &str) -> Finger {
     Scene::from_toml(scene).expect("a good scene").finger
 }
 
-/// The paper's scene after changes of its text: every occurrence of the first string of each pair becomes the second.
+/// The paper's scene after replacements in its text: in each pair, the second string replaces every occurrence of the first string.
 #[track_caller]
 pub fn paper_scene_with(changes: &[(&str, &str)]) -> Scene {
     let text = changes.iter().fold(finray_fixtures::PAPER_SCENE.to_owned(), |text, (from, to)| {

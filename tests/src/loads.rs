@@ -27,8 +27,8 @@ pub fn contact_node(finger: &Finger, fraction: f64) -> NodeId {
     NodeId(finger.tip().0 + ((fraction * count as f64) as usize).min(count - 1))
 }
 
-/// Force on a node, N, under which the largest displacement of the linear finger is `share` of the front plate's length. Soft and stiff
-/// fingers are thus deformed equally.
+/// Force on a node, N, under which the largest displacement of the linear finger is `share` of the front plate's length. Soft and stiff fingers are
+/// deformed equally by their forces.
 pub fn force_for_deflection(finger: &Finger, node: NodeId, angle_deg: f64, share: f64) -> Vector {
     let direction = finger.direction(angle_deg);
     let shape = statics::solve(&Mesh::key_nodes(finger), &[Load::at_node(node, direction)], Kinematics::Linear)
@@ -36,12 +36,12 @@ pub fn force_for_deflection(finger: &Finger, node: NodeId, angle_deg: f64, share
     direction * (share * finger.plate_length_mm(Plate::Front) / shape.largest_displacement_mm())
 }
 
-/// Number of iterations for the direction of the plate under a pad.
+/// Number of iterations that find the direction of the plate under a pad.
 const SETTLED_AFTER: usize = 12;
 
-/// Forces, N, that are statically equivalent to an object that presses on a pad: equal forces at `parts` positions along the pad, and a couple at its
-/// ends. The couple is the moment of the shear force, which acts at the pad's surface. The forces of the object are normal to the deformed plate,
-/// whose direction is found by iteration. The estimator models a pad differently, by two forces.
+/// Forces, N, that are statically equivalent to the forces of an object that presses on a pad: equal forces at `parts` positions along the pad, and a
+/// couple at its ends. The couple is the moment of the shear force, which acts at the pad's surface. The forces of the object are normal to the
+/// deformed plate, whose direction is found by iteration. The estimator models a pad differently, by two forces.
 ///
 /// # Panics
 /// If the finger has no equilibrium under these forces, or part of the pad is not on the plate.

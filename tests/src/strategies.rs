@@ -25,8 +25,8 @@ fn ribs() -> impl Strategy<Value = (usize, Vec<[f64; 2]>, Joints, Option<Strip>)
     )
 }
 
-/// Brackets (shares of the base width), clips and rigid plate ends (shares of the front plate's length), each in a third of the fingers; markers on
-/// junctions or hinges.
+/// Brackets, clips and rigid plate ends, each in a third of the fingers, and markers on junctions or hinges. Lengths of brackets are shares of the
+/// base width; lengths of clips and plate ends are shares of the front plate's length.
 fn rigid_parts() -> impl Strategy<Value = ([f64; 2], [f64; 2], [RigidEnds; 2], MarkerPoints)> {
     let brackets = prop_oneof![2 => Just([0.0; 2]), 1 => [0.0..0.08, 0.0..0.08]];
     let clips = prop_oneof![2 => Just([0.0; 2]), 1 => [0.0..0.04, 0.0..0.04]];

@@ -1,5 +1,5 @@
-//! Statistical tests of stated standard deviations. A full study records its figures. Runs with fewer cases also check that this record
-//! is up to date.
+//! Statistical tests of stated standard deviations. A full study records its figures. Runs with fewer cases also check that the record of the full
+//! study is up to date.
 
 use crate::chance::{STANDARD_ERRORS, TWO_SIDED_95, is_full_study, share_error};
 use std::collections::BTreeMap;
@@ -9,8 +9,8 @@ use std::sync::{Mutex, PoisonError};
 
 const TABLE: &str = "studies.csv";
 const HEADER: &str = "study,mean_square_of_first,cases,share_within_95,mean_square";
-/// Number of first errors that are compared with the record; a run with few cases has the same first errors as the full study. The record is stale if
-/// their mean square differs from the recorded mean square by more than the share `FRESH`.
+/// Number of errors, from the start of a study, that are compared with the record; a run with few cases has the same first errors as the full study.
+/// The record is stale if the mean square of the first errors differs from the recorded mean square by more than the share `FRESH`.
 const FIRST: usize = 30;
 const FRESH: f64 = 0.01;
 
@@ -18,9 +18,9 @@ fn mean_square(errors: &[f64]) -> f64 {
     errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64
 }
 
-/// Checks errors that are given in stated standard deviations. The share within the 95 % interval must be 0.95 within three standard errors of this
-/// number of cases. The mean square must be 1 within four standard errors. The full study writes its figures to `fixtures/results/studies.csv`. A run
-/// with fewer cases fails if that record is stale.
+/// Checks errors that are given in stated standard deviations. The share of errors within the 95 % interval must be 0.95, up to three standard errors
+/// for the number of cases. The mean square of the errors must be 1 within four standard errors. The full study writes its figures to
+/// `fixtures/results/studies.csv`. A run with fewer cases fails if the record of the full study is stale.
 ///
 /// # Panics
 /// If errors are larger or smaller than stated, or the record is stale.
@@ -57,7 +57,7 @@ fn file(table: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../fixtures/results").join(table)
 }
 
-/// Makes tests that run at the same time write one after the other.
+/// Lock with which concurrent tests write their records one after the other.
 static WRITING: Mutex<()> = Mutex::new(());
 
 /// Writes the row `name` of a table in `fixtures/results`, or replaces this row.

@@ -1,4 +1,4 @@
-//! The paper's claims: every verdict follows from the numbers in its row.
+//! Tests of the verdicts on the paper's claims: every verdict follows from the numbers in the row of its claim.
 
 use finray_model::estimators::EstimatorId;
 use finray_model::validity::StrainLimits;
@@ -25,7 +25,7 @@ fn claims_say_what_was_shown(claims: &[Claim]) {
         ("decreasing element size is not necessary", Depends),
         ("SOLID45", Reproduced),
         ("caused by the nonlinearity", NotReproduced),
-        // Each of these claims is true for some of the directions that the weights may have had.
+        // Each of the next three claims is true for some of the directions that the weights may have had.
         ("the average sensing error at nodes 18, 20, and 22 is less than 3%", Depends),
         ("even the maximum error at these three nodes is less than 5%", Depends),
         ("are all larger than the ground truths", Depends),
@@ -40,8 +40,8 @@ fn claims_say_what_was_shown(claims: &[Claim]) {
         ("apart: what a known model could reach, the sum", LessInSimulation),
         ("the overall average absolute error is 0.07 N", LessInSimulation),
         ("1-cos(12.5 deg)", Refuted),
-        // If the undeformed positions are also measured in an image, the noise is larger by a factor of sqrt(2). Sensing is then poor at more than
-        // half of the nodes.
+        // If the undeformed positions are also measured in an image, the noise is larger by a factor of sqrt(2). With the larger noise, sensing is
+        // poor at more than half of the nodes.
         ("will not work", Depends),
         ("the force sensing accuracy is poor", Depends),
         ("resulting torque", Refuted),
@@ -59,7 +59,7 @@ fn claims_say_what_was_shown(claims: &[Claim]) {
     for claim in claims {
         assert_eq!(claim.criterion.is_empty(), claim.verdict == NotTested, "{claim:?}");
     }
-    // The row lists every assumed direction with its result.
+    // The rows of four claims list every assumed direction with its result.
     for words in ["less than 3%", "less than 5%", "are all larger", "which ranges from 49.6"] {
         for angle in settings::TABLE_ONE_ANGLES_DEG {
             let claim = row(words);
@@ -67,7 +67,7 @@ fn claims_say_what_was_shown(claims: &[Claim]) {
             assert!(claim.how.contains(&format!("{angle}")) && claim.criterion.contains("whatever the direction"));
         }
     }
-    // The row states that its finger is simulated.
+    // The row of a claim that is tested in simulation states that the finger is simulated.
     for claim in claims.iter().filter(|claim| [InSimulation, LessInSimulation].contains(&claim.verdict)) {
         assert!(claim.how.contains("simulated"), "{claim:?}");
     }
@@ -85,8 +85,8 @@ static STUDY: LazyLock<Study> = LazyLock::new(|| {
         .expect("the paper's finger is solved")
 });
 
-/// The finger does not carry the forces in every cell, and its material allows only little strain. The first screen then states shares of the cells
-/// that carry the forces, and the limits of the beam model.
+/// In this test, the finger does not carry the forces in every cell, and its material allows only little strain. The first screen of the report must
+/// refer its shares to the cells that carry the forces, and state the limits of the beam model.
 #[test]
 fn the_first_screen_says_where_finger_and_model_end() {
     let mut study = STUDY.clone();
@@ -131,7 +131,7 @@ fn map_and_table_one_show_what_is_known() {
     let claims = ledger(study).expect("small experiments");
     claims_say_what_was_shown(&claims);
     let drawn = finray_report::report(study, &claims).expect("the report is drawn");
-    // Soft ends belong to another finger, so the verdict must not name them as a cause of this finger's errors.
+    // Soft ends are a property of another finger, the twin, so the verdict must not name them as a cause of this finger's errors.
     let head: Vec<String> = drawn.verdict.iter().take(5).cloned().collect();
     let why = head.iter().find(|answer| answer.starts_with("Why not elsewhere?")).expect("an answer");
     let known = why.split("Contact assumed:").next().expect("what is said of the known finger");

@@ -13,7 +13,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
-/// Pattern of a board; lengths are in pitches, positions relative to the board's middle.
+/// Pattern of a board; lengths are in pitches, and positions are relative to the middle of the board.
 #[derive(Debug, Clone, Copy)]
 enum Board {
     /// Numbers of squares along x and y.
@@ -58,7 +58,7 @@ impl Board {
     }
 }
 
-/// Draws the image of a board. `pitch_mm` is the pitch, mm. Each pixel is the mean of 64 points; blur and noise follow.
+/// Draws the image of a board. `pitch_mm` is the pitch, mm. Each pixel is the mean of 64 points in its area; blur and noise are applied afterwards.
 fn draw(board: Board, pitch_mm: f64, camera: &Camera, chance: &mut ChaCha8Rng) -> RgbImage {
     const POINTS: u32 = 8;
     const BLUR_PX: f32 = 0.7;
@@ -116,7 +116,7 @@ fn cameras(number: u64, half_mm: f64, count: usize) -> Vec<Camera> {
     (0..count).map(camera).collect()
 }
 
-/// Cameras of a case number, and the grids that are found in their images of a board.
+/// Cameras drawn for a case number, and the grids that are found in the cameras' images of a board.
 fn grids(board: Board, pitch_mm: f64, number: u64) -> (Vec<Camera>, Vec<Grid>) {
     const IMAGES: usize = 6;
     let cameras = cameras(number, board.half() * pitch_mm, IMAGES);
@@ -136,8 +136,8 @@ fn sigmas(fit: &LensFit, truth: &Lens) -> Vec<f64> {
     of(&fit.lens).iter().zip(of(truth)).zip(fit.sds).map(|((found, truth), sd)| (found - truth) / sd).collect()
 }
 
-/// Checks the grid kind, the lens and the distance of the board that images of this board give. Lens parameters are checked to four standard
-/// deviations.
+/// Checks three results from images of this board: the grid kind, the lens, and the distance of the board. Lens parameters are checked to four
+/// standard deviations.
 fn assert_lens(board: Board, kind: GridKind) {
     const PITCH_MM: f64 = 12.0;
     for number in 0..repetitions(1, 6) {
@@ -147,7 +147,7 @@ fn assert_lens(board: Board, kind: GridKind) {
         let off = sigmas(&fit, &cameras[0].lens);
         let far = off.iter().zip(LENS_PARAMETERS).find(|(off, _)| off.abs() > 4.0);
         assert!(far.is_none() && rms(&off) < 2.0, "{board:?} {number}: {off:?}");
-        // Too large standard deviations would contain any error, so they are limited as well.
+        // Standard deviations that are too large would cover any error, so they are limited as well.
         assert!(fit.sds[0] < 1e-3 * fit.lens.focal_px()[0] && fit.residual_sd_px < 0.03, "{board:?}: {fit:?}");
         for (found, camera) in fit.poses.iter().zip(&cameras) {
             let [found, truth] = [found, &camera.pose].map(|pose| {
@@ -176,7 +176,7 @@ fn a_chessboard_is_taken_for_dots() {
     }
 }
 
-/// Neighbours in an asymmetric grid are diagonal. Their distance was once used as the distance between rows.
+/// Neighbours in an asymmetric grid are diagonal. The distance between diagonal neighbours was once used as the distance between rows.
 #[test]
 fn an_asymmetric_grid_is_taken_for_a_square_one() {
     for (radius, counts) in [(0.35, [4, 11]), (0.5, [6, 9])] {

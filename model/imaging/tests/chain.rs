@@ -1,5 +1,5 @@
-//! Positions and forces from images alone. Errors of positions are compared with the Cramer-Rao bound, and limited for a fitted lens and pose. Errors
-//! of forces are limited as well.
+//! Positions and forces from images alone. Errors of positions are compared with the Cramer-Rao bound; with a fitted lens and pose, they must stay
+//! below a limit. Errors of forces must stay below a limit.
 
 use crate::kit::{DISTURBED, camera_of, rms, scene, tilted};
 use finray_imaging::grid::{find_grid, lens_of_grids};
@@ -37,8 +37,8 @@ fn bent_by(finger: &Finger, node: usize, force_n: f64) -> FingerShape {
     statics::solve(&Mesh::key_nodes(finger), &[load], Kinematics::Corotational).expect("carried")
 }
 
-/// Smallest possible standard deviation of a coordinate of a disc's centre, px. `s` is the noise of every component of the light, and `b` is the blur
-/// of the edge, px. The contrast is read from `sharp`, an image without noise and blur.
+/// Smallest possible standard deviation of a coordinate of a disc's centre, px. `s` is the standard deviation of the noise of every colour channel,
+/// and `b` is the blur of the edge, px. The contrast is read from `sharp`, an image without noise and blur.
 fn bound_px(sharp: &RgbImage, centre: Vector2<f64>, radius_px: f64, s: f64, b: f64) -> f64 {
     const DIRECTIONS: usize = 720;
     let light = |at: Vector2<f64>| {
@@ -103,8 +103,8 @@ fn centres_are_within_twice_the_bound() {
     assert!(rms(&ratios) > 0.9, "{} times the bound", rms(&ratios));
 }
 
-/// Markers of 3 px, and blurs of up to a third of the radius, cause larger errors; the stated standard deviations include them. Blurs of half the
-/// radius or more are rejected.
+/// Markers with a radius of 3 px, and blurs of up to a third of the radius, cause larger errors; the stated standard deviations include these errors.
+/// Images with a blur of half the radius or more are rejected.
 #[test]
 fn small_and_blurred_markers_state_their_errors() {
     let scene = scene();
@@ -131,12 +131,12 @@ fn small_and_blurred_markers_state_their_errors() {
         match found {
             Ok((markers, sigmas)) => {
                 assert!(blur < 0.5, "{radius_mm} {blur_px}: out of focus");
-                // Errors that the edge model neglects are common to all 50 coordinates, so the mean square scatters more than for 50 independent
-                // errors.
+                // Effects that the edge model neglects cause errors that all 50 coordinates share. The mean square therefore scatters more than for
+                // 50 independent errors.
                 assert!(markers == 25 && sigmas < 1.5, "{radius_mm} {blur_px}: {markers} {sigmas}");
             }
             Err(LocateError::Blurred { .. }) => assert!(blur > 0.3, "{radius_mm} {blur_px}: sharp"),
-            // At this blur, no patch is as wide as a marker.
+            // At a blur of more than 0.6 of the radius, no patch in the image is as wide as a marker.
             Err(error) => assert!(blur > 0.6, "{radius_mm} {blur_px}: {error}"),
         }
     }

@@ -19,7 +19,7 @@ fn lens() -> Lens {
     Lens::new([1600, 1400], [1372.0, 1368.0], [811.0, 688.0], distortion).expect("a lens")
 }
 
-/// A camera in front of the grid. It is tilted by up to `tilt` rad about two axes, and rotated arbitrarily about the optical axis.
+/// A camera in front of the grid. The camera is tilted by up to `tilt` rad about two axes, and rotated arbitrarily about the optical axis.
 fn before_the_grid(number: u64, tilt: f64) -> Camera {
     let mut chance = random_stream(3, number);
     let tilt = tilt.max(1e-3);
@@ -61,13 +61,14 @@ fn every_parameter_of_the_lens_is_within_its_standard_deviations() {
     };
     for (i, (found, true_value)) in of(&fit.lens).iter().zip([fx, fy, cx, cy, k1, k2, p1, p2, k3]).enumerate() {
         let off = (found - true_value) / fit.sds[i];
-        // For nine parameters, four standard deviations allow for chance.
+        // A limit of four standard deviations allows for sampling error in nine parameters.
         assert!(off.abs() < 4.0, "{}: {found} for {true_value}, {off} sigma", LENS_PARAMETERS[i]);
     }
     assert!((fit.lens.focal_px()[0] / fx - 1.0).abs() < 1e-3);
 }
 
-/// One image without slant determines the distortion but not the focal length, and `is_shown` states this. Light dots are found as well as dark dots.
+/// One image without slant determines the distortion but not the focal length; `is_shown` marks the parameters that are determined. Light dots are
+/// found as well as dark dots.
 #[test]
 fn one_image_gives_what_it_shows() {
     let plate = GridPlate { greys: [60, 220], counts: [20, 18], ..PLATE };
@@ -78,7 +79,7 @@ fn one_image_gives_what_it_shows() {
     let shown =
         |name: &str| fit.is_shown[LENS_PARAMETERS.iter().position(|other| *other == name).expect("a parameter")];
     assert!(!shown("fx") && shown("k1"), "{:?} {:?}", fit.is_shown, fit.lens);
-    // Positions in the plane of the grid are nevertheless correct, in the columns and rows of the grid.
+    // The fitted camera nevertheless maps each dot to its correct position in the plane: column and row of the dot, times the pitch.
     let found = Camera { lens: fit.lens, pose: fit.poses[0] };
     for dot in &grid.dots {
         let position = Vector::new(f64::from(dot.index[0]), f64::from(dot.index[1])) * plate.pitch_mm;

@@ -21,7 +21,7 @@ pub fn camera_of(scene: &Scene) -> Camera {
     Camera { lens: described.lens, pose: described.pose.expect("with a pose") }
 }
 
-/// A camera that is tilted by up to 15 degrees and has barrel distortion up to k1 = -0.2. It is far enough away to see the whole finger.
+/// A camera that is tilted by up to 15 degrees and has barrel distortion up to k1 = -0.2. The camera is far enough away to see the whole finger.
 pub fn tilted(chance: &mut ChaCha8Rng) -> Camera {
     let [k1, k2] = [chance.random_range(-0.2..0.05), chance.random_range(-0.02..0.02)];
     let distortion = Distortion::from_opencv([k1, k2, 0.0005, -0.0005, 0.0]);

@@ -19,7 +19,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-/// Required root mean square error and largest error of a node's coordinate in rendered images, mm.
+/// Limits of the root mean square error and of the largest error of a node's coordinate in rendered images, mm.
 const RMS_MM: f64 = 0.004;
 const LARGEST_MM: f64 = 0.015;
 /// Number of images in the statistics.
@@ -93,12 +93,13 @@ fn nodes_are_found_through_tilt_lens_light_noise_and_clutter() {
     let largest = mm.iter().fold(0.0_f64, |largest, error| largest.max(error.abs()));
     assert!(rms(&mm) <= RMS_MM && largest <= LARGEST_MM, "{} rms, {largest} at most", rms(&mm));
     assert!(lost as f64 <= LOST * seen as f64, "{lost} of {seen} lost");
-    // The stated standard deviations are too small by at most a tenth. Their lower bound covers differences between images, so they may be too large.
+    // The stated standard deviations are too small by at most a tenth. The stated standard deviations have a lower bound that covers differences
+    // between images, so they may be too large.
     assert!(rms(&sigmas) < 1.1, "{}", rms(&sigmas));
     assert!(rms(&sigmas) > 0.3, "{}: stated without need", rms(&sigmas));
 }
 
-/// The image after JPEG compression as in a camera, which stores colour with half of the pixels along each side.
+/// The image after JPEG compression as in a camera; colour is stored at half the resolution along each side.
 fn compressed(image: &RgbImage, quality: u8, colour: ChromaSubsamplingMethod) -> RgbImage {
     let mut bytes = Vec::new();
     let mut encoder = Encoder::new(&mut bytes, quality);
@@ -116,7 +117,8 @@ fn compressed_images_state_their_errors() {
     let scene = scene();
     let (finger, markers) = (&scene.finger, scene.markers.expect("the fixture has markers"));
     use ChromaSubsamplingMethod::{Average, Nearest};
-    // Half a pixel is 0.06 mm. Omitting every other pixel is not a blur, so the stated standard deviations do not cover all its errors.
+    // Half a pixel is 0.06 mm. An encoder that stores the colour of only every other pixel does not blur the image, so the stated standard deviations
+    // do not cover all errors of this encoder.
     for (quality, colour, allowed_mm, allowed_sigmas) in
         [(92, Average, 0.005, 1.25), (75, Average, 0.012, 1.25), (92, Nearest, 0.007, 1.5)]
     {
@@ -147,7 +149,8 @@ fn compressed_images_state_their_errors() {
     }
 }
 
-/// In a stream, the search in each image starts from the previous image. It finds the same markers as a full search, with equal accuracy.
+/// In a stream, the search in each image starts from the previous image. The search from the previous image finds the same markers as a full search,
+/// with equal accuracy.
 #[test]
 fn tracking_finds_what_a_full_search_finds() {
     let scene = scene();
@@ -182,7 +185,8 @@ fn tracking_finds_what_a_full_search_finds() {
             apart.push((a.position - b.position).norm() / b.sd_mm);
         }
     }
-    // Both searches use the same pixels, so their errors are nearly equal. They differ where only one of them omits a sector of an edge.
+    // Tracking and full search use the same pixels, so their errors are nearly equal. Their errors differ only if one of the two searches omits a
+    // sector of a marker's edge.
     let largest = apart.iter().fold(0.0_f64, |largest, distance| largest.max(*distance));
     assert!(rms(&apart) < 0.5 && largest < 2.0, "{} rms, {largest} at most", rms(&apart));
     let [tracked, searched] = errors_of.map(|errors| rms(&errors));

@@ -1,5 +1,5 @@
-//! Tests of `finray-imaging`: each file tests the source file of its path. `chain` computes nodes and then forces from rendered images. `kit`
-//! contains the scene, the cameras and the disturbances that several tests share.
+//! Tests of `finray-imaging`: each test file tests the source file with the same path. `chain` computes nodes and then forces from rendered images.
+//! `kit` contains the scene, the cameras and the disturbances that several tests share.
 
 mod boards;
 mod chain;

@@ -42,7 +42,8 @@ proptest! {
         let turn = (camera.pose.rotation * found.pose.rotation.inverse()).scaled_axis();
         let shift = camera.pose.translation_mm - found.pose.translation_mm;
         for axis in 0..3 {
-            // The tolerance is six standard deviations. The tilt is known to a degree, so its nonlinearity is far below one standard deviation.
+            // The tolerance is six standard deviations. The tilt is known to within a degree, so nonlinear effects of the tilt are far below one
+            // standard deviation.
             prop_assert!(turn[axis].abs() < 6.0 * sd[axis] && shift[axis].abs() < 6.0 * sd[axis + 3], "{turn} {shift} {sd}");
         }
     }

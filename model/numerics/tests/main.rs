@@ -1,4 +1,4 @@
-//! Tests of `finray-numerics`: each file tests the source file of its path.
+//! Tests of `finray-numerics`: each test file tests the source file with the same path.
 
 mod dense {
     mod tanh;

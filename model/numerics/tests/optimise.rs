@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector, dmatrix, dvector};
 
 mod gram_schmidt;
 
-/// Linear problem of a line through five measurements. The unknowns are offset and slope.
+/// Linear least-squares problem: a line is fitted to five measurements. The unknowns are offset and slope.
 fn line() -> (DMatrix<f64>, DVector<f64>) {
     (dmatrix![1.0, -2.0; 1.0, -1.0; 1.0, 0.0; 1.0, 1.0; 1.0, 2.0], dvector![-3.1, -0.8, 1.1, 3.2, 4.6])
 }
@@ -85,7 +85,8 @@ fn a_linear_problem_takes_one_undamped_step() {
     assert_eq!((fit.outcome, fit.iterations, problem.evaluated), (Outcome::Converged, 2, 2));
 }
 
-/// After the first damped step, a thousandth of the distance remains. The second step leaves a ten-thousandth of this rest, and so on.
+/// After the first damped step, a thousandth of the distance to the minimum remains. The second step leaves a ten-thousandth of the remaining
+/// distance, and so on.
 #[test]
 fn damping_fades_from_step_to_step() {
     let mut problem = Linear::new(line());
@@ -199,7 +200,7 @@ fn a_point_without_residuals_is_stepped_over_or_ends_the_search() {
     assert!(refused > 0);
     let (found, refused) = search(Refusal::Altogether, 4.0);
     assert_eq!((found, refused), (Err(Refusal::Altogether(Negative)), 1));
-    // If the start has no residuals, no shorter step is possible.
+    // If the starting point has no residuals, no shorter step can help, and the search fails.
     assert_eq!(search(Refusal::Here, -1.0).0, Err(Refusal::Here(Negative)));
 }
 
@@ -214,7 +215,7 @@ fn a_search_says_why_it_ended() {
     let uphill = |at: &DVector<f64>| Ok::<_, Refusal<()>>((at.clone(), dmatrix![-1.0]));
     let fit = LevenbergMarquardt::default().minimise(&mut FromFunction::new(uphill), dvector![1.0]).unwrap();
     assert_eq!((fit.outcome, fit.point[0]), (Outcome::NoStepHelps, 1.0));
-    // A search with a large limit on the step ends early.
+    // A search whose convergence limit on the step is large ends early.
     let convergence = Convergence { relative_decrease: 0.0, step: 0.5 };
     let coarse = LevenbergMarquardt { convergence, ..LevenbergMarquardt::default() };
     let fit = coarse.minimise(&mut rosenbrock(), start).unwrap();

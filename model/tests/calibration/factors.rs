@@ -13,8 +13,8 @@ use rand_distr::{Distribution, StandardNormal};
 
 /// Largest relative error of a recovered factor. The search ends when a step is below 1e-10, and shapes have about nine correct digits.
 const RECOVERED: f64 = 1e-6;
-/// Error of central differences with steps of 2e-3 in ln(factor). Truncation causes about 1e-6. Rounding of shapes causes as much: shapes of some mm
-/// have ten correct digits, and ribs change shapes by only 0.02 mm.
+/// Error of central differences with steps of 2e-3 in ln(factor). Truncation causes about 1e-6. Rounding of shapes causes an error of the same size:
+/// shapes of some mm have ten correct digits, and ribs change shapes by only 0.02 mm.
 const DIFFERENCES: f64 = 1e-5;
 /// Number of noisy repetitions.
 const REPEATS: usize = 200;
@@ -30,7 +30,8 @@ fn paper_with(zones: Vec<Zone>) -> Finger {
     Finger::new(FingerDescription { zones, ..paper().description().clone() }).expect("a possible finger")
 }
 
-/// The paper's finger with zones of the given factors: tip and base of both plates, and ribs. The zone at the base ends inside a member.
+/// The paper's finger with five zones: at base and tip of both plates, and at the ribs. `factors` holds the modulus factors of the zones. The zone at
+/// the base ends inside a member.
 fn zoned(factors: [f64; 5]) -> Finger {
     let [base_front, base_back, tip, next, ribs] = factors;
     paper_with(vec![
@@ -85,7 +86,7 @@ fn random_factors_are_found_again() {
     }
 }
 
-/// Zones that share a factor keep the ratio of the description. Zones that are not calibrated do not change.
+/// Zones that share a factor keep the ratio that their moduli have in the finger's description. Zones that are not calibrated do not change.
 #[test]
 fn zones_may_share_a_factor() {
     let (start, truth) = (zoned([1.0, 0.5, 0.3, 1.0, 2.0]), zoned([0.4, 0.2, 0.3, 1.0, 2.0]));
@@ -98,8 +99,8 @@ fn zones_may_share_a_factor() {
     assert_eq!(unknowns[0].to_string(), "zone_1+2_modulus_factor");
 }
 
-/// Sensitivities of the key nodes equal central differences, for elastic ribs on pins, undeformable ribs, arms with shear deformation, and zones that overlap and end inside
-/// elements.
+/// Sensitivities of the key nodes' displacements equal central differences. The test covers elastic ribs on pins, undeformable ribs, arms with shear
+/// deformation, and zones that overlap and end inside elements.
 #[test]
 fn sensitivities_are_those_of_differences() {
     let paper = paper().description().clone();
@@ -160,7 +161,7 @@ fn sensitivities_are_those_of_differences() {
     }
 }
 
-/// Over many noisy experiments, each factor has the stated scatter, coverage and correlation.
+/// Over many noisy experiments, scatter, coverage and correlation of the factors equal the stated values.
 #[test]
 fn sigmas_cover() {
     let truth = zoned([0.7, 0.8, 0.1, 0.3, 0.9]);
@@ -224,7 +225,7 @@ fn what_is_not_identifiable_is_refused_by_name() {
     let empty = paper_with(vec![zone(Part::Ribs, 20.0, 22.0, 1.0)]);
     let message = refusal(&empty, &each_zone(&empty), &loads);
     assert!(message.contains("do not determine zone_1_modulus_factor;"), "{message}");
-    // A zone at the tip that hardly bends; noise hides its small effect.
+    // The zone at the tip hardly bends, so noise hides the small effect of its modulus.
     let tip = paper_with(vec![zone(Part::Front, 150.0, 153.0, 1.0)]);
     let load = Load::at_node(NodeId(24), tip.direction(0.0) * 0.05);
     let shape = statics::solve(&Mesh::key_nodes(&tip), &[load], Kinematics::Linear).expect("a linear solution");
@@ -250,7 +251,7 @@ fn entangled_factors_are_named() {
     let apart = zoned([1.0; 5]);
     let found = factors(&apart, &measured(&apart, &model), &each_zone(&apart), &model).expect("factors");
     assert!(found.entangled().is_empty(), "{:?}", found.correlation);
-    // Within one element, the two zones are indistinguishable.
+    // If both zones lie within one element, they are indistinguishable.
     let message = factors(&neighbours, &measured(&neighbours, &LINEAR), &each_zone(&neighbours), &LINEAR)
         .expect_err("the same twice")
         .to_string();

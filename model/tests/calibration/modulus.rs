@@ -1,5 +1,5 @@
-//! Calibration of one modulus with the co-rotational finger. It is unbiased under large deflection, intervals cover the truth, and outlying markers
-//! have little effect.
+//! Calibration of one modulus with the co-rotational finger. The calibrated modulus is unbiased under large deflection, its intervals cover the
+//! truth, and outlying markers have little effect.
 
 use finray_model::calibration::{CalibrationCase, corotational_modulus, youngs_modulus};
 use finray_model::finger::Finger;
@@ -21,7 +21,7 @@ fn scene(text: &str) -> Finger {
     Scene::from_toml(text).expect("a scene").finger
 }
 
-/// Shapes of the finger with 0.9 times its modulus, under weights at contact nodes.
+/// Shapes of a finger with 0.9 times the modulus of `finger`, under weights at contact nodes.
 fn weighed(finger: &Finger, weights: &[(usize, f64)]) -> Vec<CalibrationCase> {
     let softer = finger.with_modulus_factor(TRUE_FACTOR).expect("a positive modulus");
     let mesh = Mesh::with_elements_per_member(&softer, FINE);
@@ -54,7 +54,7 @@ fn weights_that_bend_far_lead_to_the_true_modulus() {
     assert!(found.sigma < 0.01 && found.outliers.is_empty() && found.contradiction.is_none(), "{found:?}");
     let exact = corotational_modulus(&paper(), &cases, ELEMENTS, None).expect("a factor");
     assert!((exact.factor / TRUE_FACTOR - 1.0).abs() < 1.5e-4, "{exact:?}");
-    // Without noise, sigma is the error of the mesh.
+    // Without noise, only the difference between the meshes contributes to sigma.
     assert!((exact.factor - TRUE_FACTOR).abs() < 3.0 * exact.sigma && exact.sigma < 1e-3, "{exact:?}");
 }
 
@@ -88,7 +88,7 @@ fn sigmas_cover_on_three_fingers() {
     }
 }
 
-/// One marker with the node number of another marker changes the factor by a fraction of its standard deviation, and is reported.
+/// Two markers with swapped node numbers change the factor by less than half of its standard deviation, and both are reported.
 #[test]
 fn single_bad_markers_are_forgiven_and_named() {
     let mut cases = noisy(&weighed(&paper(), &[(4, 1.0), (8, 1.5)]), &mut ChaCha8Rng::seed_from_u64(3));

@@ -54,7 +54,7 @@ fn truth() -> Truth {
     Truth { stated: scene_finger(), finger, modulus_factor, more_height_mm: 1.5, base }
 }
 
-/// Views of the truth as located with the scene's rig. Each view has its own base.
+/// Views of the true finger and rig; markers are located as if the rig were the rig of the scene. Each view has its own base.
 fn views_of(truth: &Truth, forces: bool, rng: &mut ChaCha8Rng) -> Vec<View> {
     views_at(&PRESSES, truth, forces, rng)
 }
@@ -71,7 +71,7 @@ fn views_at(presses: &[(f64, f64, f64)], truth: &Truth, forces: bool, rng: &mut 
         let marker = |marker: &Marker| {
             let at = truth.finger.position(marker.node) + truth.finger.marker_offset(marker.node) + marker.displacement;
             let at = (placed * Point2::from(at)).coords;
-            // Higher markers appear farther from the foot of the camera.
+            // Higher markers appear farther from the point in the plane below the camera.
             let seen_at = EYE + (at - EYE) * (CAMERA_HEIGHT_MM / (CAMERA_HEIGHT_MM - truth.more_height_mm));
             let displacement = seen_at - stated.position(marker.node) - stated.marker_offset(marker.node);
             Marker { displacement, ..*marker }
@@ -135,7 +135,8 @@ fn squares(truth: &Truth, estimate: &ViewEstimate) -> Vec<f64> {
 }
 
 /// The fit finds the true noise of the markers, whatever noise is stated. If the true noise is larger than stated, the excess counts as error of the
-/// finger. Over some sets of views, the mean square is correct, because the estimate accounts for the fitted parameters.
+/// finger. Averaged over several sets of views, the mean square of the found noise is correct, because the estimate accounts for the fitted
+/// parameters.
 #[test]
 fn what_markers_err_by_is_found() {
     const SETS: u64 = 8;
@@ -162,8 +163,8 @@ fn what_markers_err_by_is_found() {
     }
 }
 
-/// With measured forces, modulus, brackets, ribs, height and base are found together, with the stated accuracy, and far more accurately than the
-/// scene states them.
+/// If forces are measured, the fit finds modulus, brackets, ribs, height and base together. The found values have the stated accuracy and are far
+/// more accurate than the scene's values.
 #[test]
 fn a_finger_and_its_rig_are_found() {
     let truth = truth();
@@ -203,7 +204,8 @@ fn a_finger_and_its_rig_are_found() {
     assert!((0.4..1.9).contains(&mean), "mean square {mean}");
 }
 
-/// Clips stiffen each plate at the ribs. With measured forces, their lengths are found together with a modulus, with the stated accuracy.
+/// Clips stiffen each plate at the ribs. If forces are measured, the fit finds the lengths of the clips together with a modulus, with the stated
+/// accuracy.
 #[test]
 fn clips_of_each_plate_are_found() {
     let with_clips = |finger: &Finger, clip_mm: [f64; 2]| {
@@ -222,12 +224,13 @@ fn clips_of_each_plate_are_found() {
         let mut rng = ChaCha8Rng::seed_from_u64(30 + seed);
         let seen = views_of(&truth, true, &mut rng);
         let estimate = views(&truth.stated, &seen, &all, &model(Lean::NONE)).expect("identifiable");
-        // The scene states the clips only to 1 mm. The back plate carries less force, so its clips are less accurate.
+        // The scene states the lengths of the clips only to 1 mm. The back plate carries less force, so the lengths of its clips are found less
+        // accurately.
         let [front, back] = [0, 1].map(|i| estimate.quantities[i].sigma);
         assert!(front < 0.4 && back < 0.7, "{:?}", estimate.quantities);
         assert_eq!(estimate.quantities[0].sought.quantity.to_string(), "front_clip_mm");
         sum.extend(squares(&truth, &estimate)[..2].iter().copied());
-        // Both clips as one quantity are indistinguishable from both clips as two quantities.
+        // The fit cannot distinguish a common length of all clips from one length for each plate.
         let twice = [sought(&clips, None), sought(&[Quantity::Clip], None)].concat();
         let refused = views(&truth.stated, &seen, &twice, &model(Lean::NONE));
         assert!(refused.as_ref().is_err_and(|error| error.to_string().contains("clip_mm")), "{refused:?}");
@@ -236,7 +239,7 @@ fn clips_of_each_plate_are_found() {
     assert!(sum.iter().all(|square| *square < 16.0) && mean < 3.5, "{sum:?}");
 }
 
-/// Without measured forces, the geometry is still found, from forces that lean within a given range.
+/// Without measured forces, the fit still finds the geometry if the forces lean within a given range.
 #[test]
 fn geometry_is_found_without_forces() {
     let truth = truth();
@@ -254,7 +257,7 @@ fn geometry_is_found_without_forces() {
     assert!(estimate.quantities[..2].iter().all(|found| found.sigma < 0.1), "{:?}", estimate.quantities);
 }
 
-/// Forces of one object that all lean near one end of the stated range of friction. Leans were once treated as independent, and the standard
+/// All forces are of one object and lean near one end of the stated range of friction. Leans were once treated as independent, and the standard
 /// deviation of their mean was 2.4 times too small.
 #[test]
 fn one_friction_in_all_views_is_within_the_stated_sigmas() {
@@ -286,7 +289,7 @@ fn what_is_not_identifiable_is_refused() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let seen = views_of(&truth, false, &mut rng);
     let lean = Lean { from: Normal::Undeformed, ..Lean::within([-0.3, 0.5]) };
-    // Without a measured force, all moduli and all forces can be doubled together.
+    // Without a measured force, doubling all moduli and all forces together changes no shape.
     let refused = views(&scene_finger(), &seen, &sought(&[Quantity::Modulus], None), &model(lean));
     let by_name = |error: &CalibrationError| error.to_string().contains("modulus_factor");
     assert!(refused.as_ref().is_err_and(by_name), "{refused:?}");
@@ -376,13 +379,13 @@ fn asked(builds_up: bool, between_objects: f64) -> FrictionQuestion {
     FrictionQuestion { builds_up, between_objects }
 }
 
-/// Friction is fitted to leans that follow the law of build-up, and to leans that scatter about a constant.
+/// Friction is fitted to leans that build up with the force by an exponential law, and to leans that scatter about a constant.
 #[test]
 fn friction_follows_from_leans() {
     let law = |force_n: f64| 20.0 * (1.0 - (-force_n / 2.5_f64).exp());
     let leans = leans_of("", &[0.5, 1.0, 2.0, 4.0, 8.0].map(|force_n| (force_n, law(force_n))));
     let found = friction_of(&leans, Normal::Undeformed, asked(true, 0.0)).expect("identifiable");
-    // Build-up forces are tried in steps of 0.7 %.
+    // The fit tries values of the build-up force in steps of 0.7 %.
     assert!((found.lean.build_up_n / 2.5 - 1.0).abs() < 0.007, "{found:?}");
     assert!((found.lean.angle_deg / 20.0 - 1.0).abs() < 0.005 && found.lean.sd_deg < 0.05, "{found:?}");
     assert_eq!((found.between_objects, found.left_out.len()), (None, 0));
@@ -390,7 +393,7 @@ fn friction_follows_from_leans() {
     let found = friction_of(&scattered, Normal::Undeformed, asked(false, 0.0)).expect("identifiable").lean;
     // The lean is the mean of three leans; its standard deviation is their scatter about the mean.
     assert!((found.angle_deg - 20.0).abs() < 1e-12 && (found.sd_deg - 1.0).abs() < 1e-12, "{found:?}");
-    // Assumed difference between objects: 0.05 in the coefficient of friction is 0.05 cos^2 20 deg in the angle, rad.
+    // An assumed difference of 0.05 between the objects' coefficients of friction is a difference of 0.05 cos^2 20 deg between their angles, rad.
     let other = friction_of(&scattered, Normal::Undeformed, asked(false, 0.05)).expect("identifiable").lean;
     let between_deg = (0.05 * 20.0_f64.to_radians().cos().powi(2)).to_degrees();
     assert!((other.sd_deg - 1.0_f64.hypot(between_deg)).abs() < 1e-9, "{other:?}");
@@ -405,7 +408,7 @@ fn friction_that_still_builds_up_has_no_coefficient() {
     let refused = friction_of(&grows, Normal::Undeformed, asked(true, 0.05));
     let is_limit = |error: &CalibrationError| matches!(error, CalibrationError::FrictionLimit { angle_deg, largest_n, .. } if *angle_deg > 90.0 && *largest_n == 10.0);
     assert!(refused.as_ref().is_err_and(is_limit), "{refused:?}");
-    // At a fifth of the lean, the same law has a finite coefficient of friction, but no measurement reaches it.
+    // If the leans are about a fifth as large, the law has a finite coefficient of friction, but no measured lean reaches the sliding lean.
     let grows = leans_of("", &[2.0, 4.0, 6.0, 8.0, 10.0].map(|force_n| (force_n, 0.3 * force_n)));
     let refused = friction_of(&grows, Normal::Undeformed, asked(true, 0.05));
     assert!(matches!(refused, Err(CalibrationError::FrictionLimit { .. })), "{refused:?}");
@@ -413,8 +416,9 @@ fn friction_that_still_builds_up_has_no_coefficient() {
     assert!((found.lean.angle_deg - 1.8).abs() < 1e-12, "{found:?}");
 }
 
-/// For balanced objects, restricted likelihood has a closed form: the variance between objects is the variance of their means minus a share of the
-/// variance within objects (Searle, Casella and McCulloch, Variance Components, 1992, sec. 3.8). The mean of the other objects predicts each object.
+/// If all objects have equally many leans, restricted likelihood has a closed form. The variance between objects is then the variance of their means
+/// minus a share of the variance within objects (Searle, Casella and McCulloch, Variance Components, 1992, sec. 3.8). The lean of each object is
+/// predicted by the mean of the other objects.
 #[test]
 fn friction_differs_from_object_to_object() {
     let of = |object: &'static str, mean_deg: f64| {
@@ -425,10 +429,10 @@ fn friction_differs_from_object_to_object() {
         ["a", "b", "c"].iter().zip(means).flat_map(|(object, mean)| of(object, mean)).collect();
     let found = friction_of(&leans, Normal::Undeformed, asked(false, 0.05)).expect("identifiable");
     assert!((found.lean.angle_deg - 15.0).abs() < 1e-9, "{found:?}");
-    // The variance of the three means is 31; a third of the variance within objects, 1, is subtracted.
+    // The variance of the three means is 31. The variance within objects is 1, and a third of it is subtracted.
     let between_deg = (31.0_f64 - 1.0 / 3.0).sqrt();
     let between = between_deg.to_radians() / 15.0_f64.to_radians().cos().powi(2);
-    // Standard deviations are tried in steps of 2 %.
+    // The fit tries standard deviations between objects in steps of 2 %.
     assert!((found.between_objects.expect("three objects") / between - 1.0).abs() < 0.02, "{found:?}");
     assert!(found.lean.sd_deg > 1.2 * between_deg, "{found:?}");
     let predicted: Vec<(f64, f64)> = found.left_out.iter().map(|out| (out.predicted_deg, out.measured_deg)).collect();
@@ -440,8 +444,8 @@ fn friction_differs_from_object_to_object() {
     }
 }
 
-/// Two, three and five objects over many draws: 95 % intervals of a new object contain a force in at least 89 % of the cases, if objects hardly
-/// differ or differ twice as much as assumed.
+/// 95 % intervals from two, three or five objects contain the lean of a new object's force in at least 89 % of the cases. The objects hardly differ,
+/// or differ up to twice as much as assumed.
 #[test]
 fn few_objects_leave_open_by_how_much_they_differ() {
     const DRAWS: usize = 60;
@@ -460,21 +464,21 @@ fn few_objects_leave_open_by_how_much_they_differ() {
                 let leans: Vec<MeasuredLean> =
                     NAMES[..objects].iter().flat_map(|name| object(name, &mut normal)).collect();
                 let lean = friction_of(&leans, Normal::Undeformed, asked(false, 0.05)).expect("identifiable").lean;
-                // Probability that the interval contains a normally distributed new force.
+                // Probability that the interval contains the lean of a new force, which is normally distributed.
                 let new_deg = 1.5_f64.hypot(true_deg);
                 let below = |deg: f64| 0.5 * statrs::function::erf::erfc(-(deg - 20.0) / new_deg / 2.0_f64.sqrt());
                 let reach_deg = 1.96 * lean.sd_deg;
                 within += (below(lean.angle_deg + reach_deg) - below(lean.angle_deg - reach_deg)) / DRAWS as f64;
             }
-            // Two objects hardly bound the difference of a third object; five objects do bound the difference of another.
+            // From two or three objects, intervals may be so wide that they contain every new lean; from five objects, they must be narrower.
             let most = if objects == 5 { 0.99 } else { 1.0 };
             assert!((0.89..most).contains(&within), "{within} of {objects} objects that differ by {true_deg}");
         }
     }
 }
 
-/// A line fitted by hand: slope 0.5, residuals of 0.1, -0.2 and 0.1, and hence a variance of 0.06 with one degree of freedom. The squares of the
-/// forces about their mean sum up to 2.
+/// A line fitted by hand: slope 0.5, residuals of 0.1, -0.2 and 0.1, and hence a variance of 0.06 with one degree of freedom. The squared deviations
+/// of the forces from their mean sum to 2.
 #[test]
 fn a_base_gives_way_along_a_line() {
     let found = compliance_of(&[(1.0, 1.1), (2.0, 1.3), (3.0, 2.1)]).expect("three forces");
@@ -486,7 +490,8 @@ fn a_base_gives_way_along_a_line() {
     assert_eq!(one, Err(CalibrationError::TooFewViews { views: 1, unknowns: 2 }));
 }
 
-/// A force sensor with independent errors of 3 %. The scatter is found, and the modulus has the resulting uncertainty.
+/// A force sensor with independent errors of 3 %. The calibration finds the scatter of the sensor's errors, and the modulus has the resulting
+/// uncertainty.
 #[test]
 fn forces_that_are_missed_are_noticed() {
     let mut truth = truth();
@@ -508,19 +513,19 @@ fn forces_that_are_missed_are_noticed() {
         }
         (variance.sqrt(), squares)
     };
-    // Twelve calibrations with five forces and one modulus have 48 degrees of freedom. The variance is correct to 4 standard errors, each sqrt(2 /
-    // 48).
+    // Twelve calibrations with five forces and one modulus have 48 degrees of freedom. The tolerance of the variance is 4 standard errors; the
+    // relative standard error is sqrt(2 / 48).
     let (force_error, squares) = found(0.03, 12);
     assert!(((force_error / 0.03).powi(2) - 1.0).abs() < 4.0 * (2.0_f64 / 48.0).sqrt(), "{force_error}");
-    // So few forces determine their scatter poorly. Errors of the modulus in standard deviations follow Student's distribution with 4 degrees of
+    // Five forces determine their own scatter poorly. Errors of the modulus in standard deviations follow Student's distribution with 4 degrees of
     // freedom and variance 2. The mean square of twelve errors equals this variance within a factor of two or three.
     assert!((0.3..5.0).contains(&squares), "{squares}");
     let (force_error, _) = found(0.0, 4);
     assert!(force_error < 0.005, "{force_error}");
 }
 
-/// Joints that differ by 0.6 mm hide the position of a small force. A calibration with the image of this force still has a starting point, and joints
-/// are found within 4 sigma.
+/// If rib joints deviate from the scene by 0.6 mm, an image does not determine the position of a small force. A calibration with the image of such a
+/// small force still has a starting point, and rib positions are found within 4 sigma.
 #[test]
 fn an_image_whose_force_has_no_certain_position_starts_a_calibration() {
     const JOINTS_MM: f64 = 0.6;

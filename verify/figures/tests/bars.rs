@@ -1,4 +1,4 @@
-//! Bars: heights are proportional to values, and invalid bars are refused.
+//! Tests of bar charts: heights are proportional to values, and invalid bars are refused.
 
 use finray_figures::{Axis, Bars, Chart, FigureError, Frame, Hue};
 

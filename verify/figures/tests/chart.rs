@@ -1,4 +1,4 @@
-//! Charts and drawings to scale: all series, symbols and labels are drawn, and numbers without a position are refused.
+//! Tests of charts and of drawings to scale: all series, symbols and labels are drawn, and numbers that have no position on an axis are refused.
 
 use finray_figures::{Axis, Chart, FigureError, Frame, Hue, Marker, Series};
 
@@ -14,7 +14,8 @@ fn every_series_has_its_line_its_markers_and_its_words() {
     let mut chart = chart();
     chart.series[0].labels = ["first", "second", "third"].map(str::to_owned).into();
     let svg = chart.svg().unwrap();
-    // Filled shapes: the symbols of three points, and one in the legend. Strokes: the line, and its sample in the legend.
+    // The four filled shapes are the symbols of three points, and one symbol in the legend. The two strokes are the line, and its sample in the
+    // legend.
     assert_eq!(svg.matches("fill=\"#1f82c4\"").count(), 4);
     assert_eq!(svg.matches("stroke=\"#d55e00\"").count(), 2);
     assert!(["10 %", "first", "second", "third", "linear"].iter().all(|words| svg.contains(&format!(">{words}<"))));
@@ -60,7 +61,7 @@ fn a_drawing_to_scale_has_its_lines_nodes_clamps_and_arrows_and_its_words() {
             .iter()
             .all(|words| svg.contains(&format!(">{words}<")))
     );
-    // Circles: three nodes and two samples in the legend. Polygon: the head of the arrow.
+    // The five circles are three nodes, and two samples in the legend. Polygon: the head of the arrow.
     assert_eq!((svg.matches("<circle").count(), svg.matches("<polygon").count()), (5, 1));
     let ends = |line: &str| -> Vec<f64> {
         line.split('"').nth(1).unwrap().split([' ', ',']).map(|number| number.parse().unwrap()).collect()

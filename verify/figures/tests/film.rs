@@ -26,7 +26,7 @@ fn shots_follow_each_other() {
     let style = svg.split_once("<style>").unwrap().1.split_once("</style>").unwrap().0;
     assert!(style.contains("animation:shot-4 0.80s step-end infinite"), "{style}");
     assert!(style.contains("{0%{visibility:visible}25.0200%{visibility:hidden}"), "{style}");
-    // Lines with one style are combined into one path with one part per line.
+    // Lines of the same style are combined into one path, which has one part per line.
     let paths: Vec<&str> = svg.split("<path d=\"").skip(1).collect();
     assert!(paths.len() == 4 && paths.iter().all(|path| path.split('"').next().unwrap().matches('M').count() == 2));
 }

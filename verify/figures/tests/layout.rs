@@ -1,4 +1,4 @@
-//! The layout of all figures: heading, ticks and their labels, line breaks, legends and labels.
+//! Tests of the layout of all figures: heading, ticks with their labels, line breaks, legends and other labels.
 
 use finray_figures::{Axis, Cells, Chart, Class, FigureError, Frame, Hue, Map, Marker, Paint, Point, Series};
 
@@ -17,7 +17,7 @@ fn anchor(svg: &str, text: &str) -> Point {
     found.unwrap_or_else(|| panic!("{text} is not in {svg}")).1
 }
 
-/// Points of the lines whose markup contains `with`, px.
+/// Points, px, of the lines whose markup contains `with`.
 fn lines(svg: &str, with: &str) -> Vec<Vec<Point>> {
     let drawn = svg.lines().filter(|line| line.starts_with("<polyline") && line.contains(with));
     let points = drawn.map(|line| {

@@ -1,4 +1,4 @@
-//! Maps: every cell is drawn, hatched or listed, and lists of wrong length are refused.
+//! Tests of maps: every cell is drawn, hatched or listed, and lists of wrong length are refused.
 
 use finray_figures::{Axis, Cells, Class, FigureError, Frame, Map, Paint};
 
@@ -32,7 +32,7 @@ fn map(values: [[f64; 3]; 2]) -> Map {
     Map { missing_label: "no equilibrium".to_owned(), top, ..lone }
 }
 
-/// Number of filled cells without the `others`, which belong to the legend.
+/// Number of filled cells: all drawn rectangles except `others`, the number of rectangles in the legend.
 fn filled(map: &Map, others: usize) -> usize {
     map.svg().unwrap().matches("<rect ").count() - others
 }

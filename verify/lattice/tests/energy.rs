@@ -11,21 +11,23 @@ use finray_model::{Finger, Kinematics, Mesh, NodeId, Vector, statics};
 use finray_tests::{built_finger, cases, contact_node, finger_of, paper, shapes_apart};
 use proptest::prelude::*;
 
-/// Step of central differences. Their error is the square of the step times the third derivative, plus rounding divided by the step.
+/// Step of central differences. The error of a central difference is the square of the step times the third derivative, plus rounding divided by the
+/// step.
 const DIFFERENCE_STEP: f64 = 1e-5;
 const DIFFERENCE_TOLERANCE: f64 = 1e-7;
-/// Displacement of the key nodes, as a share of the finger's length, at which the finger is linear. Between the nodes, the displacement may be
-/// larger.
+/// Displacement of the key nodes, as a share of the finger's length, that is so small that the finger is linear. Between the nodes, the displacement
+/// may be larger.
 const LINEAR_SHARE: f64 = 1e-15;
 const LINEAR_TOLERANCE: f64 = 1e-6;
-/// Tolerance for fingers whose undeformable ribs are stiff bars. These bars stretch a tenth as much as the plates, which is visible if stretching
-/// causes most of the nodes' displacement.
+/// Tolerance for fingers whose undeformable ribs are stiff bars. Each bar stretches a tenth as much as a plate, which is visible if stretching causes
+/// most of the nodes' displacement.
 const BAR_TOLERANCE: f64 = 2e-3;
-/// Number of segments of the cantilever. The chain of springs bends like an arc, except for an error with the fourth power of the segments'
+/// Number of segments of the cantilever. The chain of springs bends like an arc, up to an error that grows with the fourth power of the segments'
 /// rotations.
 const CANTILEVER_SEGMENTS: usize = 16;
 const ELASTICA_TOLERANCE: f64 = 2e-4;
-/// EA L^2 / EI of the cantilever. The reference is inextensible; this cantilever stretches by 1e-5 at the largest load.
+/// Axial rigidity EA L^2 / EI of the cantilever, dimensionless. The reference solution is inextensible; the cantilever of springs stretches by 1e-5
+/// at the largest load.
 const CANTILEVER_AXIAL_RIGIDITY: f64 = 1e6;
 
 /// Irregular motions of all free bodies of a lattice.
@@ -141,7 +143,8 @@ proptest! {
         let lattice = Lattice::new(&finger, 1).expect("a lattice");
         let beams = |load| statics::solve(&Mesh::key_nodes(&finger), &[load], Kinematics::Linear).expect("a solution");
         let at_node = |force_n: f64| Load::at_node(contact_node(&finger, at), finger.direction(angle_deg) * force_n);
-        // The force between nodes is normal to the plate. The shares of the two bodies are not exact for a force along the plate.
+        // The force between nodes is normal to the plate. A force along the plate is not tested between nodes, because its division between two
+        // bodies is not exact.
         let position_mm = position * finger.plate_length_mm(Plate::Front);
         let at_position = |force_n: f64| Load::at_position(position_mm, finger.direction(0.0) * force_n);
         for load in [&at_node as &dyn Fn(f64) -> Load, &at_position] {
@@ -191,9 +194,9 @@ fn impossible_questions_are_refused() {
     assert_eq!(refused(Load::at_node(NodeId(19), Vector::new(f64::NAN, 0.0))), LatticeError::LoadNotFinite);
 }
 
-/// A rib is `near_mm` from the clamps. A physics engine stores positions in the finger's frame, with rounding errors of 1e-14 mm. The springs of such
-/// short segments have 1e9 N/mm or more. In such springs, rounding causes forces of up to a hundredth of the load, and residual motion causes larger
-/// forces.
+/// A rib is `near_mm` from the clamps. A physics engine stores positions in the finger's frame, with rounding errors of 1e-14 mm. The springs of
+/// segments as short as `near_mm` have a stiffness of 1e9 N/mm or more. In springs of this stiffness, rounding causes forces of up to a hundredth of
+/// the load, and residual motion causes larger forces.
 #[test]
 fn a_rib_next_to_the_clamp_leaves_the_base_its_reaction() {
     for near_mm in [0.05, 0.007, 0.001] {

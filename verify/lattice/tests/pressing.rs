@@ -24,7 +24,7 @@ impl Disc {
         finger.direction(self.direction_deg)
     }
 
-    /// Position of the disc at its first contact with the line over the rods, mm.
+    /// Position, mm, at which the disc first touches the line that is tangent to the rods.
     fn start(&self, finger: &Finger) -> Vector {
         let along = self.along(finger);
         let way_mm = (self.radius_mm + ROD_RADIUS_MM) / along.dot(&finger.direction(0.0));
@@ -75,7 +75,8 @@ fn assert_alike(ours: &Pressed, engine: &Pressed) {
     assert!(apart <= ENGINE_TOLERANCE, "{apart}");
 }
 
-/// rapier presses the object from a position without contact, to a point or by a force, and reaches the same equilibrium as Newton's method.
+/// The physics engine rapier presses the object from a position without contact, either to a point or with a force. It reaches the same equilibrium
+/// as Newton's method.
 #[test]
 fn rapier_on_its_own_way_rests_where_newton_is() {
     let lattice = Lattice::new(&paper(), 2).expect("a lattice");
@@ -86,8 +87,9 @@ fn rapier_on_its_own_way_rests_where_newton_is() {
     }
 }
 
-/// With friction, the state of rest is not unique, so rapier starts from the equilibrium of Newton's method and must stay there. With a smaller
-/// friction coefficient, the forces lie outside the cone, and rapier must leave this equilibrium.
+/// With friction, the state of rest is not unique, so the physics engine rapier starts from the equilibrium of Newton's method and must stay there.
+/// If the friction coefficient is reduced, the contact forces of the starting equilibrium lie outside the friction cone, and rapier must leave this
+/// equilibrium.
 #[test]
 fn rapier_stays_where_friction_was_found() {
     let lattice = Lattice::new(&paper(), 2).expect("a lattice");
@@ -104,7 +106,7 @@ fn rapier_stays_where_friction_was_found() {
 }
 
 /// The disc slides in monotonic travel. At a contact that slides during the whole last step, friction is the coefficient times the normal force. The
-/// totals agree with an independent quasi-static frame with Coulomb contact, for any number of steps.
+/// total forces agree with those of an independent quasi-static frame with Coulomb contact, for any number of steps.
 #[test]
 fn friction_stands_where_the_way_left_it() {
     let lattice = Lattice::new(&paper(), 6).expect("a lattice");
@@ -133,7 +135,8 @@ fn the_object_is_where_it_was_told_to_be() {
     }
 }
 
-/// Several rods in a row touch at once, and contacts near the clamp are stiff. rapier once did not settle in these cases.
+/// Under nearly flat objects, several rods in a row touch at once, and contacts near the clamp are stiff. The physics engine rapier once did not
+/// settle in these cases.
 #[test]
 fn nearly_flat_objects_have_equilibria() {
     let lattice = Lattice::new(&paper(), 6).expect("a lattice");
@@ -145,8 +148,8 @@ fn nearly_flat_objects_have_equilibria() {
     }
 }
 
-/// The surface of a disc of 1 m radius at 80 mm is 80^2 / (2 1001.5) mm higher above the base. After this travel, the disc meets the clamped rod, and
-/// neither yields.
+/// A disc of 1 m radius first touches at 80 mm; above the base, its surface is higher by 80^2 / (2 x 1001.5) mm. After a travel equal to the initial
+/// gap above the clamped rod, the disc meets this rod, and neither disc nor rod yields.
 #[test]
 fn the_clamped_end_stops_the_object() {
     let lattice = Lattice::new(&paper(), 2).expect("a lattice");

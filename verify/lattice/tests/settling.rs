@@ -13,7 +13,7 @@ fn with_shear(scene: &str) -> String {
     scene.replacen("[finger]\n", "[finger]\nshear_correction = 0.8\n", 1)
 }
 
-/// Lattices with arms, zones, hinges, undeformable ribs or shear deformation settle at the minimum of their energy, and beams agree.
+/// Lattices with arms, zones, hinges, undeformable ribs or shear deformation settle at the minimum of their energy, which agrees with beams.
 #[test]
 fn other_fingers_settle_where_beams_are() {
     for (text, force_n, tolerance) in [
@@ -40,7 +40,7 @@ fn other_fingers_settle_where_beams_are() {
     }
 }
 
-/// Ribs that share a junction, also in a corner of the base: their key nodes form one body.
+/// The key nodes of ribs that share a junction form one body, even if the junction is in a corner of the base.
 #[test]
 fn a_zigzag_of_ribs_settles_where_beams_are() {
     let zigzag =

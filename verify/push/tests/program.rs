@@ -1,5 +1,5 @@
-//! The program that pages embed answers as the library does. After a change of the model's results, this test fails until `verify/push/build`
-//! rebuilds the program.
+//! The program that is embedded in pages gives the same answers as the library. After a change of the model's results, this test fails until
+//! `verify/push/build` rebuilds the program.
 
 use finray_fixtures::{PAPER_SCENE, TWIN_SCENE};
 use finray_push::{PROGRAM, Session};
@@ -88,7 +88,7 @@ fn the_program_of_pages_answers_as_the_library_does() {
             "angle_deg": chance.random_range(-80.0..80.0),
             "force_n": chance.random_range(0.05..4.0),
             "is_other": case % 4 == 3,
-            // Searches are slow in an interpreter, so few cases need one.
+            // A search for the contact is slow in an interpreter, so only a few cases include a search.
             "contact": contact[if case % 12 == 5 { 2 } else { case % 2 }],
             "estimator": estimators[case % 3],
             "noise_mm": 0.067,

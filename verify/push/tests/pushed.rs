@@ -106,6 +106,6 @@ fn questions_without_an_answer_say_why() {
     says(&ask(known("linear", 1.0))["bent"]["sensed"]["refused"], "least-squares");
     says(&ask(known("nonlinear", 1e6)), "not_carried");
     says(&ask(json!({ "pull": {} }))["error"], "pull");
-    // Invalid questions do not remove the finger.
+    // An invalid question does not discard the loaded finger.
     assert!(ask(known("nonlinear", 1.0))["bent"]["sensed"]["force"]["force_n"].is_number());
 }

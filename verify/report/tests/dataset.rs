@@ -1,9 +1,9 @@
-//! A dataset as a CSV file, as an array of the summary, and as a table of the page.
+//! Tests of a dataset in its three forms: a CSV file, an array of the summary, and a table of the page.
 
 use finray_report::dataset::{Columns, Dataset, Format};
 use finray_report::page::{Cell, Shade};
 
-/// A node with an error that may be missing.
+/// A node and its error, which may be missing.
 type Sample = (usize, Option<f64>);
 
 fn columns() -> Columns<'static, Sample> {

@@ -1,4 +1,4 @@
-//! The page: text is escaped, every block is shown, nothing is loaded from elsewhere.
+//! Tests of the page: text is escaped, every block is shown, and nothing is loaded from elsewhere.
 
 use finray_report::page::{Block, Cell, Column, Figure, First, Page, PageLink, Section, Shade, Table, render};
 

@@ -1,4 +1,4 @@
-//! The chart of error over time: every point has a name, and failures are marked.
+//! Tests of the chart of error over time: every point has a name, and failures are marked.
 
 use finray_report::page::{Cell, Shade};
 use finray_report::speed_error::{drawing, table};

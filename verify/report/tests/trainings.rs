@@ -5,7 +5,7 @@ use finray_report::trainings::{RECIPES, blocks, by_recipe, by_size};
 use finray_studies::experiments::networks::records::{CurveRow, RecipeRow, Records};
 use finray_studies::truths::TruthId;
 
-/// Two seeds at node 19, each with camera noise and without noise.
+/// Records of two seeds at node 19, with camera noise and without noise.
 fn recipe(truth: TruthId, errors: [f64; 2]) -> Vec<RecipeRow> {
     let row = |noise_mm: f64, seed: usize| RecipeRow {
         recipe: "a".to_owned(),

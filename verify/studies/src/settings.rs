@@ -4,26 +4,28 @@ use finray_model::{Finger, Scene};
 
 pub use finray_fixtures::CAMERA_NOISE_MM;
 
-/// Standard deviation that estimators assume for a noise-free measurement, mm. With a smaller value, mesh errors of micrometres look like outliers.
+/// Standard deviation that estimators assume for a noise-free measurement, mm. If estimators assumed a smaller standard deviation, mesh errors of
+/// micrometres would look like outliers.
 pub const LEAST_STATED_MM: f64 = 0.01;
 /// Range of forces on one contact node of the paper's finger, N (paper, sec. V-C). Below 0.5 N noise alone causes errors of several per cent.
 pub const ONE_FORCE_N: [f64; 2] = [0.5, 3.0];
 /// Range of forces on each of two contact nodes of the paper's finger, N (paper, sec. V-C).
 pub const TWO_FORCES_N: [f64; 2] = [0.3, 3.0];
-/// Frame time of the paper's camera at its largest rate of 25 Hz, s (sec. IV-B and VI). The paper's image processing alone takes this time.
+/// Frame time of the paper's camera at its largest rate of 25 Hz, s (sec. IV-B and VI). The paper's image processing alone takes one frame time.
 pub const CAMERA_FRAME_S: f64 = 0.04;
 /// A sensed force is trusted if its relative error is at most this value, dimensionless. The paper's Table I shades larger errors.
 pub const TRUSTED_ERROR: f64 = 0.10;
-/// A force counts as not sensed if its relative error exceeds this value, dimensionless. The paper's Table I shades such errors darker.
+/// A force counts as not sensed if its relative error exceeds this value, dimensionless. The paper's Table I shades errors above this value darker.
 pub const GROSS_ERROR: f64 = 0.25;
 pub use finray_model::sensor::TWO_SIDED_95;
-/// With at least this number of cases, the standard error of a mean error is about 2 % of the mean. A check then needs no allowance for chance.
+/// With at least this number of cases, the standard error of a mean error is about 2 % of the mean. A check of the mean error then needs no allowance
+/// for sampling error.
 pub const ENOUGH_CASES: usize = 4000;
-/// Directions assumed for the paper's "vertical" weights, degrees from the inward normal. If the finger's axis is horizontal, the direction is
-/// 10.9 = asin(29 mm / 153 mm), from half the base width and the length of the front plate.
+/// Directions assumed for the paper's "vertical" weights, degrees from the inward normal. A horizontal axis of the finger gives 10.9 degrees =
+/// asin(29 mm / 153 mm): half the base width, divided by the length of the front plate.
 pub const TABLE_ONE_ANGLES_DEG: [f64; 5] = [0.0, 10.9, -20.0, 20.0, 40.0];
 
-/// Forces for which a report is computed, up to a largest force. Their ratios are the same for every finger.
+/// Forces for which a report is computed, up to a largest force. The ratios of these forces are the same for every finger.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReportForces {
     drawn_n: f64,
@@ -38,7 +40,7 @@ impl ReportForces {
         ReportForces { drawn_n }
     }
 
-    /// Forces for studies that have fixed reference figures: [`ReportForces::PAPER`] for the paper's finger, `self` for any other finger.
+    /// Forces for studies that have fixed reference values: [`ReportForces::PAPER`] for the paper's finger, `self` for any other finger.
     pub fn checked(self, is_paper: bool) -> ReportForces {
         if is_paper { ReportForces::PAPER } else { self }
     }
@@ -58,7 +60,7 @@ impl ReportForces {
         0.5 * self.drawn_n
     }
 
-    /// Scales forces chosen for the paper's finger (N) in proportion to the largest force. Scaled forces (N) are rounded to four digits.
+    /// Scales forces chosen for the paper's finger (N) in proportion to the largest force. Scaled forces (N) are rounded to four significant digits.
     pub fn scaled<const N: usize>(self, papers_n: [f64; N]) -> [f64; N] {
         let largest_n = ReportForces::PAPER.drawn_n;
         let rounded = |force_n: f64| format!("{force_n:.3e}").parse().unwrap_or(force_n);
@@ -100,7 +102,7 @@ impl Effort {
         }
     }
 
-    /// Numbers of random cases per set of contacts: for Table II, and for the networks.
+    /// Numbers of random cases per set of contacts: the first number for the paper's Table II, the second for the networks.
     pub(crate) fn sensed_cases(self) -> [usize; 2] {
         self.choose([40, 40], [ENOUGH_CASES; 2])
     }
@@ -110,7 +112,8 @@ impl Effort {
         self.choose((24, 20.0, 100), (48, 5.0, 400))
     }
 
-    /// A coarser [`resolution`](Effort::resolution) for slow estimators and for further true fingers. Its cells are also cells of the finer grid.
+    /// A coarser [`resolution`](Effort::resolution) for slow estimators and for further true fingers. The cells of this coarse grid are also cells of
+    /// the finer grid.
     pub(crate) fn coarse_resolution(self) -> (usize, f64, usize) {
         self.choose((12, 40.0, 4), (24, 10.0, 12))
     }

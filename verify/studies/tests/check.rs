@@ -1,4 +1,4 @@
-//! Tests that checks fail if figures are outside their tolerance.
+//! Tests that a check fails if its figure is outside the tolerance.
 
 use finray_studies::check::{Against, Check, Kind, SETTLED_LATTICE, tallies, worst};
 

@@ -1,4 +1,4 @@
-//! Images that show the finger at another placement than the scene's camera pose.
+//! Images that show the finger mirrored, or with another position, orientation or scale than the scene's camera pose predicts.
 
 use super::*;
 use finray_model::Scene;
@@ -67,7 +67,8 @@ fn located(scene: &Scene, image: &RgbImage) -> Result<Vec<Located>, LocateError>
     Locator::new(&scene.finger, &camera_of(scene), &markers).expect("a locator").locate(image)
 }
 
-/// The locator once assigned such markers to wrong nodes, with errors of 29 to 35 mm and a stated standard deviation of 0.002 mm.
+/// The locator once assigned the markers of flipped or resized images to wrong nodes, with errors of 29 to 35 mm and a stated standard deviation of
+/// 0.002 mm.
 #[test]
 fn an_image_upside_down_mirrored_or_resized_is_named_all_the_same() {
     for (scene, force_n) in scenes().iter().zip([0.0, 1.0]) {

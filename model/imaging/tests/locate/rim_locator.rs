@@ -1,4 +1,4 @@
-//! Tests of the locator of grey markers: a finger with brackets whose base is anywhere in the image.
+//! Tests of the locator of grey markers on a finger with brackets; the finger's base is anywhere in the image.
 
 use crate::kit::rms;
 use finray_fixtures::BRACKETED_SCENE;
@@ -14,18 +14,18 @@ use nalgebra::{Isometry2, Point2, Rotation3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Number of images, in each of which all markers are found.
+/// Number of test images; all markers are found in each image.
 fn images() -> u64 {
     repetitions(6, 16)
 }
-/// Limit of the root mean square error of a marker's coordinate in the plane, mm, and limit of the largest error. They apply to 4 px/mm, noise of two
-/// grey levels and a blur of 0.8 px.
+/// Limits of the root mean square error and of the largest error of a marker's coordinate in the plane, mm. The limits apply to images with 4 px/mm,
+/// noise of two grey levels and a blur of 0.8 px.
 const RMS_MM: f64 = 0.003;
 const LARGEST_MM: f64 = 0.01;
 /// Limit of the error of a marker beside a plate, mm. The bracket between marker and plate is hardly wider than the blur.
 const NEXT_TO_PLATE_MM: f64 = 0.1;
-/// Limit of the root mean square of errors divided by stated standard deviations. Both are in the finger frame and include the uncertainty of the
-/// base.
+/// Limit of the root mean square of errors divided by stated standard deviations. Errors and standard deviations are in the finger frame; the
+/// standard deviations include the uncertainty of the base.
 const OVER_SIGMA: f64 = 1.2;
 
 struct Image {
@@ -35,7 +35,7 @@ struct Image {
     image: RgbImage,
 }
 
-/// A bent finger in front of a camera that is tilted by up to 3 degrees, with its base anywhere and clutter in the background.
+/// A bent finger with its base anywhere in the image, and clutter in the background. The camera is tilted by up to 3 degrees.
 fn image(scene: &Scene, seed: u64, hidden: &[NodeId]) -> Image {
     let finger = &scene.finger;
     let mut chance = ChaCha8Rng::seed_from_u64(seed);
@@ -74,7 +74,7 @@ fn true_position(scene: &Scene, shape: &FingerShape, node: NodeId) -> Vector {
     scene.finger.marker_position(motion.node) + motion.marker_displacement(&scene.finger)
 }
 
-/// Both references and all eight markers are found and assigned; the stated standard deviations explain the errors.
+/// Both reference marks and all eight markers are found and assigned; the stated standard deviations explain the errors.
 #[test]
 fn markers_and_base_are_found_wherever_they_are() {
     let scene = Scene::from_toml(BRACKETED_SCENE).expect("the fixture");
@@ -97,7 +97,7 @@ fn markers_and_base_are_found_wherever_they_are() {
     assert!(rms(&over_sigma) < OVER_SIGMA, "{}", rms(&over_sigma));
 }
 
-/// A quarter of a rim's rays meet the edge of a plate that is 0.4 mm away. These rays do not shift the fitted circle.
+/// A quarter of a rim's rays meet the edge of a plate that is 0.4 mm away. Rays that meet the edge of this plate do not shift the fitted circle.
 #[test]
 fn markers_next_to_a_plate_are_found() {
     let scene = BRACKETED_SCENE.replace("bracket_mm = 3.0", "bracket_mm = [2.43, 3.0]");
@@ -132,7 +132,7 @@ fn markers_are_named_without_references() {
     }
 }
 
-/// A hidden marker is omitted, and no other mark is assigned to its node.
+/// A hidden marker is omitted, and nothing else in the image is assigned to its node.
 #[test]
 fn hidden_grey_markers_are_left_out() {
     let scene = Scene::from_toml(BRACKETED_SCENE).expect("the fixture");
@@ -157,7 +157,7 @@ fn images_without_grey_markers_are_refused() {
     seen.image = RgbImage::from_pixel(1920, 1080, image::Rgb([90, 90, 90]));
     let none = located(&scene, &seen, &base);
     assert!(matches!(none, Err(LocateError::Naming(NamingError::TooFew { found: 0, all: 8, .. }))), "{none:?}");
-    // A board with holes as large as the markers.
+    // The image shows a board with holes as large as the markers, and no finger.
     seen.image = RgbImage::from_fn(1920, 1080, |u, v| {
         let away = (f64::from(u % 60) - 30.0).hypot(f64::from(v % 60) - 30.0);
         image::Rgb(if away < 8.5 { [250; 3] } else { [90; 3] })

@@ -3,7 +3,7 @@
 use finray_numerics::dense::{Finish, Tanh};
 use pulp::{Arch, Scalar, Simd, WithSimd};
 
-/// The stated error bound, for every number.
+/// Error bound that `Tanh` states; the bound must hold for every number.
 const LARGEST_ERROR: f64 = 3e-7;
 /// Distance between two tested bit patterns. The distance is prime, so that mantissas of all kinds occur.
 const STRIDE: usize = 499;
@@ -21,7 +21,8 @@ impl WithSimd for TanhAll<'_> {
     }
 }
 
-/// The hyperbolic tangents by detected and by portable instructions. Zeros after the numbers fill the last vector.
+/// The hyperbolic tangents of the numbers, computed with the detected and with the portable processor instructions. Zeros are appended to the
+/// numbers, so that the last SIMD vector is full.
 fn both(numbers: &[f32]) -> [Vec<f32>; 2] {
     let mut filled = numbers.to_vec();
     filled.resize(numbers.len().next_multiple_of(16), 0.0);

@@ -3,9 +3,9 @@
 use finray_numerics::linear::{Bordered, Direction, IndefiniteFactor};
 use sprs::CsMat;
 
-/// At a limit point, the stiffness is singular within rounding, but the solution of the bordered equations loses no digits. The example has K =
-/// diag(3e-15, 2), f = (0.7, 0.5) and the constraint c = (1, 0), d = 3. The solution for the forces (1.1, 2) and the length 4 is known in closed
-/// form.
+/// At a limit point, the stiffness is singular within rounding, but the solution of the bordered equations loses no digits. The example solves K x -
+/// m f = r and c x + d m = l, with K = diag(3e-15, 2), f = (0.7, 0.5), c = (1, 0) and d = 3. The solution for the forces r = (1.1, 2) and the length
+/// l = 4 is known in closed form.
 #[test]
 fn keeps_digits_where_the_stiffness_is_singular() {
     let stiffness = CsMat::new_csc((2, 2), vec![0, 1, 2], vec![0, 1], vec![3e-15, 2.0]);

@@ -1,4 +1,4 @@
-//! Compares angles with the standard library, for single numbers and for lanes.
+//! Compares angles with the standard library, for single numbers and for SIMD lanes.
 
 use finray_numerics::number::{Lanes, Number, arctangent};
 use pulp::{Arch, Simd, WithSimd};

@@ -6,7 +6,7 @@ use finray_numerics::optimise::GramSchmidt;
 #[test]
 fn fits_what_can_be_fitted() {
     let x = [-2.0_f64, -1.0, 0.0, 1.0, 2.0];
-    // This part is orthogonal to 1, x and x^2.
+    // The unexplained part is orthogonal to 1, x and x^2.
     let unexplained = [1.0, -2.0, 0.0, 2.0, -1.0];
     let mut problem = GramSchmidt::default();
     problem.reset(5, 3);

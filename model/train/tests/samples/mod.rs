@@ -1,5 +1,5 @@
-//! Random load cases. Draws are reproducible on any number of threads and within the requested ranges (`draws`). Their shapes agree with the sparse
-//! solver (`shapes`). Impossible requests are refused (`refusals`).
+//! Random load cases. Draws are reproducible on any number of threads and within the requested ranges (`draws`). The shapes in the load cases agree
+//! with the sparse solver (`shapes`). Impossible requests are refused (`refusals`).
 
 use finray_model::Kinematics;
 use finray_tests::{STANDARD_ERRORS, at_node, paper};

@@ -10,7 +10,8 @@ use finray_train::samples::{SampleRecipe, SamplesError, Stream};
 /// If the finger carries none of the drawn forces, the draw fails with a message.
 #[test]
 fn forces_beyond_the_finger_are_refused() {
-    // The range is a million times the force that the finger carries. The probability that the finger carries one of a hundred draws is 1e-4.
+    // The range extends to a million times the force that the finger carries. The probability that the finger carries at least one of a hundred draws
+    // is 1e-4.
     let range_n = 1e7;
     let contacts = vec![at_node(19, 0.0)];
     let too_large = SampleRecipe {

@@ -58,8 +58,8 @@ fn shapes_are_those_of_the_finger() {
     }
 }
 
-/// Hiding a marker removes its two rows and changes nothing else. A marker that is listed twice as hidden counts once; a clamped marker does not
-/// count.
+/// Hiding a marker removes its two rows and changes nothing else. A marker that appears twice in the list of hidden markers counts once; a clamped
+/// marker does not count.
 #[test]
 fn hidden_markers_leave_out_their_rows() {
     let finger = paper();
@@ -75,8 +75,8 @@ fn hidden_markers_leave_out_their_rows() {
     assert_eq!(kept.displacements, seen.displacements.select_rows(&rows));
 }
 
-/// Scatter of the moduli does not change the random forces. On the linear finger, the displacements of each case yield its modulus factor. On the
-/// co-rotational finger, the shape equals the shape of a finger with that factor.
+/// Scatter of the moduli does not change the random forces. On the linear finger, the modulus factor of each case follows from its displacements. On
+/// the co-rotational finger, the shape of each case equals the shape of a finger whose modulus is scaled by the factor of the case.
 #[test]
 fn moduli_scatter_as_stated() {
     let finger = paper();

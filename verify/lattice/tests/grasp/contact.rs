@@ -59,7 +59,8 @@ fn moved(stand: &PairPose, unknown: usize, by: f64) -> PairPose {
 }
 
 proptest! {
-    /// Derivatives agree with central differences. Their error is the square of the step relative to the lengths in the contact, plus rounding.
+    /// Derivatives agree with central differences. The error of the differences is the square of the step relative to the lengths in the contact,
+    /// plus rounding.
     #[test]
     fn derivatives_are_those_of_differences(pair in pairs(), now in stands(), before in stands()) {
         const STEP: f64 = 1e-5;

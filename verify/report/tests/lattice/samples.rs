@@ -35,7 +35,8 @@ fn map(estimator: EstimatorId, error: f64) -> AccuracyMap {
     AccuracyMap { request, truth: TruthId::Lattice, estimator, noise_mm: 0.0, cells: vec![cell] }
 }
 
-/// A study with 2 and 4 segments per plate member. With 4 segments, errors are an eighth at 1 N and a sixteenth at 5 N of the errors with 2 segments.
+/// A study with 2 and 4 segments per plate member. With 4 segments instead of 2, the error is an eighth as large at 1 N, and a sixteenth as large at
+/// 5 N.
 pub fn sample() -> LatticeStudy {
     let row = |fineness: usize, errors: [f64; 2], settling| FinenessRow {
         fineness,

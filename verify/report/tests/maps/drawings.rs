@@ -1,4 +1,4 @@
-//! Notes of the overview: refused cells do not count as trusted.
+//! Tests of the notes in the overview: refused cells do not count as trusted.
 
 use finray_report::maps::drawings::note;
 use finray_studies::sampling::worst::TrustCounts;

@@ -29,7 +29,8 @@ fn the_twin_is_one_of_several_fits() {
     assert!(freedom(&[fit_of(TWIN, 0.3)]).contains("not fitted this time"));
 }
 
-/// The shipped twin is softer than the softest TPU that the paper quotes; the sentence does not claim this for a finger within the range.
+/// The sentence states that moduli of the shipped twin lie outside the range that the paper quotes for TPU; moduli within the range are not reported
+/// as outside.
 #[test]
 fn moduli_are_held_against_the_material() {
     let twin = Scene::from_toml(finray_fixtures::TWIN_SCENE).expect("the twin's scene").finger;

@@ -1,4 +1,4 @@
-//! The worst result among the forces of each cell (position and direction). This result alone decides whether a cell counts as trusted.
+//! The worst result among the forces of each cell (position and direction). The worst result alone decides whether a cell counts as trusted.
 
 use super::map::AccuracyMap;
 use super::sweep::{CellState, MapCell};
@@ -11,11 +11,11 @@ pub struct WorstCell {
     pub s_mm: f64,
     /// Direction, degrees from the inward normal, positive towards the tip.
     pub angle_deg: f64,
-    /// Outcome: without equilibrium if one force has no equilibrium; otherwise refused if one force is refused.
+    /// Outcome of the cell: without equilibrium if any force has no equilibrium; otherwise refused if any force is refused.
     pub state: CellState,
     /// Largest mean relative error among the forces; `None` unless all are answered.
     pub worst_error: Option<f64>,
-    /// Whether the error of every force is within [`TRUSTED_ERROR`]; a refused force is not trusted.
+    /// Whether the error of every force is within [`TRUSTED_ERROR`]; `false` if a force is refused.
     pub is_trusted: bool,
 }
 
@@ -33,12 +33,13 @@ pub struct TrustCounts {
 }
 
 impl AccuracyMap {
-    /// Each cell with its worst result among the map's forces, by position, then direction.
+    /// Each cell with its worst result among the map's forces, ordered by position, then direction.
     pub fn worst(&self) -> Vec<WorstCell> {
         self.worst_of(None)
     }
 
-    /// Each cell with the result for one force (N), or the worst result among all forces, by position, then direction.
+    /// Each cell with the result for one force (N), or with the worst result among all forces if `force_n` is `None`; ordered by position, then
+    /// direction.
     pub fn worst_of(&self, force_n: Option<f64>) -> Vec<WorstCell> {
         let of_group = |group: &[MapCell]| {
             let cells: Vec<MapCell> =

@@ -1,4 +1,4 @@
-//! All results of the report, computed for one scene: [`Study`] lists the experiments, one row each.
+//! All results of the report, computed for one scene. [`Study`] lists the experiments, one row each.
 
 mod timing;
 
@@ -49,7 +49,8 @@ impl PartTime {
     }
 }
 
-/// Declares [`Study`] from rows. A row has the name of the part, result fields, and their computation from the context and earlier results.
+/// Declares [`Study`] from rows. Each row states the name of a part, its result fields, and the expression that computes these fields from the
+/// context and earlier results.
 macro_rules! study {
     (|$context:ident| $($part:literal: $($(#[$about:meta])* $field:ident: $type:ty),+ = $run:expr;)+) => {
         /// All results for one scene.
@@ -67,13 +68,13 @@ macro_rules! study {
             pub is_paper: bool,
             /// Standard deviation of the camera noise of one coordinate, mm.
             pub noise_mm: f64,
-            /// Forces of maps, drawings and their explanations.
+            /// Forces for which maps, drawings and their explanations are computed.
             pub forces: ReportForces,
             /// Checks of figures against references, without the checks of the hard cases.
             pub checks: Vec<Check>,
             /// Figures that are expected to differ from their references.
             pub comparisons: Vec<Comparison>,
-            /// Sentences for the report on times that were measured outside this study.
+            /// Sentences in the report about computation times that were measured outside this study.
             pub timing_notes: Vec<String>,
             /// Computation time of each part.
             pub parts: Vec<PartTime>,
@@ -153,7 +154,7 @@ study! { |context|
         /// Errors of the nonlinear estimator under camera noise.
         noise: Option<noise::NoiseStudy> = noise::run(context);
     "noise of displacements":
-        /// Smallest standard deviations of forces under camera noise, by the method that gives the undeformed positions.
+        /// Smallest standard deviations of forces under camera noise, for each method that gives the undeformed positions.
         displacement_noise: Option<displacement_noise::DisplacementNoiseStudy> = displacement_noise::run(context);
     "camera":
         /// Results of sensing from images; only for scenes with a camera and coloured markers, or for the paper's finger.
@@ -182,10 +183,10 @@ study! { |context|
         /// Results of objects grasped by two fingers; only for the paper's finger in a full study.
         grasps: Vec<grasp_study::GraspStudy> = grasp_study::run(context);
     "closed loop":
-        /// Results of closed-loop force control by frame rate of the camera; only for the paper's finger in a full study.
+        /// Results of closed-loop force control at each frame rate of the camera; only for the paper's finger in a full study.
         closed_loop: Option<rates::LoopStudy> = rates::run(context);
     "sensor modules":
-        /// Results for Table II on the moving gripper; only for the paper's finger in a full study.
+        /// Results for the paper's Table II on the moving gripper; only for the paper's finger in a full study.
         modules: Option<modules::ModuleStudy> = modules::run(context);
     "observations":
         /// Comparison with the paper's observations of grasps; only for the paper's finger in a full study.
@@ -202,7 +203,7 @@ study! { |context|
 }
 
 impl Study {
-    /// Computes all results for a scene under these forces. Parts that have fixed reference figures use the [paper's](ReportForces::PAPER) forces
+    /// Computes all results for a scene under the given forces. Parts that have fixed reference values use the [paper's](ReportForces::PAPER) forces
     /// for the paper's finger.
     ///
     /// # Errors
@@ -233,7 +234,7 @@ impl Study {
         })
     }
 
-    /// Forces of the parts that have fixed reference figures.
+    /// Forces of the parts that have fixed reference values.
     pub fn checked_forces(&self) -> ReportForces {
         self.forces.checked(self.is_paper)
     }
@@ -244,7 +245,7 @@ impl Study {
         self.maps.iter().chain(lattice)
     }
 
-    /// Every check. Checks of the hard cases are last.
+    /// Every check. The checks of the hard cases come last.
     pub fn all_checks(&self) -> impl Iterator<Item = &Check> {
         self.checks.iter().chain(self.hard_cases.iter().flat_map(|case| &case.checks))
     }

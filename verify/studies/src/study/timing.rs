@@ -1,4 +1,5 @@
-//! Computation times that were measured outside the report: finray's times by the benchmark library criterion, and times of other programs.
+//! Computation times that were measured outside the report: times of finray, measured by the benchmark library criterion, and times of other
+//! programs.
 
 use super::Study;
 use crate::experiments::speed_error::criterion::{self, CriterionTimes};
@@ -7,7 +8,7 @@ use crate::experiments::speed_error::{self, Asked, SpeedErrorPoint, Task};
 use std::path::Path;
 
 impl Study {
-    /// Replaces the report's times by the times of the benchmark library criterion, for all points that criterion has measured. Criterion's times
+    /// Replaces the report's times with the times of the benchmark library criterion, at all points for which criterion has a time. Criterion's times
     /// apply only to the paper's finger.
     pub fn take_criterion(&mut self, folder: &Path, times: &CriterionTimes) {
         let folder = folder.display();
@@ -37,7 +38,7 @@ impl Study {
         }
     }
 
-    /// Adds points (time and error) of other programs. Their times apply only to the paper's finger.
+    /// Adds points (time and error) of other programs. The times of other programs apply only to the paper's finger.
     pub fn take_peers(&mut self, peers: Peers) {
         if !self.is_paper {
             self.timing_notes
@@ -48,7 +49,7 @@ impl Study {
             "" => ", on a machine that the file does not name".to_owned(),
             machine => format!(", on this machine: {machine}"),
         };
-        // Only points for the same nodes and forces are comparable, because the time depends on them.
+        // Only points for the same nodes and forces are comparable, because the computation time depends on nodes and forces.
         let asked = Task::ALL.map(|task| speed_error::asked(&self.finger, self.checked_forces(), task));
         let (same, others): (Vec<Peer>, Vec<Peer>) =
             peers.peers.into_iter().partition(|peer| asked[peer.task as usize] == peer.asked);

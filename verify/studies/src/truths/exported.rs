@@ -107,7 +107,7 @@ impl Truth for ExportedTruth {
         self.id
     }
 
-    /// Exported positions and directions, both ascending. A force that was not exported is an error.
+    /// Exported positions and directions, both ascending. A request for a force that was not exported is an error.
     fn positions(&self, forces_n: &[f64]) -> Result<Option<Positions>, TruthError> {
         for &force_n in forces_n {
             self.require_force(force_n).map_err(|error| TruthError::NotExported(self.id, error))?;

@@ -8,10 +8,11 @@ use finray_model::statics::{EquilibriumEquations, Ladder};
 /// Number of nodes of the paper's fine mesh (Xu et al. 2021, sec. III).
 pub const FINE_MESH_NODES: usize = 684;
 
-/// Mesh of the true finger: the paper's 684 nodes, or four elements per member if that gives more nodes.
+/// Mesh of the true finger. It has the paper's 684 nodes, or four elements per member if four elements give more nodes.
 ///
 /// # Errors
-/// [`MeshSizeError`] if the finger has no mesh of 684 nodes. This does not occur: a finger with too many key nodes gets four elements per member.
+/// [`MeshSizeError`] if the finger has no mesh of 684 nodes. This error does not occur, because a finger with too many key nodes for 684 nodes gets
+/// four elements per member.
 pub fn fine_mesh(finger: &Finger) -> Result<Mesh, MeshSizeError> {
     let four_a_member = Mesh::with_elements_per_member(finger, 4);
     if four_a_member.node_count() > FINE_MESH_NODES {
@@ -27,8 +28,8 @@ pub struct MeshTruth<'m> {
     mesh: &'m Mesh,
     /// Solver that is prepared once and copied for each contact.
     prepared: Statics<Ladder<'m>>,
-    /// Compliance of the linear finger at its key nodes, which gives the shapes without the solver. `None` for co-rotational statics, or a mesh
-    /// with further nodes.
+    /// Compliance of the linear finger at its key nodes; the shapes follow from this compliance without the solver. `None` for co-rotational statics,
+    /// and for a mesh that has nodes besides the key nodes.
     solved: Option<NodalCompliance>,
 }
 

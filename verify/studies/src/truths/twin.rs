@@ -28,7 +28,7 @@ pub enum TwinError {
 /// Digital twin of the paper's finger.
 ///
 /// # Errors
-/// [`TwinError`] for any other finger, or if the shipped scene cannot be read.
+/// [`TwinError`] if the finger is not the paper's finger, or if the shipped scene cannot be read.
 pub fn twin_of(finger: &Finger) -> Result<Finger, TwinError> {
     if !is_papers_finger(finger) {
         return Err(TwinError::NotThePapersFinger);

@@ -1,4 +1,4 @@
-//! Criteria of claims: each can confirm or reject.
+//! Tests that each criterion can both confirm and reject its claim.
 
 use finray_studies::claims::ClaimVerdict::{
     Depends, InSimulation, LessInSimulation, NotReproduced, NotTested, Refuted, Reproduced,

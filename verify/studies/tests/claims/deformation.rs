@@ -4,7 +4,7 @@ use finray_studies::claims::deformation::solid;
 use finray_studies::claims::{ClaimVerdict, Words};
 use finray_studies::experiments::continuum::{BeamTheoryRow, Constants, ContinuumStudy};
 
-/// A study in which beams with E, with plane strain and with arms deviate by these medians.
+/// A study with these median deviations: beams with E, beams with plane strain, and beams with arms and shear.
 fn study(medians: [f64; 3]) -> ContinuumStudy {
     let row = |(constants, median): (&Constants, f64)| BeamTheoryRow {
         continuum: "paper",

@@ -21,8 +21,8 @@ fn what_is_not_wrong_costs_nothing() {
     assert!(largest(&neglected_torque(&finger, 0.0).unwrap()) < ROUNDING);
 }
 
-/// On the linear finger, twice the torque causes twice the error. Direction errors to both sides cause the error cos - 1, plus or minus the same
-/// amount.
+/// On the linear finger, twice the torque causes twice the error. Direction errors of equal size to both sides cause sensing errors whose mean is the
+/// cosine minus 1.
 #[test]
 fn errors_are_those_of_a_linear_finger() {
     let finger = paper();
@@ -42,7 +42,7 @@ fn all_forces_span_what_is_known() {
     assert!((all.span - 363.0).abs() < 0.5, "{}", all.span);
 }
 
-/// As independent programs found, the error at -12.5 deg is 2.6 to 4.0 %, above the paper's maximum.
+/// As independent programs found, a force at -12.5 deg from the assumed direction is sensed with an error of 2.6 to 4.0 %, above the paper's maximum.
 #[test]
 fn a_wrong_direction_costs_more_on_the_other_side() {
     let finger = paper();
@@ -50,7 +50,8 @@ fn a_wrong_direction_costs_more_on_the_other_side() {
     assert!((low - 0.026).abs() < 0.001 && (high - 0.040).abs() < 0.001, "{low} {high}");
 }
 
-/// Half the noise doubles the distance between the shapes. For equal forces, the distance is zero.
+/// Halving the noise doubles the distance between the shapes, because the distance is divided by the noise. If both forces act at the same node,
+/// exchanging them changes nothing, and the distance between the shapes is zero.
 #[test]
 fn exchanged_forces_are_apart_by_their_shapes_and_the_noise() {
     let finger = paper();
@@ -59,7 +60,7 @@ fn exchanged_forces_are_apart_by_their_shapes_and_the_noise() {
     assert_eq!(redistributed(&finger, [19, 19].map(NodeId), 0.067).unwrap().distance, 0.0);
 }
 
-/// A force so small that the finger is linear is sensed only at its node; without noise, the force at the other node is zero.
+/// Forces so small that the finger is linear are sensed only at the loaded nodes; without noise, the force sensed at the unloaded node is zero.
 #[test]
 fn no_force_is_sensed_where_nothing_touches_a_linear_finger() {
     let finger = paper();

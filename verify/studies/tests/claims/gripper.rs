@@ -25,7 +25,7 @@ fn what_the_network_misses_is_not_reproduced() {
     assert_eq!(verdict(apart), ClaimVerdict::NotReproduced);
     let near = with_mean(apart, 0.29);
     assert_eq!(verdict(&near), ClaimVerdict::Reproduced);
-    // The paper may have used one of two scalings. Here, one scaling reproduces its figure and the other does not.
+    // The paper may have used one of two scalings. In this case, one scaling reproduces the paper's figure and the other scaling does not.
     let of_both = |ours: &Figure, other: &Figure| {
         of_the_papers_network(ours, Some(other), &[&[18, 20]], CAMERA_NOISE_MM, words).expect("all numbers").verdict
     };

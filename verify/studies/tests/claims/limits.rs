@@ -13,7 +13,7 @@ fn paper() -> Finger {
     Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("the paper's scene").finger
 }
 
-/// At -12.5 deg the error is 2.6 to 4.0 %, above the paper's maximum at every node.
+/// For a force at -12.5 deg from the assumed direction, the error is 2.6 to 4.0 %, above the paper's maximum at every node.
 #[test]
 fn a_wrong_direction_is_judged_on_both_sides() {
     let row = wrong_direction(&paper(), &words()).expect("sensed");

@@ -1,5 +1,5 @@
-//! Accuracy of the shipped networks on new random forces of the co-rotational finger with 684 nodes and camera noise.
-//! `FINRAY_TEST_CASES=full` runs the full study, half a minute on two cores.
+//! Accuracy of the shipped networks on new random forces of the co-rotational finger with 684 nodes and camera noise. `FINRAY_TEST_CASES=full` runs
+//! the full study, which takes half a minute on two cores.
 
 use finray_model::estimators::network::{NetworkSensing, Networks, NoNetwork};
 use finray_model::estimators::{BeamEstimator, ELEMENTS, Estimator};
@@ -14,10 +14,10 @@ use finray_tests::{
     CAMERA_NOISE_MM, STANDARD_ERRORS, at_node, at_nodes, case_count, paper, paper_scene_with, share_error,
 };
 
-/// Standard deviation of the relative errors of forces from 0.3 to 3 N, divided by their mean.
+/// Ratio of the standard deviation to the mean of the relative errors, for forces from 0.3 to 3 N.
 const SPREAD: f64 = 1.4;
-/// Limit of the excess of a network's root mean square error over the Cramer-Rao bound. Measured: up to a tenth for neighbours, mostly at small
-/// forces.
+/// Limit of the excess of a network's root mean square error over the Cramer-Rao bound. The measured excess is up to a tenth for neighbouring nodes,
+/// mostly at small forces.
 const OVER_BOUND: f64 = 0.15;
 
 fn nodes(numbers: &[usize]) -> Vec<NodeId> {
@@ -42,8 +42,8 @@ fn errors(
     scatter(&request, estimators, sets, TWO_FORCES_N, &|| {}).expect("contact nodes")
 }
 
-/// For every node and pair with a shipped network, mean errors are within the tolerance and close to the bound. No case is refused, and the stated
-/// standard deviations have their nominal coverage.
+/// For every node and every pair of nodes with a shipped network, mean errors are within the tolerance and close to the bound. No case is refused,
+/// and the stated standard deviations have their nominal coverage.
 #[test]
 fn errors_are_near_the_bound() {
     let finger = paper();
@@ -82,8 +82,8 @@ fn errors_are_near_the_bound() {
     }
 }
 
-/// For sets without a specific network, the network for any subset of the nodes is used. It is better than linear ridge regression, from which its
-/// training starts.
+/// For sets of nodes without a network of their own, the network for any subset of the nodes is used. The network for any subset is better than
+/// linear ridge regression, from which its training starts.
 #[test]
 fn the_network_for_any_nodes_beats_ridge() {
     let finger = paper();

@@ -10,8 +10,9 @@ use finray_tests::{CAMERA_NOISE_MM, at_node, at_position, case_count, noisy, pap
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-/// Without stated noise, the residual cannot be tested, and the standard deviation follows from the residual alone. It must still have its nominal
-/// coverage. Once, the linear finger was used whenever it happened to fit better, and only 7 of 73 intervals at node 19 contained the true force.
+/// Without stated noise, the residual cannot be tested, and the standard deviation follows from the residual alone. Intervals from this standard
+/// deviation must still have their nominal coverage. Once, the linear finger was used whenever it happened to fit better, and only 7 of 73 intervals
+/// at node 19 contained the true force.
 #[test]
 fn intervals_cover_the_truth_where_no_noise_is_stated() {
     let samples = case_count(60, 300);
@@ -25,7 +26,8 @@ fn intervals_cover_the_truth_where_no_noise_is_stated() {
     ];
     let mut rng = ChaCha8Rng::seed_from_u64(12);
     let all: Vec<NodeId> = finger.free_nodes().collect();
-    // Cases: node, direction, force, number of markers. The last two cases have two markers and one marker, and thus 3 degrees of freedom and 1.
+    // Each case lists node, direction, force and number of markers. The last two cases have two markers and one marker, which leaves 3 degrees of
+    // freedom and 1 degree of freedom.
     let cases = [
         (19, -60.0, 0.5, 23),
         (24, -20.0, 1.0, 23),
@@ -55,7 +57,7 @@ fn intervals_cover_the_truth_where_no_noise_is_stated() {
                     (sensed.forces_n[0] - force_n).abs() <= TWO_SIDED_95 * sensed.sigmas_n.expect("stated")[0]
                 }));
             }
-            // 93 %, minus three binomial standard deviations.
+            // The limit is 93 %, minus three binomial standard deviations.
             let least = 0.93 - 3.0 * (0.95 * 0.05 / samples as f64).sqrt();
             assert!(
                 covered as f64 / samples as f64 > least,

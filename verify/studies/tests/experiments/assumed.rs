@@ -8,8 +8,8 @@ use finray_model::{Kinematics, Mesh, Scene, statics};
 use finray_studies::experiments::assumed::AssumedContact;
 use finray_studies::experiments::causes::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
 
-/// The assumed contact deviates to each side in turn, unless it leaves the plate. The sensed force equals the result of least squares for the assumed
-/// contact.
+/// The assumed contact deviates from the true contact to one side and then to the other side, unless it would leave the plate. The sensed force
+/// equals the result of least squares for the assumed contact.
 #[test]
 fn an_assumed_contact_is_off_to_each_side_in_turn() {
     let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("the paper's scene").finger;

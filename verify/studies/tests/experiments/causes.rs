@@ -22,7 +22,7 @@ use std::sync::LazyLock;
 
 /// A force under which the finger is nearly linear, N: geometric nonlinearity changes displacements of 0.02 mm by a thousandth.
 const SMALL_FORCE_N: f64 = 2e-3;
-/// Relative effect of the geometric nonlinearity on errors under this force.
+/// Relative effect of the geometric nonlinearity on errors under the force `SMALL_FORCE_N`.
 const NEARLY_LINEAR: f64 = 5e-3;
 
 fn one_map(
@@ -134,7 +134,8 @@ fn what_is_left_when_all_is_known_is_noise_at_its_bound() {
     assert!(share(&known, Cause::Noise) > 0.99);
 }
 
-/// The share of noise once followed from the residual, and was 3.4 % instead of 0.1 %, because the shape at 3 N contradicts the linear finger.
+/// The share of the error caused by noise was once computed from the residual. It was 3.4 % instead of 0.1 %, because the shape at 3 N contradicts
+/// the linear finger.
 #[test]
 fn noise_does_what_the_inverse_says_also_where_the_model_is_contradicted() {
     let finger = paper();
@@ -186,11 +187,11 @@ fn errors_of_a_network_and_of_its_model_are_separate() {
         let position = map.causes.iter().position(|cause| *cause == Cause::NetworkFit).unwrap();
         map.cells.iter().map(|cell| (cell.shares[position].unwrap(), cell.rms_error.unwrap())).collect::<Vec<_>>()
     };
-    // The model itself replaces the network, so no error disappears.
+    // The model itself takes the place of the network, so no part of the error is due to the network's fit.
     for (share, _) in fit(&model) {
         assert!(share.abs() < 1e-6, "{share}");
     }
-    // All forces are too small by the same factor; wrong positions and directions cause the rest of the error.
+    // The estimator `short` halves every force; wrong positions and directions cause the rest of the error.
     let short = Worse { estimator: model, sees: Measurement::clone, force_factor: 0.5 };
     for (share, rms) in fit(&short) {
         assert!(rms > 0.4 && share > 0.7, "{rms} {share}");

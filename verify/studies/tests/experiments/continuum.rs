@@ -1,4 +1,4 @@
-//! Beams against plane continua, as `fixtures/calculix/README.md` states.
+//! Deviations of beams from plane continua agree with the figures that `fixtures/calculix/README.md` states.
 
 use finray_model::estimators::EstimatorId;
 use finray_model::estimators::network::Networks;
@@ -16,15 +16,16 @@ use finray_studies::truths::fine_mesh;
 use finray_tests::{paper, random_stream};
 use rand_distr::{Distribution, StandardNormal};
 
-/// Deviations of README are rounded to 0.01 %. Its arms are exact, those of the scenes rounded to 0.001 mm; 0.25 mm are 5 %, so 0.0005 mm are 0.01 %.
-/// The rounded shear correction changes less.
+/// The deviations in README are rounded to 0.01 %. README uses exact arms; the scenes round arms to 0.001 mm. A change of an arm by 0.25 mm changes
+/// displacements by 5 %, so the rounding error of 0.0005 mm changes them by 0.01 %. The rounded shear correction changes less.
 const ROUNDING: f64 = 2e-4;
 /// Largest deviation of beams on fingers to which the rule of arms was not fitted.
 const LARGEST_DEVIATION: f64 = 0.02;
 /// README rounds deviations above 20 % to 0.1 %.
 const COARSE_ROUNDING: f64 = 6e-4;
 
-/// Name, forces, and median and largest deviation of README: beams with shear and arms by the rule; E / (1 - nu^2) without shear and arms.
+/// For each finger: name, number of forces, and pairs of median and largest deviation in README. The first pair is for beams with shear and arms by
+/// the rule, the second for beams with E / (1 - nu^2) without shear and arms.
 const README: [(&str, usize, [f64; 2], [f64; 2]); 9] = [
     ("paper", 165, [0.0068, 0.0120], [0.267, 0.353]),
     ("paper-plain", 54, [0.0156, 0.0296], [0.0465, 0.0628]),
@@ -75,7 +76,7 @@ fn beams_with_arms_and_shear_are_as_near_to_continua_as_stated() {
         for (ours, stated) in ours.iter().zip(with_arms) {
             assert!((ours - stated).abs() < ROUNDING, "{name}: {ours}, not {stated}");
         }
-        // The target on fingers to which the rule was not fitted.
+        // The limit `LARGEST_DEVIATION` applies only to fingers to which the rule was not fitted.
         let is_fitted = FITTED.contains(&name) || name == PAPER_PLAIN.name;
         assert!(is_fitted || ours[1] < LARGEST_DEVIATION, "{name}: {ours:?}");
     }
@@ -97,7 +98,8 @@ fn beams_without_arms_are_as_far_from_continua_as_stated() {
 }
 
 /// On the continuum, the paper's protocol finds a stiffer finger, and senses forces within some per cent. In the paper, sensed forces were too large
-/// by 56 % at node 14, 12 % at node 16 and 20 % at node 24. The bound is the report's criterion for a cause.
+/// by 56 % at node 14, 12 % at node 16 and 20 % at node 24. The limit `MOST_OF` is the report's criterion: a cause must explain more than this share
+/// of the paper's error.
 #[test]
 fn the_continuum_does_not_explain_the_papers_errors_at_tip_and_base() {
     let tables = tables_one(&paper()).expect("every force has a shape");
@@ -110,15 +112,16 @@ fn the_continuum_does_not_explain_the_papers_errors_at_tip_and_base() {
         let tip = table.rows.iter().find(|row| row.node == 14).expect("node 14");
         assert!(tip.errors.iter().all(|error| *error < 0.0), "{tip:?}");
     }
-    // `finray calibrate --kinematics linear` with the table's cases at nodes 17, 19 and 21 finds 74.197 MPa instead of 47.976.
+    // `finray calibrate --kinematics linear` with the table's cases at nodes 17, 19 and 21 finds a modulus of 74.197 MPa instead of 47.976 MPa.
     assert!((tables[1].modulus_factor - 74.197 / 47.976).abs() < 1e-4, "{}", tables[1].modulus_factor);
 }
 
-/// Relative error of beam theory in sensed forces that the scene states below: the root mean square over the forces on `paper` and `thick`, rounded.
+/// Relative error of beam theory in sensed forces, which a test below states in its scenes. It is the rounded root mean square over the forces on
+/// `paper` and `thick`.
 const MODEL_ERROR: f64 = 0.008;
 
-/// Results on one finger without noise, under forces up to 3 N that do not act on the tip: relative errors of the sensed forces, and root mean square
-/// residuals relative to the largest displacement.
+/// Results on one finger without noise, under forces up to 3 N on nodes other than the tip. They are the relative errors of the sensed forces, and
+/// the root mean square residuals relative to the largest displacement.
 fn errors_of_beams(exported: &ExportedFinger) -> (Vec<f64>, Vec<f64>) {
     let finger = exported.finger().expect("a scene");
     let mesh = Mesh::with_elements_per_member(&finger, 8);
@@ -151,11 +154,12 @@ fn rms(errors: &[f64]) -> f64 {
     (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt()
 }
 
-/// Names of the fingers from which the rule of arms and the error of beam theory follow, and of the fingers on which both are tested.
+/// Names of the fingers to which the rule of arms and the error of beam theory are fitted; `TESTED` names the fingers on which both are tested.
 const FITTED: [&str; 2] = ["paper", "thick"];
 const TESTED: [&str; 3] = ["asymmetric", "thin", "soft-zone"];
 
-/// Forces on the tested fingers are sensed within 1.0 %, on the further fingers within 1.4 %. The stated error of beam theory, and its ratio of residual to force, follow from the fitted ones.
+/// Forces are sensed within 1.0 % on the fingers in `TESTED`, and within 1.4 % on the fingers in `FURTHER`. The stated error of beam theory, and its
+/// ratio of residual to force error, follow from the fingers in `FITTED`.
 #[test]
 fn sensed_forces_on_continua_are_as_near_as_stated() {
     for name in TESTED {
@@ -177,8 +181,9 @@ fn sensed_forces_on_continua_are_as_near_as_stated() {
     assert!((residuals / forces - 0.23).abs() < 0.005, "{}", residuals / forces);
 }
 
-/// With the stated error of beam theory, the 95 % intervals on the tested continua contain the force in 90 to 98 % of all samples with the paper's
-/// noise, and in more than 90 % with less noise. Refusals count as misses. Without the stated error, the intervals contain the force less often.
+/// With the stated error of beam theory and the paper's noise, the 95 % intervals on the tested continua contain the force in 90 to 98 % of all
+/// samples. With less noise, the share is above 90 %. Refusals count as misses. If the error of beam theory is not stated, the intervals contain the
+/// force less often.
 #[test]
 fn intervals_with_a_model_error_hold_on_continua() {
     let mut figures = Vec::new();

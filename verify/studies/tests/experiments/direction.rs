@@ -12,8 +12,8 @@ use std::sync::LazyLock;
 
 /// Number of noise samples per cell.
 const SAMPLES: usize = 24;
-/// Allowance for the nonlinearity of a direction's effect, which the linear bound neglects, as a share of the bound. It applies if the bound is
-/// small.
+/// Allowance for the nonlinearity of a direction's effect, which the linear bound neglects, as a share of the bound. The allowance applies to cells
+/// with a small bound.
 const CURVED: f64 = 0.1;
 
 static STUDY: LazyLock<DirectionStudy> = LazyLock::new(|| {
@@ -31,7 +31,7 @@ static STUDY: LazyLock<DirectionStudy> = LazyLock::new(|| {
     DirectionStudy::run(&truth, &request, &|| {}).expect("contacts on the finger")
 });
 
-/// If the bound is low, every sample is answered, and the errors equal the bound.
+/// In cells with a low Cramer-Rao bound, every sample is answered, and the errors equal the bound.
 #[test]
 fn what_is_identifiable_is_sensed_to_the_bound() {
     let allowed = CURVED + STANDARD_ERRORS / (2.0 * SAMPLES as f64).sqrt();

@@ -7,7 +7,8 @@ use finray_studies::experiments::displacement_noise::{DisplacementNoiseStudy, bo
 use finray_tests::{CAMERA_NOISE_MM, paper};
 use nalgebra::DMatrix;
 
-/// For each origin of the undeformed positions, both methods give the same bound, and an estimator that knows the covariance reaches it.
+/// For each origin of the undeformed positions, two methods give the same Cramer-Rao bound, and an estimator that knows the covariance reaches this
+/// bound.
 #[test]
 fn floors_follow_from_where_undeformed_positions_come_from() {
     let study = DisplacementNoiseStudy::run(&paper(), CAMERA_NOISE_MM, 60, 1.5).expect("contact nodes");
@@ -24,11 +25,11 @@ fn floors_follow_from_where_undeformed_positions_come_from() {
         let [images, motor] = ["two images", "motor angle"].map(|noise| of(&row.nodes, noise));
         assert!((images.bound_n / row.bound_n - 2.0_f64.sqrt()).abs() < 1e-12, "{images:?}");
         assert!(motor.bound_n > row.bound_n && motor.ordinary_rms_n > row.ordinary_rms_n, "{motor:?}");
-        // Averaging removes the errors of the frames, but not the error of the reference image.
+        // Averaging 25 frames reduces the errors of the frames, but not the error of the reference image.
         assert!((row.bound_of_25_frames_n / row.bound_n - 0.2).abs() < 1e-12);
         assert!((images.bound_of_25_frames_n / row.bound_n - 1.04_f64.sqrt()).abs() < 1e-12);
     }
-    // Unknown translations and rotations are projected out; with known ones, only the error of one image remains.
+    // Unknown translations and rotations are projected out; if they are known, only the error of one image remains.
     let finger = paper();
     let positions: Vec<Vector> = finger.free_nodes().map(|node| finger.position(node)).collect();
     let derivatives = DMatrix::from_fn(2 * positions.len(), 1, |row, _| {

@@ -16,21 +16,21 @@ use rand_chacha::ChaCha8Rng;
 use std::sync::LazyLock;
 
 const FORCE_N: f64 = 3.0;
-/// Positions between the ribs, which are 12.75 mm apart. At a rib, the strain of the plate differs between both sides.
+/// Positions between the ribs, which are 12.75 mm apart. At a rib, the strain of the plate differs between the two sides of the rib.
 const POSITIONS_MM: [f64; 4] = [17.0, 49.0, 83.0, 147.0];
 const ANGLES_DEG: [f64; 3] = [-50.0, 0.0, 40.0];
 /// Noise, mm, that is so small that its effect on the sensed force is linear.
 const NOISE_MM: f64 = 0.002;
-/// Number of samples, and tolerance of a standard deviation. Its relative standard error is 1 / sqrt(2 n) for n samples. The worst of a dozen
-/// deviates by three standard errors, and by four once in a thousand runs.
+/// Number of samples; `SCATTER` is the relative tolerance of a standard deviation. The relative standard error of a standard deviation is 1 / sqrt(2
+/// n) for n samples. Among a dozen standard deviations, the worst deviates by three standard errors, and by four once in a thousand runs.
 const SAMPLES: usize = 1000;
 const SCATTER: f64 = 4.0 / 44.7;
-/// Steps of the central differences, and their tolerance. Their error is of third order.
+/// Steps of the central differences, and the relative tolerance of these differences. Their error is of third order.
 const FORCE_STEP_N: f64 = 0.01;
 const ANGLE_STEP_DEG: f64 = 0.5;
 const POSITION_STEP_MM: f64 = 0.1;
 const DIFFERENCES: f64 = 5e-3;
-/// Absolute tolerance of an error per degree or mm, dimensionless. If the error is nearly zero, because it changes its sign, the third order
+/// Absolute tolerance of an error per degree or mm, dimensionless. If the error is nearly zero, because it changes its sign, the third-order term
 /// dominates.
 const NOTHING: f64 = 2e-5;
 
@@ -142,7 +142,7 @@ fn sensed(mesh: &Mesh, cell: &Explanation, s_mm: f64, angle_deg: f64) -> f64 {
     estimator.estimate(&measured(mesh, cell), Some(0.5)).expect("an answer").forces.forces_n[0] / FORCE_N
 }
 
-/// Senses with directions that are wrong by half a degree to each side.
+/// Senses forces with assumed directions that are wrong by half a degree to each side.
 #[test]
 fn wrong_directions_carry_as_far_as_said() {
     for cell in EXPLAINED.iter() {
@@ -152,7 +152,7 @@ fn wrong_directions_carry_as_far_as_said() {
     }
 }
 
-/// Senses at positions that are wrong by a tenth of a millimetre to each side.
+/// Senses forces at assumed positions that are wrong by a tenth of a millimetre to each side.
 #[test]
 fn wrong_positions_carry_as_far_as_said() {
     for cell in EXPLAINED.iter() {

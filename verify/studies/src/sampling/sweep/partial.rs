@@ -9,7 +9,8 @@ use std::path::{Path, PathBuf};
 
 /// The file `OUT.partial`: a [`Head`], the table's header and the rows of finished blocks.
 ///
-/// A stopped run leaves this file. The next run with the same request removes an incomplete last block and continues. A run locks the file.
+/// A stopped run leaves this file. The next run with the same request removes an incomplete last block from the file and continues. A run locks the
+/// file.
 #[derive(Debug)]
 pub struct Partial {
     out: PathBuf,
@@ -25,7 +26,8 @@ impl Partial {
     /// Creates the file, or resumes a run of the same request.
     ///
     /// # Errors
-    /// [`FileError::Content`] for a file of another request or of a running process; [`FileError::Unwritable`] if the file cannot be written.
+    /// [`FileError::Content`] if the file belongs to another request or if another process is writing the file; [`FileError::Unwritable`] if the file
+    /// cannot be written.
     pub fn open(out: &Path, head: Head) -> Result<Partial, FileError> {
         let mut path = out.as_os_str().to_owned();
         path.push(".partial");
@@ -50,7 +52,7 @@ impl Partial {
         let blocks_done = if begin == text.as_bytes() {
             keep_whole_blocks(&mut file, text.len() as u64, head.request.rows_in_block()).map_err(unwritable)?
         } else if text.as_bytes().starts_with(&begin) {
-            // The file is new, or the run stopped before its first row.
+            // The file is new, or an earlier run stopped before it had written a row.
             file.set_len(0).map_err(unwritable)?;
             file.rewind().and_then(|()| file.write_all(text.as_bytes())).map_err(unwritable)?;
             0
@@ -71,7 +73,7 @@ impl Partial {
     /// # Errors
     /// [`FileError::Unwritable`], for example if the disk is full; the run can be resumed later.
     pub fn append(&mut self, blocks: usize, rows: &str) -> Result<(), FileError> {
-        // One call, so that a killed run usually leaves whole rows.
+        // All rows are written in one call, so that a killed run usually leaves only whole rows.
         self.file
             .write_all(rows.as_bytes())
             .map_err(|reason| FileError::Unwritable { path: self.path.clone(), reason })?;
@@ -89,7 +91,7 @@ impl Partial {
         Ok(BufReader::new(&self.file))
     }
 
-    /// Moves the table to its final path and writes the files `beside` it: all or none. A shard keeps its head.
+    /// Moves the table to its final path and writes the files `beside` it; if one of these steps fails, none takes effect. A shard keeps its head.
     ///
     /// # Errors
     /// [`FileError`] if a file cannot be written; the rows stay for another attempt.
@@ -101,7 +103,7 @@ impl Partial {
         let mut sources: Vec<(&Path, &mut dyn Read)> = vec![(&self.out, &mut self.file)];
         sources.extend(beside.iter().zip(&mut texts).map(|((path, _), text)| (path.as_path(), text as &mut dyn Read)));
         write_from(sources)?;
-        // If removal fails, the next run finds all rows here and computes none again.
+        // If the removal fails, the next run finds all rows in this partial file and computes none of them again.
         std::fs::remove_file(&self.path).map_err(|reason| FileError::Unwritable { path: self.path.clone(), reason })
     }
 }

@@ -1,4 +1,4 @@
-//! The request of a sweep, in the head of files that can be resumed or merged.
+//! The request of a sweep, which is written at the head of every file that can be resumed or merged.
 
 use super::{Grid, Shard, Table};
 use crate::prelude::*;
@@ -50,11 +50,11 @@ impl Request {
     }
 }
 
-/// First lines of a shard or unfinished file: the request as TOML behind `#`, which readers of tables treat as comments.
+/// First lines of a shard or unfinished file: the request as TOML. Each line begins with `#`, so readers of tables treat it as a comment.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Head {
-    /// Shard whose rows follow; `None` for all rows.
+    /// Shard whose rows follow the head; `None` if all rows of the sweep follow.
     pub shard: Option<Shard>,
     /// The request.
     pub request: Request,
@@ -89,7 +89,7 @@ impl Head {
     }
 }
 
-/// Leading lines of a file that begin with `#`, which may be a head. Leaves the reader at the first other line.
+/// Leading lines of a file that begin with `#`, which may be a head. Leaves the reader at the first line that does not begin with `#`.
 pub(super) fn lines_of_head(reader: &mut impl BufRead) -> std::io::Result<String> {
     let mut lines = String::new();
     while reader.fill_buf()?.starts_with(&MARK.as_bytes()[..1]) {

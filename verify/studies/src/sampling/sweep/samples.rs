@@ -34,7 +34,8 @@ impl NoiseSamples {
         if noise_mm == 0.0 { 1 } else { self.samples }
     }
 
-    /// Passes all samples to `look` in groups: the index of the group's first sample, and the noise of its samples in sequence.
+    /// Passes all samples to `look` in groups. `look` receives the index of the group's first sample and the noise of the group's samples, one sample
+    /// after the other.
     pub(super) fn each(&self, mut look: impl FnMut(usize, &[f64])) {
         for first in (0..self.samples).step_by(AT_ONCE) {
             let numbers = first..self.samples.min(first + AT_ONCE);

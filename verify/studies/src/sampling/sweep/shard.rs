@@ -15,14 +15,14 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Blocks of this shard among `count` blocks; empty if there are more shards than blocks and this shard has none.
+    /// Blocks of this shard among `count` blocks; the range can be empty if there are more shards than blocks.
     pub fn blocks(self, count: usize) -> Range<usize> {
         // u128, because the product of two counts may overflow usize.
         let bound = |shards: usize| (count as u128 * shards as u128 / self.of as u128) as usize;
         bound(self.number - 1)..bound(self.number)
     }
 
-    /// Whether the number is between 1 and the number of shards.
+    /// Whether the shard's number is between 1 and the number of shards.
     pub(super) fn is_sound(self) -> bool {
         (1..=self.of).contains(&self.number)
     }

@@ -8,7 +8,7 @@ use finray_files::csv_text;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Table {
-    /// One accuracy map. True finger, estimator and noise level are constant and have no column.
+    /// One accuracy map. In a map, true finger, estimator and noise level are constant and have no column.
     Map,
     /// All results of each cell.
     Sweep,

@@ -15,11 +15,12 @@ pub(super) struct Tally {
     variance_n2: f64,
     /// Number of answers with a standard deviation.
     stated: usize,
-    /// Numbers of answers with a warning, of covered answers without a warning, and of covered answers with a warning.
+    /// Three counts: answers with a warning (`warned`), answers without a warning whose interval contains the true force (`covered`), and answers
+    /// with a warning whose interval contains the true force (`covered_warned`).
     warned: usize,
     covered: usize,
     covered_warned: usize,
-    /// Reason of the first refused sample, on one line: rows are counted by line ends.
+    /// Why the first refused sample was refused. The text has a single line, because rows are counted by their line ends.
     refusal: Option<String>,
 }
 

@@ -70,8 +70,8 @@ fn read_contacts_scatter_as_stated() {
     );
 }
 
-/// Two rods are separate contacts at any distance. A touch of the plate between two rods belongs to the contact of the previous rod, and the
-/// distribution of the force within this contact is unknown.
+/// Two rods are separate contacts at any distance. A touch of the plate close behind a rod, counted from the base, belongs to the contact of this
+/// rod. The distribution of the force within the contact is unknown.
 #[test]
 fn two_rods_are_two_contacts() {
     let text =
@@ -109,11 +109,11 @@ fn two_rods_are_two_contacts() {
         "{half:?}"
     );
     assert_eq!(seen[1].half_span, HalfSpan::default());
-    // Without noise, the standard deviation equals the standard deviation of a uniform distribution over the interval.
+    // Without noise, the standard deviation of the position equals the standard deviation of a uniform distribution over the contact's span.
     let read = read_contact(&finger, &seen[0], 0.0, || 0.0);
     assert!((read.position_sd_mm - 0.1 / 3.0_f64.sqrt()).abs() < 1e-9 && read.direction_sd_rad > 0.4, "{read:?}");
     // The forces are 3 N at 0 degrees and 4 N at 90 degrees, and the contact's direction is at 45 degrees. The expected values are the components of
-    // the resultant along and across this direction.
+    // the resultant along and across the contact's direction.
     let [along_n, across_n] = [7.0, 1.0].map(|sum_n| sum_n / 2.0_f64.sqrt());
     assert!((seen[0].normal_n - along_n).abs() < 1e-12 && (seen[0].friction_n - across_n).abs() < 1e-12, "{seen:?}");
 }

@@ -30,7 +30,8 @@ fn a_small_push_on_a_rod_meets_the_linear_stiffness() {
     assert!((seen.normal_n / expected - 1.0).abs() < TINY_TOLERANCE, "{} N, {expected} N expected", seen.normal_n);
 }
 
-/// A flat box over three rods touches the rods under its ends. Both rods are displaced by the travel: C f = (travel, travel).
+/// A flat box over three rods touches the rods under its ends. The displacement of each touched rod equals the travel, so compliance C and forces f
+/// satisfy C f = (travel, travel).
 #[test]
 fn a_flat_box_shares_its_force_as_the_compliance_tells() {
     let turn_deg =
@@ -83,7 +84,7 @@ fn sliding_friction_is_coulombs() {
         let normal_n: f64 = step.contacts.iter().map(|seen| seen.normal_n).sum();
         step.contacts.iter().map(|seen| seen.friction_n).sum::<f64>() / (FRICTION * normal_n)
     };
-    // At the middle of each way along the plate, the disc slides; at the ends, its motion reverses.
+    // In the middle of each stroke along the plate, the disc slides; at the ends of a stroke, its motion reverses.
     let (there, back) = (slides(&steps[7]), slides(&steps[10]));
     assert!((there - 1.0).abs() < TOLERANCE && (back + 1.0).abs() < TOLERANCE, "{there} and {back}");
 }
@@ -95,7 +96,7 @@ fn the_same_scene_gives_the_same_bits() {
     assert_eq!(steps(&prepared), steps(&prepared));
 }
 
-/// A pull with a force, and a motion to the position that the pull reached, have the same equilibrium.
+/// Pressing with a force, and moving to the position that this press reached, lead to the same equilibrium.
 #[test]
 fn force_and_travel_are_two_sides_of_one_equilibrium() {
     let press = |until: &str| {
@@ -121,7 +122,7 @@ fn the_rest_position_does_not_depend_on_the_steps() {
     }
 }
 
-/// A polygon moves with the origin of its corners. The object does not rotate, so the position of this origin has no effect.
+/// A polygon moves with the origin of its corners. The object does not rotate, so the position of the origin of its corners has no effect.
 #[test]
 fn the_origin_of_an_outline_does_not_matter() {
     let press = |origin: Vector| {
@@ -138,7 +139,7 @@ fn the_origin_of_an_outline_does_not_matter() {
     assert!(near > 0.1 && (far / near - 1.0).abs() < 1e-6, "{near} N, {far} N");
 }
 
-/// On a path with corners, the travel is the length of the path, and the total is the force along the last segment.
+/// On a path with corners, the travel is the length of the path, and the total force is the component along the last segment.
 #[test]
 fn corners_of_a_path_are_passed() {
     let prepared =

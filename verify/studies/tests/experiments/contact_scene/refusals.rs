@@ -23,8 +23,8 @@ fn what_is_no_outline_is_refused() {
     assert!(outline(&[[0.0, 0.0], [0.0, 10.0], [10.0, 10.0], [10.0, 0.0]]).is_ok(), "clockwise");
 }
 
-/// Share of the reported force that the finger still holds. An object that the finger loses takes some increments to leave, during which the force
-/// grows.
+/// Share of the reported force at which the finger must still hold the object. An object that the finger loses takes some increments to leave, during
+/// which the force grows.
 const HELD: f64 = 0.8;
 
 /// The error states the force at which the object was lost, at the tip and in the middle of the finger. In the middle, reaching the requested force

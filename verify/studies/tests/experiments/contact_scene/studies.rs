@@ -10,7 +10,7 @@ use finray_studies::experiments::contact_scene::study::{SAMPLES, SceneStudy, shi
 use finray_studies::experiments::contact_scene::{ContactScene, SensedForce};
 use finray_tests::CAMERA_NOISE_MM;
 
-/// All checks of the report's first scene, with fewer steps.
+/// The report's first scene passes all its checks, here with fewer steps.
 #[test]
 fn a_disc_pressed_to_5_n_passes_every_check() {
     let (mut given, fineness) = shipped().expect("scenes that ship").swap_remove(0);

@@ -18,20 +18,21 @@ const OBJECTS: [(&str, bool); 8] = [
     ("mouse", true),
     ("wedge", true),
 ];
-/// Objects that only the full study grasps, because each takes as long as several others. A quick study at least closes on the wedge; see below.
+/// Objects that only the full study grasps, because each takes as long as several others. A quick study only closes the gripper on the wedge, in the
+/// test of long motor steps below.
 const LONG: [&str; 2] = ["mouse", "wedge"];
 /// Number of segments per plate member. The energy balance holds for a lattice of any fineness, but with one segment the wedge jams.
 const FINENESS: usize = 2;
-/// Tolerance of missing energy, as a share of the largest elastic energy. Works are computed by the trapezoidal rule. An increment is halved if its
+/// Tolerance of missing energy, as a share of the largest elastic energy. Work is integrated by the trapezoidal rule. An increment is halved if its
 /// missing energy exceeds 1/10 000 of the energy that bends a finger by the object's size. The missing energies of all increments add up.
 const MISSING: f64 = 0.01;
 /// Tolerance for rounding in sums of works that cancel.
 const ROUNDING: f64 = 1e-12;
-/// Limit of the work against the numerical resistance without a snap. The resistance holds an object without contacts, and slows the object while it
-/// comes to rest.
+/// Limit of the work against the numerical resistance in a grasp without a snap, as a share of the largest elastic energy. The resistance holds an
+/// object without contacts, and slows the object while it comes to rest.
 const RESISTANCE: f64 = 1e-3;
 
-/// The scene of an object after a change.
+/// The scene of the named object, modified by `change`.
 pub(super) fn object(name: &str, change: impl Fn(&mut Scene)) -> GraspScene {
     let folder: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/scenes/grasp");
     let mut given = load_scene_with_outline(&folder.join(format!("{name}.toml"))).unwrap();
@@ -60,7 +61,8 @@ fn assert_accounted_for(name: &str, steps: &[GraspStep]) {
     assert!(end.resistance_nmm >= 0.0, "{name}: {end:?}");
 }
 
-/// Checks every step of every object. Without a snap, energy is lost only by friction. The full study has two segments per member and all objects.
+/// Checks every step of every object. Without a snap, energy is lost only by friction. The full study includes all objects, and its lattices have two
+/// segments per plate member.
 #[test]
 fn energy_is_never_created() {
     let is_full = is_full_study();
@@ -90,7 +92,7 @@ fn the_work_of_a_cycle_is_that_of_friction() {
 /// slip.
 #[test]
 fn a_long_motor_step_does_not_end_in_another_equilibrium() {
-    /// Tolerance, as a share of the largest total. Friction is computed from the slip of a whole increment.
+    /// Tolerance of a finger's total force, as a share of the largest total force. Friction is computed from the slip of a whole increment.
     const TOLERANCE: f64 = 0.01;
     /// With two segments per member, the wedge snaps, and friction after the snap depends on the moment of the snap within the motor's step.
     const FINENESS: usize = 3;

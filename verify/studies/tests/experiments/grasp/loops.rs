@@ -12,7 +12,7 @@ fn setting(noise_mm: f64, delay_frames: usize, frames_per_s: f64) -> LoopSetting
     LoopSetting { noise_mm, delay_frames, frames_per_s, realisations: 1 }
 }
 
-/// Without noise, the force overshoots because the motor continues between two slow frames, and longer if sensing is delayed.
+/// Without noise, the force overshoots because the motor continues between two frames of a slow camera, and for longer if sensing is delayed.
 #[test]
 fn slow_and_late_frames_overshoot() {
     let study =
@@ -20,8 +20,8 @@ fn slow_and_late_frames_overshoot() {
             .unwrap();
     let figures: Vec<LoopFigures> = study.runs.iter().map(|run| run.figures[0].expect("it holds")).collect();
     for (run, figures) in study.runs.iter().zip(&figures) {
-        // The overshoot is the force that the motor adds during the delay, plus at most one frame. The force grows faster at the end than on average,
-        // hence the factor 1.3.
+        // The overshoot is the force that the motor adds during the delay and at most one further frame. The force grows faster at the end than on
+        // average, hence the factor 1.3.
         let share_a_frame = 0.8 / (figures.rise_s.unwrap() * run.setting.frames_per_s);
         let [least, most] = [0.0, 1.0].map(|more| 1.3 * (run.setting.delay_frames as f64 + more) * share_a_frame);
         assert!(figures.overshoot <= most && figures.overshoot >= 0.5 * least, "{run:?}");
@@ -30,7 +30,7 @@ fn slow_and_late_frames_overshoot() {
     assert!(figures[2].overshoot > 0.08 && figures[2].overshoot > 2.0 * figures[3].overshoot, "{figures:?}");
 }
 
-/// A loop that shares its beginning with other loops ends like a loop that senses every frame; only the positions of the frames differ.
+/// A loop that shares its computed beginning with other loops ends like a loop that senses every frame; only the motor angles of the frames differ.
 #[test]
 fn frames_left_out_change_nothing() {
     const RATE: f64 = 10.0;
@@ -49,13 +49,14 @@ fn frames_left_out_change_nothing() {
     assert!((every.rise_s.unwrap() / few.rise_s.unwrap() - 1.0).abs() < 0.01, "{every:?} {few:?}");
 }
 
-/// The slower camera uses every fourth frame of the faster camera. Its loop has the same results as a loop computed alone with its own steps.
+/// The slower camera uses every fourth frame of the faster camera. The loop of the slower camera has the same results as a loop that is computed
+/// alone with its own steps.
 #[test]
 fn frames_of_a_faster_camera_serve_a_slower_one() {
     let slow = setting(0.02, 1, 10.0);
     let alone = closed_loops(&[slow]).unwrap().runs[0].figures[0].unwrap();
     let beside = closed_loops(&[slow, setting(0.02, 1, 40.0)]).unwrap().runs[0].figures[0].unwrap();
-    // The tolerance allows for friction, which is computed in finer steps.
+    // The tolerance covers the change of friction, which is computed in finer steps if the faster camera also runs.
     assert!((alone.overshoot - beside.overshoot).abs() < 1e-4, "{alone:?} {beside:?}");
     assert!((alone.largest_error - beside.largest_error).abs() < 1e-4, "{alone:?} {beside:?}");
     let odd = closed_loops(&[slow, setting(0.02, 1, 25.0)]).unwrap().runs[0].figures[0].unwrap();

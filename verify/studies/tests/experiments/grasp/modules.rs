@@ -20,8 +20,8 @@ fn close_on(nodes: &[usize]) -> Vec<ClosedStep> {
     closing(&Mesh::with_elements_per_member(&finger, 2), &gripper, nodes).unwrap()
 }
 
-/// No rod penetrates its cap, no rod without contact carries a force, and no rod is pulled. Of two neighbouring rods, the pressed one lifts the plate
-/// off the other cap again, within a Newton step.
+/// No rod penetrates the cap of its force sensor, no rod without contact carries a force, and no rod is pulled. If one of two neighbouring rods is
+/// pressed, it lifts the plate off the cap of the other rod again, within a Newton step.
 #[test]
 fn sensors_push_what_they_touch_and_nothing_else() {
     for nodes in [[16, 20], [16, 17]] {
@@ -39,7 +39,8 @@ fn sensors_push_what_they_touch_and_nothing_else() {
     }
 }
 
-/// The first force is the travel of the base divided by the node's compliance. A finger under the computed forces has the measured displacements.
+/// The force in the first step is the travel of the base since contact, divided by the node's compliance. The displacements in the step equal those
+/// of a finger under the computed force.
 #[test]
 fn a_force_is_way_over_compliance() {
     let (finger, gripper) = gripper();
@@ -54,7 +55,7 @@ fn a_force_is_way_over_compliance() {
         statics::solve(&Mesh::with_elements_per_member(&finger, 2), &[load], kinematics).unwrap()
     };
     let gives_mm = bends(Load::at_node(node, along), Kinematics::Linear).motion(node).displacement.dot(&along);
-    // The tolerance covers geometric nonlinearity: some percent under a tenth of a newton.
+    // The tolerance covers geometric nonlinearity, which has an effect of some per cent at a tenth of a newton.
     assert!((step.true_n[0] * gives_mm / way_mm - 1.0).abs() < 0.05, "{} N, {way_mm} mm", step.true_n[0]);
     let shape = bends(Load::at_node(node, along * step.true_n[0]), Kinematics::Corotational);
     for marker in step.displacements.markers() {

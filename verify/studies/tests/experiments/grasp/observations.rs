@@ -31,7 +31,7 @@ fn friction_and_noise_make_the_differences() {
     assert!(rough.opening_at_nodes.unwrap() > rough.opening.unwrap(), "contacts slide, {rough:?}");
     assert!(rough.opening.unwrap() > 10.0 * smooth.opening.unwrap(), "{rough:?}");
     assert!(smooth.opening_sensed.unwrap() < 0.01, "{smooth:?}");
-    // Without friction, the disc slides to the middle. Without noise, the sensed totals then differ only by rounding.
+    // Without friction, the disc slides to the middle. Without friction and noise, the sensed totals of the two fingers differ only by rounding.
     assert!(noisy.left_right[0] > 3.0 * smooth.left_right[0], "{noisy:?} {smooth:?}");
     assert!(noisy.left_right[0] < noisy.left_right[1] && noisy.left_right[1] < 1.0, "{noisy:?}");
 }

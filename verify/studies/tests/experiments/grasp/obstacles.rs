@@ -1,4 +1,4 @@
-//! Fingers that touch each other or a table end a grasp.
+//! A grasp ends when the fingers touch each other or a table.
 
 use super::world::{disc, steps_of};
 use finray_lattice::Lattice;
@@ -29,7 +29,8 @@ fn tips(motor_deg: f64) -> [Vector; 2] {
     placements.map(|placement: Placement| placement.outwards(finger.position(finger.tip())))
 }
 
-/// The rods at the tips of undeformed fingers touch if the opening equals a rod's diameter. The last step is the step before this contact.
+/// The rods at the tips of undeformed fingers touch if the opening equals a rod's diameter. The last step of the grasp is the step before the rods
+/// touch.
 #[test]
 fn fingers_that_touch_each_other_end_a_grasp() {
     let (steps, ended) = steps_of(&scene(&[&GRAIN[..], &[("-495.0", "-900.0")]].concat()), 0.0, 1);
@@ -44,7 +45,7 @@ fn fingers_that_touch_each_other_end_a_grasp() {
     assert_eq!(steps_of(&scene(&[]), 0.0, 1).1, GraspEnd::Done);
 }
 
-/// While the gripper opens, the fingertips move down until they touch the table. With rails as support, they touch nothing.
+/// While the gripper opens, the fingertips move down until they touch the table. With rails as support, the fingertips touch nothing.
 #[test]
 fn a_finger_that_touches_the_table_ends_a_grasp() {
     let on = |support: &str, table_mm: f64| {

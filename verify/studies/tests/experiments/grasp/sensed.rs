@@ -21,7 +21,8 @@ fn smooth_disc() -> GraspScene {
     GraspScene::new(&Scene::from_toml(&text).unwrap(), &[]).unwrap()
 }
 
-/// The shipped wedge without a path of the gripper. It presses between two rods, and on a rod together with the plate beside this rod.
+/// The shipped wedge without a path of the gripper. The wedge presses on the plate between two rods, and on a rod together with the plate beside this
+/// rod.
 fn wedge(friction: f64) -> GraspScene {
     let text = disc(&[
         ("shape = \"disc\"\nradius_mm = 15.0", "shape = \"polygon\"\npoints_csv = \"unused\""),
@@ -56,8 +57,8 @@ fn forces_of_a_grasp_are_sensed() {
     }
 }
 
-/// Other estimators can also sense a grasp. Without friction and noise, the nonlinear estimator is equally accurate. The linear estimator has its
-/// linearisation error, and a network refuses contacts for which it was not trained.
+/// Several estimators can sense a grasp. Without friction and noise, totals that the nonlinear estimator senses are accurate to 1 %. The linear
+/// estimator has its linearisation error, and a network refuses contacts for which it was not trained.
 #[test]
 fn other_estimators_sense_a_grasp() {
     let networks = Networks::read(&finray_fixtures::NETWORKS).unwrap();
@@ -84,7 +85,7 @@ fn other_estimators_sense_a_grasp() {
 #[test]
 fn friction_is_not_put_on_the_middle_line_of_the_plate() {
     let (steps, _) = steps_of(&wedge(0.3), 0.0, 1);
-    // The contact has one touch, and friction is at least a tenth of the force.
+    // Selects steps with one contact that has one touch, where friction is at least a tenth of the normal force.
     let dragged = |step: &&GraspStep| {
         let contacts = &step.fingers[0].contacts;
         contacts.len() == 1

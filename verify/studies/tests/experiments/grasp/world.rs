@@ -31,8 +31,8 @@ pub(super) fn disc(changes: &[(&str, &str)]) -> String {
     })
 }
 
-/// Forces on the object and on the bases balance. Both fingers press with equal forces, wherever the disc starts, and each carries half of its
-/// weight.
+/// Forces on the object and on the bases balance. Both fingers press with equal forces, wherever the disc starts, and each finger carries half of the
+/// disc's weight.
 #[test]
 fn a_carried_disc_is_in_balance_between_equal_fingers() {
     let (steps, ended) = steps_of(&grasp(finray_fixtures::GRASPED_DISC_SCENE), 0.0, 1);
@@ -53,7 +53,7 @@ fn a_carried_disc_is_in_balance_between_equal_fingers() {
     }
     let carried = steps.iter().find(|step| step.phase == Phase::Carry).unwrap();
     assert!(carried.support_force.norm() == 0.0 && carried.fingers[0].total_n > 1.0);
-    // The gripper puts the disc down 60 mm away.
+    // The gripper puts the disc down at x = 60 mm.
     let end = steps.last().unwrap();
     assert!((end.object[0] - 60.0).abs() < 1e-3 && (end.object[1] - 110.0).abs() < 1e-3, "{:?}", end.object);
 }
@@ -89,10 +89,10 @@ fn what_goes_wrong_is_named() {
     assert_eq!(ended(&wide), GraspEnd::OutOfReach { motor_deg: 225.0 });
     let weak = [("motor_deg = [0.0, -495.0]", "motor_deg = [0.0, -270.0]\nuntil_force_n = 1.0")];
     assert!(matches!(ended(&weak), GraspEnd::TooWeak { sensed_n, .. } if sensed_n > 0.1 && sensed_n < 1.0));
-    // A mass of 2 kg, with a friction coefficient of 0.05, between fingers that press with 1 N.
+    // The object has a mass of 2 kg and a friction coefficient of 0.05, and the fingers press with 1 N.
     let heavy = [("friction = 0.4", "friction = 0.05"), ("mass_g = 60.0", "mass_g = 2000.0")];
     let lost = ended(&heavy);
-    // The object has slipped after half of its radius of 15 mm.
+    // The grasp ends after the object has slipped by half of its radius of 15 mm.
     assert!(matches!(lost, GraspEnd::Slipped { slid_mm } if slid_mm > 7.5), "{lost:?}");
 }
 
@@ -123,8 +123,8 @@ fn drops_folds_and_jams_are_named() {
     assert_eq!(ended(&wedge.with_fineness(1)), GraspEnd::Halted(GraspFailure::Jammed));
 }
 
-/// A disc that one finger pushes rolls away on its support, or slides without friction. Despite rounding errors of the forces, only the support
-/// counts as a contact. As soon as both fingers touch the disc, both press.
+/// A disc that is pushed by one finger rolls away on its support, or slides if there is no friction. Despite rounding errors of the forces, only the
+/// support counts as a contact. As soon as both fingers touch the disc, both press.
 #[test]
 fn what_moves_freely_is_not_touched() {
     for friction in ["friction = 0.4", "friction = 0.0"] {
@@ -144,8 +144,8 @@ fn what_moves_freely_is_not_touched() {
     }
 }
 
-/// A force below 1e-5 of the weight does not count as a contact; a force ten times as large does. A finger pushes a box, which cannot roll, with such
-/// small forces. The force on the finger's base is correct in both cases.
+/// A force below 1e-5 of the weight does not count as a contact; a force ten times as large does. A finger pushes a box, which cannot roll, with
+/// forces of 1e-4 and 1e-6 of the box's weight. The force on the finger's base is correct whether or not the contact counts.
 #[test]
 fn a_force_that_is_nothing_beside_the_weight_is_no_contact() {
     const WEIGHT_N: f64 = 1.0;
@@ -174,7 +174,8 @@ fn a_force_that_is_nothing_beside_the_weight_is_no_contact() {
     world.advance(&drive(x_mm)).unwrap();
     let stiffness = (pushed_n(&world) - before_n) / STEP_MM;
     for (force_n, touching) in [(10.0 * LEAST_N, 1), (0.1 * LEAST_N, 0)] {
-        // The rod first slides, and sticks on the way back. Both states have different stiffnesses, so several corrections are needed.
+        // The rod first slides on the box, and sticks when the finger moves back. A sliding rod and a sticking rod have different stiffnesses, so
+        // several corrections of the finger's position are needed.
         for _ in 0..12 {
             x_mm += (force_n - pushed_n(&world)) / stiffness;
             world.advance(&drive(x_mm)).unwrap();
@@ -200,8 +201,8 @@ fn a_force_is_reached_and_held() {
     assert!(figures.rise_s.unwrap() > 0.0);
 }
 
-/// A triangle on its support, with its reference point in a corner. By the lever rule about its centroid, one corner carries two thirds of the weight
-/// and the other corner one third.
+/// A triangle rests on its support; the reference point of the triangle is in a corner. By the lever rule about its centroid, one corner carries two
+/// thirds of the weight and the other corner one third.
 #[test]
 fn a_triangle_rests_on_its_corners_by_the_lever_rule() {
     let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE).unwrap().finger;
