@@ -1,4 +1,4 @@
-//! The gripper's linkage, compared with its equations, finite differences, its inverse and its mirror image.
+//! Compares the gripper's linkage with its equations, finite differences, its inverse and its mirror image.
 
 use finray_model::camera::Pose;
 use finray_model::gripper::{Assembly, Gripper, GripperDescription, LinkageErrors, LinkagePose};
@@ -11,7 +11,7 @@ fn finger() -> Finger {
 }
 
 prop_compose! {
-    /// Linkages that close at motor angle 0, in both assembly modes, with the nut above or below the fixed joint.
+    /// Linkages that can be assembled at motor angle 0, in both assembly modes, with the nut above or below the fixed joint.
     fn linkages()(
         rocker in 5.0..80.0,
         link in 5.0..80.0,
@@ -35,13 +35,13 @@ prop_compose! {
     }
 }
 
-/// The motor angle at a given share of the reach.
+/// Motor angle at a given share of the range of motor angles that the linkage can reach.
 fn within(gripper: &Gripper, share: f64) -> f64 {
     let [from_deg, to_deg] = gripper.reach_deg();
     from_deg + share * (to_deg - from_deg)
 }
 
-/// Position of the joint between rocker and link, computed from the rocker and from the link.
+/// Two positions of the joint between rocker and link: one computed from the rocker, one computed from the link.
 fn joints(description: &GripperDescription, pose: &LinkagePose) -> [Vector; 2] {
     let [rocker, link] = description.link_mm;
     let nut = Vector::new(description.fixed_joint_mm, pose.slider_mm);
@@ -69,8 +69,8 @@ proptest! {
         }
     }
 
-    /// The joint is farther from the screw's axis in the outer assembly than in the inner assembly. It stays on its side of the line from fixed joint
-    /// to nut.
+    /// The joint between rocker and link is farther from the screw's axis in the outer assembly than in the inner assembly. At every motor angle, the
+    /// joint between rocker and link stays on the same side of the line from fixed joint to nut.
     #[test]
     fn the_assembly_is_kept(description in linkages(), share in 0.001..0.999) {
         let [outer, inner] = [Assembly::Outer, Assembly::Inner]
@@ -83,8 +83,8 @@ proptest! {
         }
     }
 
-    /// The derivative of the opening equals central differences. Two steps, a hundred-thousandth of the reach and half of that, cancel errors of
-    /// second order (Richardson). The ends of the reach are excluded, because the curvature is infinite there.
+    /// The derivative of the opening equals central differences. The differences over two step sizes, 1e-5 of the reach and half of it, are combined
+    /// so that errors of second order cancel (Richardson). The ends of the reach are excluded, because the opening has infinite curvature there.
     #[test]
     fn the_opening_has_the_derivative_of_differences(description in linkages(), share in 0.05..0.95) {
         let (gripper, finger) = (Gripper::new(description).unwrap(), finger());
@@ -95,13 +95,13 @@ proptest! {
         let over = |step_deg: f64| (opening(motor_deg + step_deg) - opening(motor_deg - step_deg)) / (2.0 * step_deg) * 360.0;
         let differences = (4.0 * over(0.5 * step_deg) - over(step_deg)) / 3.0;
         let derivative = gripper.opening_per_turn_mm(&finger, &gripper.pose(motor_deg).unwrap()).unwrap();
-        // Rounding changes openings of some 100 mm by a share of 1e-14, over a step of 1e-5 of the reach.
+        // Rounding changes an opening of some 100 mm by a relative 1e-14; dividing by the step of 1e-5 of the reach magnifies this change.
         let rounding = 3e-12 / step_deg * 360.0;
         prop_assert!((differences - derivative).abs() <= 1e-6 * derivative.abs() + 1e-7 * description.screw_pitch_mm + rounding,
             "{differences} and {derivative}");
     }
 
-    /// The motor angle for an opening leads to this opening, and is no farther from 0 than the angle from which the opening was computed.
+    /// The motor angle found for an opening gives this opening. It is no farther from 0 than the motor angle from which the opening was computed.
     #[test]
     fn an_opening_leads_back_to_its_motor_angle(description in linkages(), share in 0.001..0.999) {
         let (gripper, finger) = (Gripper::new(description).unwrap(), finger());
@@ -146,7 +146,8 @@ proptest! {
         prop_assert!(gripper.pose(from_deg - beyond_deg).is_none() && gripper.pose(to_deg + beyond_deg).is_none());
         for share in [1e-9, 1.0 - 1e-9] {
             let pose = gripper.pose(within(&gripper, share)).unwrap();
-            // The sine of the angle between rocker and link is the square root of the distance from the end, times ratios of lengths up to 300.
+            // The sine of the angle between rocker and link is the square root of the relative distance from the end of the reach, times ratios of
+            // lengths up to 300.
             prop_assert!((pose.phi1_rad + pose.phi2_rad).sin().abs() <= 1e-2);
         }
     }
@@ -167,15 +168,15 @@ fn a_right_triangle_has_the_angles_of_the_textbook() {
     assert!((pose.base - Vector::new(1.8, 2.4)).norm() < 1e-14);
     assert!((pose.phi1_rad - 2.4_f64.atan2(-1.8)).abs() < 1e-14);
     assert!((pose.phi2_rad - (-2.4_f64).atan2(3.2)).abs() < 1e-14);
-    // One turn lifts the nut by the pitch, which is too far for links of 3 mm and 4 mm.
+    // One turn lifts the nut by the pitch of 4 mm. Links of 3 mm and 4 mm do not reach the nut after 1.25 turns.
     assert!((gripper.slider_mm(360.0) - 4.0).abs() < 1e-14);
     assert!(gripper.pose(360.0 * 1.25).is_none());
     let end = gripper.pose(gripper.reach_deg()[1] * (1.0 - 1e-15)).unwrap();
     assert!(end.is_singular() && gripper.opening_per_turn_mm(&finger(), &end).is_none());
 }
 
-/// If the link is level, the finger is upright. Its tip is above the middle of its base, and the distance of the base from the axis is the link's
-/// length.
+/// If the link is level, the finger is upright. The tip of an upright finger is above the middle of its base, and the distance of the base from the
+/// screw's axis is the link's length.
 #[test]
 fn an_upright_finger_opens_by_twice_its_distance_from_the_axis() {
     let description = GripperDescription {
@@ -212,8 +213,8 @@ fn a_linkage_that_does_not_close_is_refused() {
     assert!((impossible.apart_mm - 1300.0_f64.sqrt()).abs() < 1e-12);
 }
 
-/// Errors of the nodes equal the displacements for linkages with a wrong motor angle or a wrong length. If the finger rotates, the tip has the
-/// largest error.
+/// The computed errors of the nodes equal the displacements of the nodes in linkages with a wrong motor angle or a wrong length. If the finger
+/// rotates, the tip has the largest error.
 #[test]
 fn nodes_err_as_those_of_a_linkage_that_is_off() {
     let description = GripperDescription {
@@ -252,13 +253,14 @@ fn nodes_err_as_those_of_a_linkage_that_is_off() {
     for (found, direct) in pairs {
         assert!((found / direct - 1.0).abs() < 1e-4, "{found} and {direct}");
     }
-    // The tip of one finger moves across by half of the change of the opening.
+    // A change of the opening moves the tip of each finger across by half of this change.
     let per_turn = gripper.opening_per_turn_mm(&finger, &gripper.pose(motor_deg).unwrap()).unwrap();
     assert!(found.motor_mm >= 0.5 * per_turn.abs() * OFF * (1.0 - 1e-6));
 }
 
-/// Eqs (9) and (10) for a finger on the gripper in front of the gripper's camera. Points of the finger have the same pixels as the same points in the
-/// gripper's frame. A point above a mirrored finger is below the plane in the gripper's frame.
+/// Checks eqs (9) and (10) of the paper for a finger on the gripper in front of the gripper's camera. A point given in the finger's frame has the
+/// same pixel as this point given in the gripper's frame. A point above the plane in the frame of a mirrored finger is below the plane in the
+/// gripper's frame.
 #[test]
 fn a_finger_on_the_gripper_is_seen_by_its_camera() {
     let gripper = Scene::from_toml(finray_fixtures::GRASPED_DISC_SCENE).unwrap().gripper.unwrap();

@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 use toml::{Table, Value};
 
-/// Scenes that together contain every key, except the key that ends a press by force.
+/// Scenes that together contain every key except `force_n`, the force that ends a press.
 const SCENES: [&str; 4] = [
     include_str!("scenes/pressed.toml"),
     include_str!("scenes/grasped.toml"),
@@ -15,7 +15,7 @@ const SCENES: [&str; 4] = [
     include_str!("scenes/tapered.toml"),
 ];
 
-/// Path to a value in a scene: names and, in arrays of tables, numbers from 0.
+/// Path to a value in a scene: the names of the keys and, for each array of tables, the index from 0.
 type Way = Vec<(String, Option<usize>)>;
 
 /// The scenes [`SCENES`], and one scene in which a force ends the press.
@@ -48,7 +48,7 @@ fn ways(table: &Table) -> Vec<Way> {
     table.iter().flat_map(of).collect()
 }
 
-/// The path as the table of keys writes it, and as errors write it.
+/// The path in two notations: as in the table of keys, and as in error messages.
 fn paths(way: &Way) -> [String; 2] {
     let named = |(name, number): &(String, Option<usize>)| match number {
         Some(i) => format!("{name}[{}]", i + 1),

@@ -10,7 +10,8 @@ use finray_model::statics::{Statics, equilibria, reaction, solve, solve_frame};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector};
 use finray_tests::{KINEMATICS, motions_apart, shapes_apart};
 
-/// Ribs 1 to 6, which meet end to end from the back corner upwards. Fifteen key nodes have ten junctions and the tip.
+/// Ribs 1 to 6 meet end to end, from the back corner of the base upwards. The fifteen key nodes lie at nine points: two corners, six junctions and
+/// the tip.
 const ZIGZAG: &[[f64; 2]] = &[[25.0, 0.0], [25.0, 42.0], [55.0, 42.0], [55.0, 80.0], [84.0, 80.0], [84.0, 116.0]];
 /// Three ribs meet at one point of each plate, and two ribs meet in the front corner.
 const FANS: &[[f64; 2]] = &[[0.0, 30.0], [0.0, 55.0], [40.0, 55.0], [60.0, 55.0], [60.0, 90.0], [60.0, 115.0]];
@@ -67,7 +68,8 @@ fn by_hand(finger: &Finger, joints: &str) -> (PlaneFrame, Vec<usize>) {
     (frame, nodes)
 }
 
-/// The ladder, the sparse solver and a frame built by hand without ties agree. The batch agrees with the ladder bit for bit.
+/// The ladder solver, the sparse solver and the solution of a frame built by hand without ties agree. Results of a batch equal those of the ladder
+/// solver bit for bit.
 #[test]
 fn tied_nodes_are_one_node_of_a_frame_by_hand() {
     for (ribs, joints) in [(ZIGZAG, "rigid"), (ZIGZAG, "hinged"), (FANS, "rigid"), (FANS, "hinged")] {
@@ -99,8 +101,8 @@ fn tied_nodes_are_one_node_of_a_frame_by_hand() {
     }
 }
 
-/// On refined meshes with clips and rods, ladder and sparse solver also agree, and the supports carry the load. Supports include the ends of ribs in
-/// the corners.
+/// On refined meshes with clips and rods, the ladder solver agrees with the sparse solver, and the supports carry the load. Supports include the ends
+/// of ribs in the corners.
 #[test]
 fn refined_zigzags_are_in_equilibrium_with_their_supports() {
     let force = Vector::new(-0.02, -0.1);
@@ -125,7 +127,7 @@ fn refined_zigzags_are_in_equilibrium_with_their_supports() {
     }
 }
 
-/// For ribs that end at a small distance from each other, the error relative to a shared junction is proportional to this distance.
+/// If ribs end at a small distance from each other instead of at one junction, the displacements change in proportion to this distance.
 #[test]
 fn near_junctions_converge_to_the_shared_one() {
     let shared = zigzag("rigid");
@@ -151,8 +153,8 @@ fn near_junctions_converge_to_the_shared_one() {
     }
 }
 
-/// If the plates hardly resist bending, a hinged zigzag is a truss, and the method of joints applies. The plates are straight. The component of the
-/// force across the plate is therefore carried by one rib at the loaded junction: the rib whose other end has no load.
+/// If the plates hardly resist bending, a hinged zigzag is a truss, and the method of joints applies. The plates are straight. At the loaded
+/// junction, one rib carries the component of the force across the plate: the rib that leads towards the base. The ribs above carry no force.
 #[test]
 fn ribs_of_a_hinged_zigzag_carry_what_statics_says() {
     let finger = finger_with(ZIGZAG, "hinged", 1e-3);
@@ -179,7 +181,7 @@ fn ribs_of_a_hinged_zigzag_carry_what_statics_says() {
             let expected_n = if rib > loaded {
                 0.0
             } else {
-                // Equilibrium across the plate at the rib's upper end.
+                // The pull of the rib follows from equilibrium across the plate at the rib's upper end.
                 let pull_n = -across_n / away.dot(&finger.inward(side));
                 side = if side == Plate::Front { Plate::Back } else { Plate::Front };
                 across_n = pull_n * -away.dot(&finger.inward(side));
@@ -191,7 +193,8 @@ fn ribs_of_a_hinged_zigzag_carry_what_statics_says() {
     }
 }
 
-/// A force at either of two nodes at one point is recovered exactly. Contacts at both nodes are refused as the same contact.
+/// If two key nodes lie at one point, a force at either node is recovered exactly. Contacts at two key nodes of one point are refused as the same
+/// contact.
 #[test]
 fn forces_come_back_at_shared_junctions() {
     let finger = zigzag("rigid");
@@ -201,7 +204,7 @@ fn forces_come_back_at_shared_junctions() {
     for (pressed, asked) in [(lower, upper), (upper, lower), (finger.tip(), finger.tip())] {
         let load = Contact::at_node(pressed).load(&finger, force_n);
         let shape = solve(&mesh, &[load], Kinematics::Corotational).expect("carried");
-        // One row for every key node, as in a complete table.
+        // The measurement has one row for every key node, as in a complete table.
         let rows = shape.motions().iter().map(|m| Marker { node: m.node, displacement: m.displacement, weight: 1.0 });
         let measurement = Measurement::new(&finger, rows).expect("every key node");
         assert_eq!(measurement.coordinate_count(), 2 * 7, "each point once");
@@ -214,7 +217,8 @@ fn forces_come_back_at_shared_junctions() {
     assert!(matches!(NonlinearEstimator::new(&mesh, &both), Err(SensingError::SameContact { first: 1, second: 2 })));
 }
 
-/// The end of a rib in a corner is clamped: it accepts no load, contact or marker. A marker there that moves belongs to another node.
+/// The end of a rib in a corner is clamped: it accepts no load, contact or marker. A moving marker at a clamped end of a rib is refused, because it
+/// must belong to another node.
 #[test]
 fn ends_in_a_corner_are_clamped() {
     let finger = finger_with(FANS, "rigid", 1.0);
@@ -234,7 +238,8 @@ fn ends_in_a_corner_are_clamped() {
     assert_eq!(shape.expect("carried").point(FingerPoint::Node(corner)), finger.base(Plate::Front));
 }
 
-/// One point has one displacement. Equal rows of two nodes at the point count once, and rows that contradict each other are refused.
+/// One point has one displacement. If two nodes lie at one point, equal rows of these nodes count once, and rows that contradict each other are
+/// refused.
 #[test]
 fn contradicting_rows_of_one_point_are_refused() {
     let finger = zigzag("rigid");
@@ -250,7 +255,7 @@ fn contradicting_rows_of_one_point_are_refused() {
     assert_eq!(twice, Err(MeasurementError::Repeated { node: finger.tip() }));
 }
 
-/// Ribs that cross, coincide or lie on the base line are refused with their keys, as are descriptions that cannot be tied.
+/// Ribs that cross, coincide or lie on the base line are refused with their keys. Brackets and rigid ribs at shared junctions are also refused.
 #[test]
 fn what_cannot_share_a_junction_is_refused_by_its_key() {
     let refused = |change: &dyn Fn(&mut finray_model::finger::FingerDescription)| {
@@ -279,7 +284,8 @@ fn what_cannot_share_a_junction_is_refused_by_its_key() {
     assert!(rigid.starts_with("finger.ribs.rigid: expected false where"), "{rigid}");
 }
 
-/// A finger that has buckled contradicts the linear finger and its linearisation. With the residual alone, 2 N were sensed as 49.8 +- 7.5 N.
+/// The measurement of a buckled finger contradicts the linear finger and the computed error of linearisation. When the interval followed from the
+/// residual alone, 2 N were once sensed as 49.8 +- 7.5 N.
 #[test]
 fn intervals_of_linear_estimates_hold_on_a_buckled_finger() {
     let finger = zigzag("rigid");

@@ -13,8 +13,8 @@ const ROUNDING: f64 = 1e-12;
 const MODULUS_MPA: f64 = 47.976;
 const DEPTH_MM: f64 = 20.0;
 
-/// The paper's finger with another front plate (its thickness at the tip follows its thickness at the base), other ribs, and further tables at the
-/// end.
+/// The paper's finger with another front plate, other ribs, and further tables at the end. `front` contains the thickness at the base and may contain
+/// the thickness at the tip.
 fn scene(front: &str, ribs: &str, more: &str) -> Result<Scene, finray_model::scene::SceneError> {
     let plate = "thickness_mm = 1.5\n";
     let text =
@@ -55,9 +55,9 @@ fn cantilever(finger: &Finger, elements: usize, force: Vector, moment_nmm: f64) 
     (motion.displacements[node], motion.rotations[frame.rotation_of(node)])
 }
 
-/// Stretching, and bending by a moment, are exact on any mesh, because the compliances of elements are means: P ln(t_1 / t_0) / (E d k) and
-/// 6 M (t_0 + t_1) L / (E d t_0^2 t_1^2). Under a force across, 12 P / (E d k^3) (ln(t_1 / t_0) + 2 (1 - t_1 / t_0) - (1 - t_1^2 / t_0^2) / 2),
-/// with k = (t_1 - t_0) / L, the error falls with the square of the elements' length.
+/// Stretching, and bending by a moment, are exact on any mesh, because each element has the mean compliance of its length. The closed forms are P
+/// ln(t_1 / t_0) / (E d k) and 6 M (t_0 + t_1) L / (E d t_0^2 t_1^2). Under a transverse force P, the closed form is 12 P / (E d k^3) (ln(t_1 / t_0)
+/// + 2 (1 - t_1 / t_0) - (1 - t_1^2 / t_0^2) / 2), with k = (t_1 - t_0) / L. The error falls with the square of the elements' length.
 #[test]
 fn a_tapered_cantilever_bends_as_its_closed_form() {
     for (base_mm, tip_mm) in [(2.0_f64, 1.0_f64), (1.0, 2.5), (1.5, 1.5 + 1e-7)] {
@@ -108,7 +108,7 @@ fn zones_of_a_tapered_plate_are_weighted_by_its_compliance() {
     }
 }
 
-/// A taper to the same thickness changes no bit of the result. A taper to another thickness is another finger for a network.
+/// A taper to the same thickness changes no bit of the result. For a network, a finger with a taper to another thickness is another finger.
 #[test]
 fn a_taper_without_slope_is_none() {
     let [plain, level, tapered] = ["", "\ntip_thickness_mm = 1.5", "\ntip_thickness_mm = 1.4"]
@@ -143,7 +143,8 @@ fn a_tapered_finger_converges_and_senses() {
     assert!((found.forces.forces_n[0] / 1.5 - 1.0).abs() < 1e-3, "{}", found.forces.forces_n[0]);
 }
 
-/// The outline of a tapered plate is not parallel to its middle line. An object in the scene is therefore refused, with key and line.
+/// The outline of a tapered plate is not parallel to its middle line. A scene with an object and a tapered front plate is therefore refused, with key
+/// and line.
 #[test]
 fn objects_on_a_tapered_front_plate_are_refused() {
     let object =

@@ -27,7 +27,7 @@ fn strain_of(validity: &Validity, part: Part) -> f64 {
     validity.strains.iter().find(|strain| strain.member.part == part).expect("the part deforms").strain
 }
 
-/// A finger with a very soft front plate, so that the back plate acts as a cantilever of length 100 mm, thickness 2 mm and depth 10 mm.
+/// A finger with a very soft front plate, so that the back plate acts as a cantilever of length 100 mm, depth 10 mm and thickness `thickness_mm`.
 fn cantilever(thickness_mm: f64, poissons_ratio: f64) -> Finger {
     let text = format!(
         "name = \"cantilever\"\n[finger]\nbase_width_mm = 100\nfront_length_mm = 141.4213562373095\nback_length_mm = 100\n\
@@ -37,7 +37,7 @@ fn cantilever(thickness_mm: f64, poissons_ratio: f64) -> Finger {
     Scene::from_toml(&text).expect("a scene").finger
 }
 
-/// Share of the load that the soft front plate carries: the ratio of its EA to the back plate's 3 EI / L^2 is below 1e-8.
+/// Largest share of the load that the soft front plate carries. The ratio of its EA to the back plate's 3 EI / L^2 is below 1e-8.
 const SOFT_PLATE: f64 = 1e-6;
 
 /// Cantilever with a load F at its end and E' = E / (1 - nu^2). The strain at the clamp is 6 F L / (b t^2 E'). Shear energy F^2 L / (2 kappa G A)
@@ -77,7 +77,7 @@ fn a_bar_in_tension_has_its_closed_form() {
     assert!(found.shear_share < SOFT_PLATE, "{found:?}");
 }
 
-/// Linear frames are exact on any mesh, also with loads inside elements. Their strains and energies are therefore exact as well.
+/// Linear frames are exact on any mesh, also with loads inside elements. The strains and energies of linear frames are therefore exact on any mesh.
 #[test]
 fn linear_strains_do_not_depend_on_the_mesh() {
     let finger = paper_scene_with(&[("depth_mm = 20.0", "depth_mm = 20.0\nrod_arm_mm = 1.0")]).finger;
@@ -100,7 +100,8 @@ fn linear_strains_do_not_depend_on_the_mesh() {
 }
 
 /// Largest relative error of a strain due to the mesh: 5 % on the key nodes, which is a strain of 0.25 % at the limit of 5 %. With the four elements
-/// of an examination, the error is a tenth of this. The mesh therefore does not decide whether a limit is exceeded.
+/// per member that an examination uses, the error is a tenth of the error on the key nodes. The mesh therefore does not decide whether a limit is
+/// exceeded.
 const ON_KEY_NODES: f64 = 0.05;
 const ON_FOUR_ELEMENTS: f64 = 0.005;
 
@@ -169,11 +170,11 @@ fn work_with_shear(finger: &Finger, node: NodeId, shear: f64) -> f64 {
     load.dot(&stiffness.cholesky().expect("held").solve(&load))
 }
 
-/// Compared with beams with shear: the compliance of the finger grows by at most the stated share. For a small share it grows by nearly this share,
-/// because the section forces hardly change.
+/// If shear deformation is added to the beams, the compliance of the finger grows by at most the stated share of shear. A small share of shear nearly
+/// equals the growth of the compliance, because the section forces hardly change.
 #[test]
 fn the_share_of_shear_bounds_what_beams_with_shear_add() {
-    // If the plates are twice as thick, the share is four times as large, and the bound is less tight.
+    // If the plates are twice as thick, the share of shear is four times as large, and the bound is less tight.
     for (thickness, tightness) in [("1.5", 0.25), ("0.5", 0.05)] {
         let finger = paper_scene_with(&[("thickness_mm = 1.5", &format!("thickness_mm = {thickness}"))]).finger;
         for node in [13, 14, 17, 19, 21, 24].map(NodeId) {
@@ -187,7 +188,8 @@ fn the_share_of_shear_bounds_what_beams_with_shear_add() {
     }
 }
 
-/// The key `shear_correction` gives the finger the stiffness of beams with shear: a force does the same work on it as on the matrices above.
+/// The key `shear_correction` gives the finger the stiffness of beams with shear. A force does the same work on this finger as on a finger assembled
+/// from `beam_with_shear`.
 #[test]
 fn a_finger_with_shear_has_the_stiffness_of_beams_with_shear() {
     let keys = "depth_mm = 20.0\npoissons_ratio = 0.45\nshear_correction = 0.8333333333333334";
@@ -220,7 +222,7 @@ fn doubts_name_what_fails() {
         doubts(&soft, 3.0)[..],
         [Doubt::Strain { strain, limit: LARGEST_STRAIN, stated: false }] if strain.strain > LARGEST_STRAIN
     ));
-    // The same finger, made of a material whose strain limit is below the strain at 3 N.
+    // The paper's finger, made of a material whose strain limit is below the strain at 3 N.
     let brittle = paper_scene_with(&[("[finger.front]", "[finger.front]\nlargest_strain = 0.001")]);
     let found = doubts(&brittle, 3.0);
     assert!(

@@ -1,4 +1,4 @@
-//! Noise of measured displacements: samples have the stated covariance.
+//! Samples of the noise of measured displacements have the stated covariance.
 
 use finray_model::measurement::{DisplacementNoise, Marker, Measurement};
 use finray_model::{NodeId, Vector};
@@ -12,8 +12,8 @@ const MODELS: [DisplacementNoise; 3] = [
     DisplacementNoise::Kinematic { image_sd_mm: 0.067, translation_sd_mm: 0.05, rotation_sd_rad: 0.002 },
 ];
 
-/// A generator of random numbers, so that the test needs no other crate. It returns sums of twelve uniform numbers from a linear congruence (Irwin
-/// and Hall), with mean 0 and variance 1.
+/// A generator of random numbers, so that the test needs no other crate. The generator returns sums of twelve uniform numbers, shifted to mean 0,
+/// with variance 1 (Irwin and Hall). The uniform numbers come from a linear congruence.
 fn normals() -> impl FnMut() -> f64 {
     let mut state = 1_u64;
     let mut uniform = move || {
@@ -23,7 +23,7 @@ fn normals() -> impl FnMut() -> f64 {
     move || (0..12).map(|_| uniform()).sum::<f64>() - 6.0
 }
 
-/// Samples of means of frames have the stated covariance, although samples and covariance are computed independently.
+/// Noise samples, averaged over frames, have the stated covariance. Samples and covariance are computed independently.
 #[test]
 fn samples_have_the_stated_covariance() {
     const FRAMES: usize = 4;
@@ -47,7 +47,8 @@ fn samples_have_the_stated_covariance() {
         let stated = noise.covariance_mm2(&POSITIONS, FRAMES);
         for i in 0..6 {
             for j in 0..6 {
-                // The standard error of a sampled covariance is sqrt((s_ii s_jj + s_ij^2) / samples). Five standard errors are allowed for 63 values.
+                // The standard error of a sampled covariance is sqrt((s_ii s_jj + s_ij^2) / samples). The tolerance is five standard errors, because
+                // 63 values are compared.
                 let scatter = ((stated[(i, i)] * stated[(j, j)] + stated[(i, j)].powi(2)) / SAMPLES as f64).sqrt();
                 assert!((found[(i, j)] - stated[(i, j)]).abs() < 5.0 * scatter, "{noise:?} {i} {j}: {found}");
             }
@@ -65,7 +66,7 @@ fn frames_do_not_average_the_reference_away() {
     assert!(variance(independent, many) < 1e-5 * image);
     assert!((variance(images, 1) / image - 2.0).abs() < 1e-12);
     assert!((variance(images, many) / image - 1.0).abs() < 1e-5);
-    // At (10, 29), a rotation moves x by 29 mm per rad.
+    // A marker at (10, 29) mm moves by 29 mm in x per radian of rotation.
     let base = 0.05_f64.powi(2) + (29.0_f64 * 0.002).powi(2);
     assert!(((variance(kinematic, many) - 1e-6 * image) / base - 1.0).abs() < 1e-12);
 }

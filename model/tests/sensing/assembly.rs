@@ -14,14 +14,14 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::ops::Range;
 
-/// Standard deviations of a coordinate, mm, in photographs and in rendered images.
+/// Standard deviations of the noise of a marker coordinate, mm: in photographs, and in rendered images.
 const NOISES_MM: [f64; 2] = [0.02, 0.001];
 const ASSEMBLY: AssemblyErrors =
     AssemblyErrors { joint_sd_mm: 0.2, preload_nmm: 0.0, preload_sd_nmm: 8.0, height_sd_mm: 1.5, further: Vec::new() };
 const BASE: BaseUncertainty =
     BaseUncertainty { sd_mm: 1.0, sd_rad: 0.017, turn_rad_per_n: 0.0, turn_sd_rad_per_n: 0.0 };
 const FRICTION: [f64; 2] = [0.0, 0.6];
-/// Command that measures the figures of the guide, and the smallest number of cases for which figures are recorded.
+/// `COMMAND` measures the figures of the guide. `RECORDED` is the smallest number of cases for which figures are recorded.
 const COMMAND: &str =
     "FINRAY_TEST_CASES=60 cargo test --release --workspace --test model -- assembled_anew --nocapture";
 const RECORDED: usize = 60;
@@ -47,7 +47,7 @@ struct Mounted {
     finger: Finger,
     preload_nmm: f64,
     base: Isometry2<f64>,
-    /// Image point that does not move if the height changes, and factor by which the finger appears larger.
+    /// `middle` is the image point that does not move if the finger's height changes; `larger` is the factor by which the finger then appears larger.
     middle: Vector,
     larger: f64,
     noise_mm: f64,
@@ -92,12 +92,12 @@ impl Mounted {
     }
 }
 
-/// Forces of the cases, N, and their positions, mm.
+/// Ranges from which the forces, N, and the positions of the forces, mm, are drawn.
 const FORCES: [Range<f64>; 2] = [2.0..8.0, 50.0..90.0];
-/// Forces so small, and positions so near to the ends of the plate, that errors of the assembly may hide the position.
+/// Ranges with forces so small, and positions so near to the ends of the plate, that errors of the assembly may hide the position.
 const HIDDEN_FORCES: [Range<f64>; 2] = [0.2..2.0, 8.0..145.0];
 
-/// Errors of one force on each of many newly mounted fingers, in stated standard deviations and as shares of the forces.
+/// For each of many newly mounted fingers, the error of one force: as a multiple of its stated standard deviation, and as a share of the force.
 fn errors(
     noise_mm: f64,
     with_rest: bool,
@@ -147,8 +147,8 @@ fn errors(
 }
 
 /// The fingers differ from the scene by 0.2 mm in the joints, a preload, another height, and 1 mm and 1 degree in the base. 95 % intervals contain
-/// the force, with or without an image of the unloaded finger, for known and unknown directions. With a scene that does not state these errors, the
-/// errors of the force are equal, but the intervals are too narrow.
+/// the force, with or without an image of the unloaded finger, for known and unknown directions. If the scene does not state the errors of assembly
+/// and mounting, the errors of the force are equal, but the intervals are too narrow.
 #[test]
 fn intervals_hold_on_fingers_that_were_assembled_anew() {
     let cases = case_count(6, 1000);
@@ -187,9 +187,9 @@ fn intervals_hold_on_fingers_that_were_assembled_anew() {
     }
 }
 
-/// If errors of the assembly hide the position of a small force, the interval contains the force, or the force is refused. Such forces once had
-/// errors of 4 to 10 standard deviations, because force depends nonlinearly on position. Other sensed forces were many times too large, with equally
-/// wide intervals.
+/// If errors of the assembly hide the position of a small force, the interval contains the force, or the force is refused. Small forces at hidden
+/// positions once had errors of 4 to 10 standard deviations, because force depends nonlinearly on position. Other small forces at hidden positions
+/// were once sensed many times too large, with equally wide intervals.
 #[test]
 fn forces_at_hidden_positions_are_within_their_intervals_or_refused() {
     let few = [3, 26, 36, 75, 78];

@@ -13,10 +13,10 @@ use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-/// Largest error of sensed forces on noise-free data of the model itself, as a share of the largest force.
+/// Largest error of forces sensed from noise-free data of the same model, as a share of the largest force.
 const EXACT: f64 = 1e-9;
-/// Rounding error between solutions of two fingers that differ only in modulus. Thin plates stretch up to 1e5 times less than they bend, and a chain
-/// of plates multiplies the condition number of the stiffness by another 1e4.
+/// Rounding error between two solutions of the same finger. Thin plates stretch up to 1e5 times less than they bend, and a chain of plates multiplies
+/// the condition number of the stiffness by another 1e4.
 const SOLUTION_ROUNDING: f64 = 1e-6;
 
 fn measured(finger: &Finger, contacts: &[Contact], forces_n: &[f64]) -> Measurement {
@@ -35,7 +35,7 @@ fn sense(
 proptest! {
     #![proptest_config(cases(128))]
 
-    /// On any finger, forces and moments on key nodes together have the same effect as a load at any position, on a node or on an arm.
+    /// On any finger, a combination of forces and moments on key nodes has the same effect as a load at any position, on a node or on an arm.
     #[test]
     fn a_finger_solved_once_serves_every_load(
         finger in built_finger_with_zones(),
@@ -77,7 +77,7 @@ proptest! {
         let largest = forces.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         match sense(&finger, &contacts, &seen, None) {
             Ok(estimate) => {
-                // The ratio of the singular values bounds the effect of rounding errors in the displacements.
+                // The ratio of the largest to the smallest singular value bounds the effect of rounding errors in the displacements.
                 let values = &estimate.singular_values;
                 let span = values[0] / values[values.len() - 1];
                 for (sensed, applied) in estimate.forces_n.iter().zip(&forces) {
@@ -93,8 +93,8 @@ proptest! {
     }
 }
 
-/// The stated standard deviation equals the scatter of the estimates for 4000 noise samples of three contacts. The sample standard deviation itself
-/// has an uncertainty of 1.1 % (one sigma).
+/// For three contacts, the stated standard deviation of each force equals the scatter of its estimates from 4000 noise samples. The sample standard
+/// deviation itself has an uncertainty of 1.1 % (one sigma).
 #[test]
 fn stated_sigma_is_the_scatter() {
     let finger = paper();
@@ -123,14 +123,15 @@ fn stated_sigma_is_the_scatter() {
     }
     for i in 0..3 {
         let scatter = (sums[1][i] / f64::from(count)).sqrt();
-        // Four standard errors of a standard deviation from 4000 samples: 4 / sqrt(2 * 4000).
+        // The tolerance is four standard errors of a standard deviation from 4000 samples: 4 / sqrt(2 * 4000).
         assert!((scatter / sigmas[i] - 1.0).abs() < 0.045, "contact {i}: scatter {scatter}, stated {}", sigmas[i]);
         assert!(
             (sums[0][i] / f64::from(count)).abs() < 4.0 * sigmas[i] / f64::from(count).sqrt(),
             "contact {i} is biased"
         );
     }
-    // Without a stated noise, Student's t widens the deviation: by 2.0167 / 1.9600 for the 43 degrees of freedom of 46 coordinates.
+    // Without a stated noise, Student's t widens the standard deviation by a factor of 2.0167 / 1.9600. This factor is for 43 degrees of freedom: 46
+    // coordinates less three forces.
     let estimated = (estimated_noise / f64::from(count)).sqrt() * 1.959_96 / 2.0167;
     assert!((estimated / noise_mm - 1.0).abs() < 0.01, "noise from residuals: {estimated}");
 }
@@ -177,7 +178,7 @@ fn ill_posed_questions_are_refused() {
     assert!(matches!(refused(&[at_node(25, 0.0)], &m), SensingError::Load(_)));
     assert!(matches!(refused(&[at_node(26, 0.0)], &m), SensingError::Load(_)));
     assert!(matches!(refused(&[at_node(19, f64::NAN)], &m), SensingError::AngleNotFinite { .. }));
-    // Three directions at one node are three unknowns for two components of one force.
+    // Forces in three directions at one node are three unknowns, but their sum has only two components.
     let three = [at_node(19, 0.0), at_node(19, 40.0), at_node(19, 80.0)];
     assert!(matches!(refused(&three, &m), SensingError::IllConditioned { .. }));
     // Opposite directions are one unknown.
@@ -185,11 +186,12 @@ fn ill_posed_questions_are_refused() {
     let one_marker = m.clone().without(&finger.free_nodes().filter(|n| n.0 != 18).collect::<Vec<_>>());
     let contacts = [at_node(16, 0.0), at_node(18, 0.0), at_node(20, 0.0)];
     assert!(matches!(refused(&contacts, &one_marker), SensingError::TooFewMarkers { unknowns: 3, coordinates: 2 }));
-    // Two components of one force are identifiable.
+    // Two forces in different directions at one node are identifiable.
     assert!(sense(&finger, &[at_node(19, 0.0), at_node(19, 90.0)], &m, None).is_ok());
 }
 
-/// Ridge regression returns the mean of the posterior, (C^T C + s^2 / p^2)^-1 C^T u, and its standard deviation.
+/// With noise s and prior standard deviation p, ridge regression returns the mean of the posterior, (C^T C + s^2 / p^2)^-1 C^T u, and its standard
+/// deviation.
 #[test]
 fn ridge_is_the_posterior_of_its_prior() {
     let finger = paper();
@@ -211,7 +213,7 @@ fn ridge_is_the_posterior_of_its_prior() {
         assert!((ours.forces_n[i] - forces[i]).abs() < 1e-9, "{:?} against {forces}", ours.forces_n);
         assert!((ours.sigmas_n[i] - noise_mm * inverse[(i, i)].sqrt()).abs() < 1e-9);
     }
-    // Ridge regression shrinks the combination of neighbouring forces that is not identifiable.
+    // Ridge regression shrinks the combination of the two neighbouring forces that the markers hardly determine.
     assert!(ours.forces_n[0] < 2.0 && ours.forces_n[1] > -1.0);
 }
 
@@ -245,8 +247,8 @@ fn exact_linear_data_are_not_refused_where_the_corotational_finger_is_lost() {
     assert_eq!(answer(&contacts, &bent, Some(CAMERA_NOISE_MM)).err(), Some(SensingError::NotLinearised));
 }
 
-/// Far beyond the linear range, the co-rotational finger may fit better than the linear finger and still explain nothing. The interval is then as wide as
-/// for a wrong model.
+/// Far beyond the linear range, neither finger explains the measurement, although the co-rotational finger may fit better than the linear finger. If
+/// neither the linear nor the co-rotational finger explains the measurement, the interval is as wide as for a wrong model.
 #[test]
 fn the_interval_holds_if_neither_finger_explains_the_measurement() {
     let finger = paper();

@@ -1,4 +1,4 @@
-//! Intervals of forces on fingers that differ from their scene in something that the scene does not state, so that the residual contradicts the noise.
+//! Intervals of forces on fingers with an error that the scene does not state, so that the residual contradicts the stated noise.
 
 use finray_model::finger::{Part, RibPositions, Zone};
 use finray_model::mesh::Load;
@@ -16,7 +16,7 @@ const NOISE_MM: f64 = 0.02;
 /// Noise does not explain a residual with a p-value below this limit.
 const MISFIT: f64 = 1e-7;
 
-/// Difference between the true finger and the scene, which the scene does not state.
+/// A difference between the true finger and the finger of the scene that the scene does not state.
 #[derive(Debug, Clone, Copy)]
 enum Unknown {
     Ribs,
@@ -55,7 +55,8 @@ fn differing(finger: &Finger, unknown: Unknown, chance: &mut ChaCha8Rng) -> Fing
     Finger::new(description).expect("a finger")
 }
 
-/// Error of a force in standard deviations. `None` unless the estimator returns a force and the residual is a misfit. Forces are up to `largest_n`.
+/// Error of a force, as a multiple of its stated standard deviation. Returns `None` if the finger has no equilibrium, if the force is refused, or if
+/// noise explains the residual. Forces are up to `largest_n`.
 fn error(scene: &Scene, unknown: Unknown, knows_position: bool, case: u64, largest_n: f64) -> Option<f64> {
     let chance = &mut random_stream(4700, case);
     let finger = differing(&scene.finger, unknown, chance);
@@ -101,8 +102,8 @@ fn error(scene: &Scene, unknown: Unknown, knows_position: bool, case: u64, large
 }
 
 /// The finger has an error that the scene does not state: 0.5 mm in the ribs, a softer part of the plate, 0.5 % in the scale, 0.3 mm and 0.3 degrees
-/// in the base, or a preload. If noise does not explain the residual, 95 % intervals contain the force in nine of ten cases. If the residual counted
-/// as noise, intervals would contain the force in only five of ten cases.
+/// in the base, or a preload. If noise does not explain the residual, 95 % intervals contain the force in nine of ten cases. If the whole residual
+/// were treated as noise, intervals would contain the force in only five of ten cases.
 #[test]
 fn intervals_hold_on_fingers_that_do_not_fit_their_scene() {
     let cases = case_count(10, 200) as u64;

@@ -16,8 +16,8 @@ fn seen(scene: &Scene, s_mm: f64, force_n: f64) -> Observation {
     Observation::of_shape(&scene.finger, &statics::solve(&mesh, &[load], Kinematics::Corotational).expect("carried"))
 }
 
-/// The result does not depend on the start of the search: near the result, at another position, or with a force for which the finger has no
-/// equilibrium.
+/// A search may start near the result, at another position, or with a force for which the finger has no equilibrium. Its result does not depend on
+/// the start.
 #[test]
 fn the_start_of_a_search_does_not_change_its_result() {
     let scene = Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("a scene");
@@ -41,9 +41,10 @@ fn the_start_of_a_search_does_not_change_its_result() {
     }
 }
 
-/// A stream sensor starts from its shapes of the previous observation. The forces agree with those of a sensor that starts from the previous forces alone:
-/// within 1e-4 standard deviations, because both searches end when a step changes the forces by less than 1e-8. The markers have noise, so the residuals
-/// are not zero. Forces that another sensor found lead to the same result to the last bit, because the shapes do not belong to them.
+/// For each observation, a stream sensor starts from the finger shapes that it computed for the previous observation. The forces of a stream sensor
+/// agree within 1e-4 standard deviations with those of a sensor that starts from the previous forces alone. Both searches end when a step changes the
+/// forces by less than 1e-8. The markers have noise, so the residuals are not zero. If the previous forces come from another sensor, the shapes of
+/// the stream sensor do not belong to these forces. Both sensors then return the same result to the last bit.
 #[test]
 fn shapes_of_the_previous_observation_do_not_change_the_forces() {
     let scene = Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("a scene");

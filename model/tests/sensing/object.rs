@@ -19,7 +19,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 /// Elements per member of the mesh that computes the true shape.
 const FINE: usize = 32;
-/// Forces of the two meshes differ by at most this share.
+/// Largest relative difference between forces on the mesh of the true shape and forces on the mesh of the estimator.
 const MESHES: f64 = 1e-3;
 
 fn bracketed() -> Finger {
@@ -49,7 +49,8 @@ fn outline_point(shape: &ObjectShape, normal: Vector) -> Vector {
     }
 }
 
-/// A rotation with which an object touches the plate at one point: a corner of a polygon, with no side parallel to the plate.
+/// A rotation with which an object touches the plate at one point. A polygon touches the plate with a corner, and none of its sides is parallel to
+/// the plate.
 fn turn_rad(shape: &ObjectShape, finger: &Finger, any_rad: f64) -> f64 {
     let ObjectShape::Polygon { corners } = shape else { return any_rad };
     let [before, corner, after] = [0, 1, 2].map(|i| corners[i]);
@@ -65,7 +66,7 @@ struct Pressed {
     pose: Isometry2<f64>,
 }
 
-/// Applies a force at a node of the fine mesh, which leans from the normal of the deformed plate, and places the object in contact at this node.
+/// Applies a force that leans from the normal of the deformed plate at a node of the fine mesh, and places the object in contact at this node.
 fn pressed(
     mesh: &Mesh,
     at: f64,
@@ -140,7 +141,7 @@ fn objects_show_place_and_direction() {
     }
 }
 
-/// Errors are as large as stated. Noise, position and rotation of the object, and friction scatter with their standard deviations.
+/// Errors are as large as stated. Noise, position and rotation of the object, and friction are drawn with their stated standard deviations.
 #[test]
 fn stated_sigmas_hold_what_the_objects_pose_leaves_open() {
     const NOISE_MM: f64 = 0.02;
@@ -177,7 +178,8 @@ fn stated_sigmas_hold_what_the_objects_pose_leaves_open() {
     }
 }
 
-/// The stated standard deviation combines the responses of the force to the noise of each coordinate and to the errors of the pose.
+/// The square of the stated standard deviation is the sum of the squared responses of the force to the noise of each coordinate and to the errors of
+/// the pose.
 #[test]
 fn sigmas_are_responses_to_noise_and_pose() {
     const NOISE_MM: f64 = 0.02;

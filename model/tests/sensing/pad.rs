@@ -1,5 +1,4 @@
-//! Sensing through a pad, which distributes a force along the plate: the distributed forces on the plate are sensed as one force, within the stated
-//! interval.
+//! Sensing through a pad, which distributes a force along the plate. The distributed forces are sensed as one force, within the stated interval.
 
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{
@@ -30,7 +29,8 @@ fn pressed(mesh: &Mesh, contact: Contact, force_n: f64) -> Measurement {
     Measurement::of_shape(mesh.finger(), &shape)
 }
 
-/// Force, position and lean are recovered from the displacements under a pressure with shear. With a force at a point, the error would be far larger.
+/// Force, position and lean are recovered from the displacements under a pressure with shear. If the estimator assumed a force at a point instead,
+/// the error would be far larger.
 #[test]
 fn what_a_pad_does_is_sensed() {
     let finger = bracketed();

@@ -1,7 +1,7 @@
 //! Stated intervals cover the true forces on random fingers with 0 to 12 ribs, any number of markers, and one or two forces.
 //!
-//! Includes a regression: on a finger with few ribs and markers, a second minimum led to a force of the wrong sign, with an error of many standard
-//! deviations.
+//! Includes a regression test: on a finger with few ribs and markers, a second minimum once led to a force of the wrong sign, with an error of many
+//! standard deviations.
 
 use finray_model::finger::{
     BracketLengths, FingerDescription, Joints, MarkerPoints, Plate, RibDescription, RibPositions, Strip,
@@ -15,12 +15,12 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-/// A result without a warning counts as wrong if its error exceeds this number of standard deviations. By chance, one of 16 000 normal errors exceeds
-/// this number.
+/// A result without a warning counts as wrong if its error exceeds this number of standard deviations. By chance, one in 16 000 normally distributed
+/// errors exceeds four standard deviations.
 const WRONG_SIGMAS: f64 = 4.0;
 const CHANCE: f64 = 6.3e-5;
-/// Number of elements of the finger with the true shape. The error of its mesh must be smaller than the noise, which is 6e-4 of the largest
-/// displacement.
+/// Number of elements of the mesh on which the true shape is computed. The mesh error of the true shape must be smaller than the noise, and the noise
+/// is 6e-4 of the largest displacement.
 const ELEMENTS: usize = 600;
 
 /// A random finger, with hinged or clamped ribs.
@@ -80,7 +80,8 @@ impl Case {
             };
             let contacts: Vec<Contact> = (0..contact_count).map(|_| contact(rng)).collect();
             let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS / (3 * finger.rib_count() + 2));
-            // Forces that bend the linear finger by a share of its length. The smallest share is hardly visible to a camera.
+            // Forces that deflect the linear finger by a random share of its length. Deflections by the smallest share of the length are hardly
+            // visible to a camera.
             let forces_n = contacts.iter().map(|contact| {
                 let unit = seen(&mesh, std::slice::from_ref(contact), &[1.0], Kinematics::Linear).expect("linear");
                 let moved = unit.markers().iter().map(|m| m.displacement.norm()).fold(0.0, f64::max);
@@ -98,7 +99,7 @@ impl Case {
         }
     }
 
-    /// Errors in stated standard deviations, and whether the result has a warning.
+    /// Returns the errors as multiples of their stated standard deviations, and whether the result has a warning.
     fn sensed(&self) -> Result<(Vec<f64>, bool), SensingError> {
         let questions: Vec<ContactQuestion> = self.contacts.iter().copied().map(ContactQuestion::from).collect();
         let found = sense_refining(
@@ -133,12 +134,12 @@ fn assert_right(contact_count: usize, few: usize, most_refused: f64) {
         "{cases} cases of {contact_count}: {refused} refused, {} silent, coverage {coverage:.4}",
         silent().count()
     );
-    // With few cases, no result may be wrong: 0.013 of 200 errors are expected by chance, and four standard deviations of this number are 0.45.
+    // With few cases, no result may be wrong: among 200 errors, chance makes 0.013 wrong on average, with four standard deviations of 0.45.
     let by_chance = CHANCE * errors.len() as f64;
     let most_wrong = by_chance + STANDARD_ERRORS * by_chance.sqrt();
     assert!(wrong.len() as f64 <= most_wrong, "wrong in silence, by so many standard deviations: {wrong:?}");
     assert!(refused as f64 <= most_refused * cases as f64, "{refused} of {cases} are refused");
-    // Errors of one measurement are correlated, so the number of cases counts.
+    // Errors of forces in one measurement are correlated, so the standard error follows from the number of cases.
     let chance = STANDARD_ERRORS * share_error(0.95, cases);
     assert!((coverage - 0.95).abs() <= 0.02 + chance, "coverage {coverage}");
 }
@@ -153,8 +154,8 @@ fn two_forces_on_a_random_finger_are_right_or_warned_of() {
     assert_right(2, 60, 0.25);
 }
 
-/// Near a limit load and for a load between nodes, doubling the mesh once changed the force little by chance. The errors were 4.6 and 6.5 stated
-/// standard deviations.
+/// Near a limit load and for a load between nodes, doubling the number of elements once happened to change the force only a little. The mesh had not
+/// converged. The forces on the mesh that had not converged had errors of 4.6 and 6.5 stated standard deviations.
 #[test]
 fn a_small_change_of_the_mesh_is_not_taken_for_convergence() {
     for number in [3095, 3914] {
@@ -163,9 +164,10 @@ fn a_small_change_of_the_mesh_is_not_taken_for_convergence() {
     }
 }
 
-/// A V without ribs and with one marker, at the tip. A force of 0.5 N was once sensed as -0.085 +- 0.055 N, and a force of 1 N was refused. A small
-/// negative force moves the tip as 0.5 N does, so 0.5 N may be refused. No other force moves the tip as 1 N or -0.5 N does: of ten draws each, 8 and
-/// 9 return a force, and the test requires 5. A search that starts at the wrong minimum does not end at this minimum.
+/// The finger is a V without ribs, and its only marker is at the tip. A force of 0.5 N was once sensed as -0.085 +- 0.055 N, and a force of 1 N was
+/// refused. A small negative force gives the tip the same displacement as 0.5 N, so a measurement of 0.5 N may be refused. No other force gives the
+/// tip the same displacement as 1 N or -0.5 N. Of ten draws for each force, 8 and 9 return a force, and the test requires 5. A search that starts at
+/// the wrong minimum ends at the same force as a search from rest.
 #[test]
 fn a_v_seen_at_its_tip_is_given_no_force_of_the_wrong_sign() {
     let strip = |thickness_mm| Strip { thickness_mm, tip_thickness_mm: None, youngs_modulus_mpa: 18.5 };

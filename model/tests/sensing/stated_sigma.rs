@@ -21,8 +21,8 @@ fn linear(
     LinearEstimator::new(finger, &[contact], seen)?.estimate_on(&mut linearisation, seen, noise_mm, Prior::None)
 }
 
-/// For 3 N at -60 deg on node 19, the linear model senses 3.97 N, once with a stated standard deviation of 0.008 N. The error of linearisation
-/// computed from the 3.97 N alone equals the true error.
+/// For 3 N at -60 deg on node 19, the linear model senses 3.97 N. Its stated standard deviation was once 0.008 N. The error of linearisation,
+/// computed from the sensed 3.97 N alone, equals the true error.
 #[test]
 fn a_linear_force_a_newton_off_is_not_stated_to_8_millinewtons() {
     let finger = paper();
@@ -45,7 +45,7 @@ fn a_linear_force_a_newton_off_is_not_stated_to_8_millinewtons() {
     }
 }
 
-/// A measurement of a linear finger causes no warning, whatever the error of linearisation for a co-rotational finger.
+/// A measurement that a linear finger explains causes no warning, however large the error of linearisation would be for a co-rotational finger.
 #[test]
 fn a_linear_finger_is_taken_as_it_is() {
     let finger = paper();
@@ -77,7 +77,7 @@ fn a_coarse_mesh_states_its_own_error() {
         let true_error_n = estimate.forces.forces_n[0] - 3.0;
         Discretisation::new(&coarse, &finer).widen(&mut estimator, &clean, &mut estimate).expect("an error");
         let estimate = estimate.forces;
-        // Four elements per member reduce the error to a twentieth, and extrapolation has about the same accuracy.
+        // Compared with one element per member, four elements reduce the error to a twentieth. Extrapolation has about the same accuracy.
         let off_n = estimate.model_error_n[0] - true_error_n;
         assert!(off_n.abs() <= 0.2 * true_error_n.abs() + 1e-4, "node {node}: {off_n} of {true_error_n} N");
         assert!(true_error_n.abs() <= TWO_SIDED_95 * estimate.sigmas_n[0], "node {node}: {estimate:?}");

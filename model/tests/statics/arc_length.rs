@@ -14,7 +14,7 @@ const MESH_ERROR: f64 = 1e-5;
 /// Rounding error of forces, N. EA of the toggle is 1e4 N, and strains of 1e-14 are rounding errors.
 const ROUNDING_N: f64 = 1e-9;
 
-/// A shallow toggle with pinned feet, all lengths times `unit`, all forces times `force_unit`.
+/// A shallow toggle with pinned feet. All lengths are multiplied by `unit`, and all forces by `force_unit`.
 fn toggle(unit: f64, force_unit: f64) -> (PlaneFrame, NodeIndex) {
     let mut frame = PlaneFrame::default();
     let nodes: Vec<NodeIndex> = (0..=16)
@@ -44,7 +44,7 @@ fn toggle_path(unit: f64, force_unit: f64, load: f64) -> EquilibriumPath {
         .expect("the toggle snaps through")
 }
 
-/// The steps do not depend on units (mm or km, N or kN) or on the size of the load.
+/// The steps along a path do not depend on units (mm or km, N or kN) or on the size of the load.
 #[test]
 fn paths_do_not_depend_on_units() {
     let reference = toggle_path(1.0, 1.0, 1.0);
@@ -72,7 +72,7 @@ fn points_are_equilibria() {
     }
 }
 
-/// A clamped column of length 1 and bending rigidity 1 with negligible compression, and its free end.
+/// A clamped column of length 1 and bending rigidity 1 with negligible compression. Also returns the node of the column's free end.
 fn column(elements: usize) -> (PlaneFrame, NodeIndex) {
     let mut frame = PlaneFrame::default();
     let section = Section { axial_rigidity_n: 1e6, bending_rigidity_nmm2: 1.0, shear_flexibility: 0.0 };
@@ -85,8 +85,8 @@ fn column(elements: usize) -> (PlaneFrame, NodeIndex) {
     (frame, nodes[elements])
 }
 
-/// A straight column under a dead load becomes unstable at Euler's load, which is not a limit point. The path continues straight, and one more pivot
-/// is negative, however small the motion before is.
+/// A straight column under a dead load becomes unstable at Euler's load, which is not a limit point. Beyond Euler's load, the path continues
+/// straight, and one more pivot of the tangent is negative. This holds however small the motion is before Euler's load.
 #[test]
 fn straight_path_shows_euler_loads() {
     let (frame, tip) = column(16);
@@ -99,14 +99,14 @@ fn straight_path_shows_euler_loads() {
     for (pivots, critical) in [(0, euler), (1, 9.0 * euler)] {
         let last = path.points.iter().rposition(|point| point.negative_pivots == pivots).expect("on the path");
         let [below, above] = [last, last + 1].map(|i| path.points[i].multiple);
-        // The loads are bracketed to a thousandth. With 16 elements, the higher load is equally accurate.
+        // Each critical load is bracketed to two thousandths. With 16 elements, the second critical load is as accurate as the first.
         assert!((0.998..1.002).contains(&(below / critical)) && (0.998..1.002).contains(&(above / critical)));
         assert!(above > below);
     }
 }
 
-/// A disturbed column follows the bent branch, and no step leaps to the branch on the other side. For the rotation alpha of the column's end, the
-/// closed form is P / P_Euler = 1 / agm(1, cos(alpha / 2))^2 (Timoshenko & Gere, Theory of Elastic Stability, sec. 2.7).
+/// A column with a small transverse load follows the bent branch, and no step leaps to the branch on the other side. For the rotation alpha of the
+/// column's end, the closed form is P / P_Euler = 1 / agm(1, cos(alpha / 2))^2 (Timoshenko & Gere, Theory of Elastic Stability, sec. 2.7).
 #[test]
 fn disturbed_column_follows_the_elastica() {
     let agm = |mut a: f64, mut b: f64| {
@@ -160,8 +160,8 @@ fn degenerate_frames() {
 proptest! {
     #![proptest_config(cases(64))]
 
-    /// On its first stable branch, a path passes through the equilibria that load steps find, with arms, hinges, rigid links, moments and loads
-    /// between nodes. The path has its first limit point or bifurcation at the load at which load steps end.
+    /// On its first stable branch, a path passes through the equilibria that load steps find. Tested with arms, hinges, rigid links, moments and
+    /// loads between nodes. The path has its first limit point or bifurcation at the load at which load steps end.
     #[test]
     fn paths_pass_through_the_equilibria_of_load_steps(
         finger in finger_with_zones(),

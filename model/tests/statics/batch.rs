@@ -80,7 +80,7 @@ fn a_result_does_not_depend_on_the_batch() {
             "{steps:?}, {refused} refused"
         );
         assert_eq!(single[8], Err(StaticsError::LoadNotFinite));
-        // Every number of loads, and the loads in reverse order.
+        // Tests batches with every number of loads, and a batch with the loads in reverse order.
         for count in 0..=loads.len() {
             assert_same(&equilibria(&mesh, Kinematics::Corotational, &loads[..count]), &single[..count]);
         }
@@ -95,7 +95,7 @@ fn a_result_does_not_depend_on_the_batch() {
 fn any_number_of_threads_gives_the_same() {
     let finger = paper();
     let mesh = Mesh::key_nodes(&finger);
-    // More loads than one thread solves at a time.
+    // The batch has more loads than one thread solves at a time.
     let forces_n: Vec<f64> = (0..1000).map(|i| 0.05 * f64::from(i)).collect();
     let loads = forces(&finger, &mesh, &forces_n);
     let single = one_by_one(&mesh, Kinematics::Corotational, &loads);

@@ -17,13 +17,13 @@ fn paper_mesh_has_the_papers_size() {
     assert_eq!(Statics::sparse(mesh.frame(), Kinematics::Linear).equations().assembly().equations().count(), 69);
     let fine = Mesh::with_nodes(&paper, 684).expect("fine mesh");
     let base_line = 684 - fine.frame().node_count();
-    // 695 elements, including the elements of the base line, which lie between two clamps.
+    // The paper counts 695 elements. These include the elements of the base line, which lie between the two clamps.
     assert_eq!(fine.frame().members().len() + base_line + 1, 695);
     assert_eq!(paper.position(NodeId(13)), Vector::new((153.0_f64 * 153.0 - 29.0 * 29.0).sqrt(), 0.0));
 }
 
-/// The thin back plate of a finger buckles at 3.7 % of the load. The whole load in one step once led to a shape far beyond buckling (found by
-/// rotation of the scene).
+/// The thin back plate of a finger buckles at 3.7 % of the load. The whole load in one step once led to a shape far beyond buckling. A test that
+/// rotates the scene revealed this error.
 #[test]
 fn a_buckling_load_is_not_jumped_over() {
     let strip = |thickness_mm, youngs_modulus_mpa| Strip { thickness_mm, tip_thickness_mm: None, youngs_modulus_mpa };
@@ -61,8 +61,8 @@ fn a_buckling_load_is_not_jumped_over() {
     }
 }
 
-/// A linear finger cannot snap through. A finger that double precision cannot solve (a member 1e22 times stiffer than the next) was once refused
-/// because of snap-through.
+/// A linear finger cannot snap through. A finger that double precision cannot solve was once refused because of snap-through. One of its members was
+/// 1e22 times stiffer than the next.
 #[test]
 fn a_linear_finger_is_never_said_to_buckle() {
     let paper = paper();
@@ -93,7 +93,7 @@ fn newton_does_not_stop_early_in_thin_plates() {
     }
     let finger = Finger::new(description).expect("possible");
     let mesh = Mesh::key_nodes(&finger);
-    // A force that bends these plates as 2 N bends plates of 1.5 mm.
+    // A force that bends plates of 0.01 mm as 2 N bends plates of 1.5 mm.
     let force = finger.direction(0.0) * 2.0 * (0.01_f64 / 1.5).powi(3);
     let load = mesh.frame_load(&Load::at_node(NodeId(19), force)).expect("a contact node");
     let mut statics = Statics::ladder(&mesh, Kinematics::Corotational);
@@ -109,13 +109,14 @@ fn newton_does_not_stop_early_in_thin_plates() {
             .iter()
             .sum::<Vector>()
             + force * share;
-        // Newton's method stops at 1e-11 of the energy norm. In plates that stretch 1e6 times less than they bend, this is 1e-7 of the force.
+        // Newton's method stops at 1e-11 of the energy norm. In plates that stretch 1e6 times less than they bend, 1e-11 of the energy norm
+        // corresponds to 1e-7 of the force.
         assert!(left.norm() <= 1e-6 * force.norm(), "{share}: {left}");
     }
 }
 
-/// The shallow-arch strain makes the coarse mesh accurate: at 3 N, it differs from the fine mesh by at most 1 % at every node. With the strain of the
-/// chord, the difference is several per cent.
+/// The shallow-arch strain makes the coarse mesh accurate. At 3 N, the coarse mesh differs from the fine mesh by at most 1 % at every node. With the
+/// strain of the chord, the coarse mesh differs from the fine mesh by several per cent.
 #[test]
 fn shallow_arch_strain_makes_coarse_meshes_accurate() {
     let finger = paper();

@@ -1,4 +1,4 @@
-//! Meshes much finer than useful: they need no more load steps than coarse meshes, and converge to the same shape.
+//! Meshes much finer than useful need no more load steps than coarse meshes, and converge to the same shape.
 
 use finray_model::finger::{FingerDescription, Part, Zone};
 use finray_model::statics::{Equilibrium, Statics, StaticsError};
@@ -6,15 +6,15 @@ use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, statics};
 use finray_tests::{cases, contact_node, finger, finger_with_zones, force_for_deflection, paper, shapes_apart};
 use proptest::prelude::*;
 
-/// Largest number of Newton iterations, as on 684 nodes. A retraction with a kink at the ends of members needs 11 iterations. Newton's corrections
-/// without retraction need 190.
+/// Largest number of Newton iterations on a mesh of a hundred thousand nodes; the number is the same on 684 nodes. A retraction with a kink at the
+/// ends of members needs 11 iterations. Newton's corrections without retraction need 190.
 const MOST_ITERATIONS: usize = 6;
-/// Largest relative error of a Richardson estimate. On 684 nodes, the next term of the error is some per cent.
+/// Largest relative error of a Richardson estimate. On 684 nodes, the next term of the error is some per cent of the first term.
 const RICHARDSON: f64 = 0.2;
 /// Error of a linear solution on any mesh, as a share of the largest displacement. Stretching is up to 1e5 times stiffer than bending, and each rib
 /// and element adds a rounding error.
 const ROUNDING: f64 = 1e-10;
-/// Largest excess of the stated number of digits over the true number. The excess corresponds to a factor of two.
+/// Largest excess of the stated number of digits over the true number. An excess of 0.3 digits corresponds to a factor of two.
 const OVERSTATED: f64 = 0.3;
 
 fn mesh(finger: &Finger, nodes: usize) -> Mesh {
@@ -25,8 +25,8 @@ fn bent(mesh: &Mesh, load: &Load) -> Result<Equilibrium, StaticsError> {
     Statics::ladder(mesh, Kinematics::Corotational).equilibrium(&[mesh.frame_load(load)?])
 }
 
-/// A mesh of a hundred thousand nodes under 3 N needs as many Newton iterations as two or three load steps. Its shape equals the Richardson
-/// extrapolation of two coarse meshes.
+/// Under 3 N, a mesh of a hundred thousand nodes needs at most six Newton iterations, as many as two or three load steps need. The shape on the mesh
+/// of a hundred thousand nodes equals the Richardson extrapolation of two coarse meshes.
 #[test]
 fn a_hundred_thousand_nodes_are_where_coarse_meshes_point() {
     let finger = paper();
@@ -52,8 +52,8 @@ proptest! {
     #![proptest_config(cases(48))]
 
     /// With zones, hinges, arms and rigid ribs, 256 elements per member need hardly more load steps than four. Newton's corrections without
-    /// retraction need about sixteen times as many. There are exceptions: from 128 elements per member on, a finger with a front plate a sixth as
-    /// thick as its back plate needed 170 steps instead of 20.
+    /// retraction need about sixteen times as many load steps. There are exceptions: a finger whose front plate is a sixth as thick as its back plate
+    /// needed 170 steps instead of 20. This happened with 128 or more elements per member.
     #[test]
     fn load_steps_do_not_grow_with_the_mesh(
         finger in finger_with_zones(),
@@ -64,9 +64,10 @@ proptest! {
         let node = contact_node(&finger, at);
         let load = Load::at_node(node, force_for_deflection(&finger, node, angle, share));
         let [coarse, fine] = [4, 256].map(|elements| bent(&Mesh::with_elements_per_member(&finger, elements), &load));
-        // Near a limit load, only one of the two meshes may have an equilibrium. Such cases are replaced by new draws, and counted.
+        // Near a limit load, only one of the two meshes may have an equilibrium. Cases in which one of the two meshes has no equilibrium are counted
+        // and replaced by new draws.
         let (Ok(coarse), Ok(fine)) = (coarse, fine) else { return Err(TestCaseError::reject("no equilibrium")) };
-        // If one mesh just accepts a step and the other just rejects it, shorter steps follow on the second mesh.
+        // If one mesh just accepts a step and the other mesh just rejects it, the mesh that rejects the step continues with shorter steps.
         let most = 2 * coarse.load_steps + 2;
         prop_assert!(fine.load_steps <= most, "{} after {}", fine.load_steps, coarse.load_steps);
     }
@@ -76,9 +77,10 @@ proptest! {
     #![proptest_config(cases(48))]
 
     /// Meshes with a thousand and with sixteen elements per member approximate the same continuous finger, so Newton's method needs the same number
-    /// of iterations. One iteration more is allowed, because a correction may just pass the tolerance on one mesh. Without zones, the linear shape is
-    /// equal on all meshes and keeps its digits. Near limit loads, one rejected step changes all later steps, so only cases that a coarse mesh solves
-    /// in one step are counted. Elimination node by node would lose nine digits of the tangent on these meshes.
+    /// of iterations. One iteration more is allowed on the fine mesh, because a correction may just pass the tolerance on one mesh and just exceed it
+    /// on the other. Without zones, the linear shape is equal on all meshes and keeps its digits. Near limit loads, one rejected step changes all
+    /// later steps, so only cases that a coarse mesh solves in one step are counted. On meshes with a thousand elements per member, elimination node
+    /// by node would lose nine digits of the tangent.
     #[test]
     fn iterations_and_digits_do_not_depend_on_the_mesh(
         finger in finger(),
@@ -158,7 +160,7 @@ fn stated_digits_are_there() {
     assert!((1..10).contains(&refused), "{refused} of 20 refused");
 }
 
-/// If rounding leaves no correct digits, the refusal does not name snap-through.
+/// If rounding leaves no correct digits, the mesh is refused, and the reason is not snap-through.
 #[test]
 fn meshes_that_are_too_fine_are_refused() {
     let (finger, force) = hard_fingers().swap_remove(2);

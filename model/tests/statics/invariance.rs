@@ -35,7 +35,7 @@ fn built_by_hand(finger: &Finger, turn: Rotation2<f64>, order: &[usize]) -> (Pla
         let [front, back] = finger.rib_nodes(rib).map(|node| index[node.0]);
         frame.link_rigidly(front, front_joint, false);
         if description.ribs.strip.is_none() {
-            // Unlike in the mesh, the front node of the pair is the master.
+            // In this frame, the front node of each rigid rib is the master; in the mesh, the back node is the master.
             frame.link_rigidly(front_joint, back_joint, hinged);
             frame.link_rigidly(back_joint, back, false);
         } else {
@@ -148,7 +148,7 @@ proptest! {
             let statics = Statics::sparse(frame, kinematics);
             let mut assembly = statics.equations().assembly().clone();
             assembly.evaluate(&motion, &[], 0.0);
-            // Compared with the forces that the same rotation would cause as a deformation.
+            // The residual is compared with the forces that the same rotation would cause as a deformation.
             let stiffest = largest(assembly.stiffness().data());
             let residual = largest(assembly.residual());
             let size = finger.description().front_length_mm;

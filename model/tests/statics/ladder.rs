@@ -1,4 +1,4 @@
-//! The block elimination along the ladder, compared with the general sparse solver.
+//! The ladder solver, which eliminates blocks along the ladder of plates and ribs, compared with the general sparse solver.
 
 use finray_model::frame::FrameLoad;
 use finray_model::statics::Statics;
@@ -14,7 +14,8 @@ const AGREEMENT: f64 = 1e-8;
 proptest! {
     #![proptest_config(cases(192))]
 
-    /// Tested on any finger and mesh, with hinges, rigid links, arms and zones. Loads act on nodes with moments, at positions, and inside elements.
+    /// Tested on any finger and mesh, with hinges, rigid links, arms and zones. Loads are a force and a moment on a key node, a force at a position
+    /// along the plate, and a force and a moment on a node inside a member.
     #[test]
     fn agrees_with_the_sparse_path(
         finger in built_finger_with_zones(),
@@ -48,8 +49,8 @@ proptest! {
             for (a, b) in ladder.motion.rotations.iter().zip(&sparse.motion.rotations) {
                 prop_assert!((a - b).abs() <= AGREEMENT * largest.max(1.0));
             }
-            // The ladder corrects a linear solution by its residual only if digits were lost. With inner nodes, the ladder applies a retraction to
-            // Newton's corrections, and may need fewer steps.
+            // The ladder solver corrects a linear solution by its residual only if digits were lost. With inner nodes, the ladder solver applies a
+            // retraction to Newton's corrections, and may need fewer iterations.
             if elements == 1 && kinematics != Kinematics::Linear {
                 prop_assert_eq!(ladder.iterations, sparse.iterations, "the same Newton steps");
             }
@@ -57,7 +58,7 @@ proptest! {
     }
 }
 
-/// Tested on the paper's finger, on the paper's two meshes, for every contact node.
+/// Tested on the two meshes that the paper uses for its finger, for every contact node.
 #[test]
 fn agrees_on_the_papers_meshes() {
     let finger = paper();

@@ -25,7 +25,7 @@ fn displacements(finger: &Finger, loads: &[Load]) -> Vec<Vector> {
 proptest! {
     #![proptest_config(cases(128))]
 
-    /// Maxwell and Betti: a unit force at A moves B along b as much as a unit force along b at B moves A along a.
+    /// Maxwell and Betti: a unit force along a at A moves B along b as far as a unit force along b at B moves A along a.
     #[test]
     fn reciprocity(finger in built_finger_with_zones(), at in [0.0..1.0, 0.0..1.0], angles in [-90.0..90.0, -90.0..90.0]) {
         let nodes = at.map(|fraction| contact_node(&finger, fraction));
@@ -71,8 +71,8 @@ proptest! {
         prop_assert!(work > 0.0);
     }
 
-    /// Forces and moments of loads and supports balance in the deformed position, for every kinematics. Loads include a moment, and a load between
-    /// nodes or on an arm.
+    /// Forces and moments of loads and supports balance in the deformed position, for every kinematics. Each load is either a force with a moment at
+    /// a node, or a force between nodes or on an arm.
     #[test]
     fn loads_and_reactions_balance(
         finger in built_finger_with_zones(),
@@ -92,7 +92,7 @@ proptest! {
                     return Err(TestCaseError::reject("no equilibrium"));
                 };
                 let motion = &equilibrium.motion;
-                // For small displacements, forces balance in the undeformed position.
+                // The linear kinematics assume small displacements, so forces balance in the undeformed position.
                 let position = |index: usize| match kinematics {
                     Kinematics::Linear => mesh.frame().position(index),
                     _ => mesh.frame().position(index) + motion.displacements[index],
@@ -126,8 +126,8 @@ proptest! {
         prop_assert!((energy - 0.5 * work).abs() <= 1e-8 * work);
     }
 
-    /// The elastic energy of the co-rotational finger equals the work of its load along the path, by Simpson's rule over the force. Half as many
-    /// steps show the error of the rule, because the integrand is not smooth near a snap.
+    /// The elastic energy of the co-rotational finger equals the work of its load along the path, by Simpson's rule over the force. The error of
+    /// Simpson's rule is estimated from half as many steps, because the integrand is not smooth near a snap.
     #[test]
     fn corotational_energy_is_the_work_of_the_load(finger in built_finger_with_zones(), at in 0.0..1.0, angle in -60.0..60.0) {
         const STEPS: usize = 64;
@@ -200,8 +200,8 @@ proptest! {
         }
     }
 
-    /// The tangent is the derivative of the residual, and the residual is the derivative of the energy, with arms, hinges, rigid links and loads
-    /// between nodes. Both are compared with central differences in a random direction.
+    /// The tangent is the derivative of the residual. Tested with arms, hinges, rigid links and loads between nodes. The tangent is compared with
+    /// central differences of the residual in a random direction.
     #[test]
     fn tangent_is_consistent(
         finger in built_finger_with_zones(),

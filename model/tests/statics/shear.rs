@@ -10,7 +10,7 @@ use finray_tests::{
 };
 use proptest::prelude::*;
 
-/// Largest difference between the two solvers, as a share of the largest displacement.
+/// Largest difference between the ladder solver and the general sparse solver, as a share of the largest displacement.
 const AGREEMENT: f64 = 1e-8;
 /// Rounding error of linear solutions, relative.
 const ROUNDING: f64 = 1e-9;
@@ -19,7 +19,7 @@ const FORCE_N: f64 = 0.3;
 const SECTION: Section = Section { axial_rigidity_n: 1500.0, bending_rigidity_nmm2: 400.0, shear_flexibility: 4.0 };
 const SHEAR_RIGIDITY_N: f64 = SECTION.axial_rigidity_n / SECTION.shear_flexibility;
 
-/// A beam along a slanted line, clamped at its first end, in equal elements. The last node is clamped too if `both`.
+/// A beam along a slanted line, divided into equal elements and clamped at its first end. If `both` is true, the last node is also clamped.
 fn beam(elements: usize, both: bool) -> (PlaneFrame, Vector) {
     let along = Vector::new(0.6, 0.8);
     let mut frame = PlaneFrame::default();
@@ -76,7 +76,8 @@ fn a_clamped_beam_with_shear_has_its_closed_form() {
     }
 }
 
-/// A force off the middle of a clamped beam: nodal loads between nodes differ from those of a slender beam. One solution has a node at the force.
+/// A force acts off the middle of a clamped beam. The nodal loads that replace a force between nodes differ from those of a slender beam. The finer
+/// mesh has a node at the force.
 #[test]
 fn a_force_between_nodes_acts_as_on_a_finer_mesh() {
     let (coarse, across) = beam(2, true);
@@ -125,7 +126,7 @@ fn linear_fingers_with_shear_do_not_depend_on_the_mesh() {
     }
 }
 
-/// Co-rotational displacements converge with the number of elements, and the ladder agrees with the general solver.
+/// Co-rotational displacements converge with the number of elements, and the ladder solver agrees with the general sparse solver.
 #[test]
 fn corotational_fingers_with_shear_converge() {
     let finger = with_shear(&paper());
@@ -146,7 +147,8 @@ fn corotational_fingers_with_shear_converge() {
 proptest! {
     #![proptest_config(cases(48))]
 
-    /// Random fingers with shear deformation: the ladder, which condenses members, agrees with the general solver. Loads act at and between nodes.
+    /// On random fingers with shear deformation, the ladder solver, which condenses members, agrees with the general sparse solver. Loads act at and
+    /// between nodes.
     #[test]
     fn the_ladder_agrees_with_the_sparse_path(
         finger in built_finger_with_zones(),

@@ -16,7 +16,7 @@ fn steps_are_those_of_the_paper() {
         let [m_hat, v_hat] = [m / (1.0 - 0.9_f64.powi(number as i32)), v / (1.0 - 0.999_f64.powi(number as i32))];
         by_hand = (value - 0.1 * m_hat / (v_hat.sqrt() + 1e-8), m, v);
         let found: f32 = x.value().inner().into_scalar();
-        // Single precision causes some rounding errors of 6e-8. The error of the second correction is a thousand times as large.
+        // Single precision causes some rounding errors of 6e-8. The bias correction of the second moment magnifies rounding errors a thousand times.
         assert!((f64::from(found) - by_hand.0).abs() < 1e-4, "step {number}: {found} {by_hand:?}");
     }
     assert!((by_hand.0 - 0.5).abs() < 0.02, "five steps of 0.1 at most");

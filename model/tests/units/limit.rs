@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Determinants that fall to zero at 0.7 with a known power. Adds equilibria at the shares that the approach requests.
+/// Determinants that fall to zero at a load share of 0.7, with a known power. Adds equilibria at the load shares that the approach requests.
 fn approached(power: f64) -> (Approach, usize) {
     let mut approach = Approach::default();
     let mut share = 0.0;

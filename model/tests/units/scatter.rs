@@ -16,8 +16,8 @@ fn scatter(noise: f64, values: &[f64]) -> Scatter {
     }
 }
 
-/// Balanced one-way random effects: mean square minus the variance within groups, and zero instead of a negative value (Searle, Casella and McCulloch,
-/// Variance Components, 1992, sec. 3.8).
+/// For balanced one-way random effects, the variance component is the mean square minus the variance within groups, or zero if this difference is
+/// negative (Searle, Casella and McCulloch, Variance Components, 1992, sec. 3.8).
 #[test]
 fn a_balanced_variance_component_has_its_closed_form() {
     let noise = 0.01;
@@ -34,7 +34,7 @@ fn a_balanced_variance_component_has_its_closed_form() {
 fn normal_equations_show_differences_of_forces() {
     let (noise, off) = (0.01_f64, [0.03, -0.01, 0.02, 0.0]);
     let forces = off.len();
-    // Rows (factor + force) / noise, with zero residual at a factor of 0.
+    // The rows of the equations are (factor + force) / noise; the residual is zero at a factor of 0.
     let by = DMatrix::from_fn(forces, 1 + forces, |i, j| if j == 0 || j == 1 + i { 1.0 / noise } else { 0.0 });
     let new =
         NewImage { by_shared: DVector::from_element(1, -1.0), variance: noise * noise, of_markers: noise * noise };
@@ -60,8 +60,8 @@ fn few_forces_leave_the_scatter_open_as_students_t_has_it() {
     }
 }
 
-/// Ten forces over many draws; images determine some of these forces ten times as accurately as others. 95 % intervals contain a new force in 91 to
-/// 98.5 % of the draws, for a scatter of zero, near the noise, and far above the noise.
+/// In each draw, images determine some of ten forces up to ten times as accurately as others. 95 % intervals contain a new force in 91 to 98.5 % of
+/// the draws, for a scatter of zero, near the noise, and far above the noise.
 #[test]
 fn intervals_hold_whatever_the_scatter() {
     const DRAWS: usize = 200;
@@ -91,7 +91,8 @@ fn one_force_has_nothing_to_be_compared_with() {
     assert_eq!((one.most_likely(), one.of_new(0.01)), (None, AddedForceError { share: 0.01, of_markers: 0.0 }));
 }
 
-/// Variances of two parts are split correctly. Variances that are equal, or that decrease with the noise, have no part that grows with the noise.
+/// Variances with a constant part and a part that grows with the noise are split correctly. Variances that are equal, or that decrease with the
+/// noise, have no part that grows with the noise.
 #[test]
 fn what_grows_with_noise_is_told_from_a_share_of_the_force() {
     let noise = [1e-4, 4e-4, 9e-4, 16e-4];
@@ -103,7 +104,7 @@ fn what_grows_with_noise_is_told_from_a_share_of_the_force() {
         let mean = alike.iter().sum::<f64>() / 4.0;
         assert!((of_all / mean - 1.0).abs() < 0.05 && of_noise * noise[3] < 0.05 * of_all, "{of_all} {of_noise}");
     }
-    // Equal noise in all images does not separate the parts.
+    // If the noise is equal in all images, the constant part and the part that grows with the noise cannot be separated.
     let [of_all, of_noise] = shares(&[3e-6; 4], &[1e-4; 4]);
     assert!((of_all / 1.5e-6 - 1.0).abs() < 1e-9 && (of_noise / 1.5e-2 - 1.0).abs() < 1e-9, "{of_all} {of_noise}");
     assert_eq!(shares(&[0.0; 4], &noise), [0.0; 2]);

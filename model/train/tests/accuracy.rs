@@ -17,8 +17,8 @@ const OVER_BOUND: f64 = 2.0;
 /// Limit of the error of a tiny network, as a share of the error of the linear finger. Measured: a twentieth or less for all contacts of these tests.
 const OF_LINEAR: f64 = 0.1;
 
-/// Forces that fit the displacements of the linear finger, N, by least squares. A `ridge` above zero adds a prior: the ratio of noise to prior force,
-/// mm/N.
+/// Forces, N, that fit the displacements by least squares, with the compliance of the linear finger. A positive `ridge` adds a prior. The value is
+/// the ratio of noise to prior force, mm/N.
 fn linear_forces(recipe: &SampleRecipe, samples: &Samples, displacements: &DMatrix<f64>, ridge: f64) -> DMatrix<f64> {
     let finger = paper();
     let loads: Vec<Load> = recipe.contacts.iter().map(|contact| contact.unit_load(&finger)).collect();
@@ -38,7 +38,7 @@ fn linear_forces(recipe: &SampleRecipe, samples: &Samples, displacements: &DMatr
 }
 
 /// Cramer-Rao bound of each force, root mean square over the cases, N. The covariance is noise^2 (J^T J)^-1. J holds the derivatives of the
-/// co-rotational finger's displacements by the forces, computed from differences.
+/// co-rotational finger's displacements with respect to the forces, computed from differences.
 fn bounds_n(recipe: &SampleRecipe, samples: &Samples, noise_mm: f64) -> Vec<f64> {
     let finger = paper();
     let mesh = Mesh::with_elements_per_member(&finger, recipe.elements);
@@ -68,8 +68,8 @@ fn bounds_n(recipe: &SampleRecipe, samples: &Samples, noise_mm: f64) -> Vec<f64>
     variances.iter().map(|sum| (sum / samples.count() as f64).sqrt()).collect()
 }
 
-/// After a second of training, a network's errors on the noisy co-rotational finger are near the bound, and far below the errors of the linear
-/// finger.
+/// After a second of training, a network's errors on the noisy co-rotational finger are near the Cramer-Rao bound, and far below the errors of the
+/// linear finger.
 #[test]
 fn tiny_networks_sense_the_nonlinear_finger() {
     for nodes in [&[19][..], &[16, 20], &[19, 20]] {
@@ -88,7 +88,8 @@ fn tiny_networks_sense_the_nonlinear_finger() {
     }
 }
 
-/// The paper's recipe with fewer cases and smaller layers: scaled coordinates as inputs, no linear branch, the linear finger without noise.
+/// The paper's recipe with fewer cases and smaller layers. The inputs are scaled coordinates, there is no linear branch, and the samples are
+/// noise-free shapes of the linear finger.
 #[test]
 fn coordinates_serve_as_inputs() {
     let recipe = TrainingRecipe {
@@ -102,11 +103,11 @@ fn coordinates_serve_as_inputs() {
     let network = trained(&recipe);
     let samples = fresh(&recipe.samples, 500);
     let found = squares(&samples, &sensed(&network, &samples, &samples.displacements))[0].rms();
-    // Measured: 0.024 N for forces of 0 to 5 N.
+    // The measured error is 0.024 N for forces of 0 to 5 N.
     assert!(found <= 0.06, "{found} N");
 }
 
-/// A network for any subset of three contacts corrects the ridge forces of the loaded contacts, with and without noise.
+/// A network for any subset of three contacts improves on the ridge forces of the loaded contacts, with and without noise.
 #[test]
 fn any_contacts_may_touch() {
     let mut recipe = tiny(&[16, 18, 20], 2000, 16, 60);

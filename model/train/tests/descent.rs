@@ -19,7 +19,7 @@ fn the_same_seed_gives_the_same_bytes() {
         recipe.samples.any_of = any_of;
         let one = on(&recipe, 1);
         assert!(one == on(&recipe, 1) && one == on(&recipe, 3));
-        // The file contains the seed and therefore differs anyway; the weights must differ as well.
+        // The file contains the seed and therefore differs in any case; the weights must differ as well.
         let other = TrainingRecipe { seed: recipe.seed + 1, ..recipe.clone() };
         let other = Network::from_bytes(&on(&other, 1)).expect("a network");
         let one = Network::from_bytes(&one).expect("a network");
@@ -28,7 +28,7 @@ fn the_same_seed_gives_the_same_bytes() {
     }
 }
 
-/// A recipe with noise-free cases of one contact. Its validation loss is the mean squared error divided by the variance of the forces.
+/// A recipe with noise-free cases of one contact. The validation loss of this recipe is the mean squared error divided by the variance of the forces.
 fn restless() -> TrainingRecipe {
     TrainingRecipe {
         noise_mm: 0.0,
@@ -73,7 +73,8 @@ fn the_best_weights_are_kept() {
     assert!((loss / best.validation_loss - 1.0).abs() <= SINGLE_PRECISION, "{loss}, reported {best:?}");
 }
 
-/// If every step increases the loss, training keeps the start: linear regression on the training cases, with the effect of noise in closed form.
+/// If every step increases the loss, training keeps the initial network: a linear regression on the training cases, with the effect of noise in
+/// closed form.
 #[test]
 fn harmful_steps_leave_least_squares() {
     let recipe = TrainingRecipe { learning_rate: 100.0, patience: 2, ..tiny(&[16, 20], 500, 8, 20) };
@@ -104,8 +105,8 @@ fn harmful_steps_leave_least_squares() {
     assert!(off_n <= SINGLE_PRECISION, "{off_n} N");
 }
 
-/// Training loss and validation loss are in the same units, also if only some outputs count. At the start they agree within chance: the mean square
-/// of 500 validation cases has a standard error of about a twentieth.
+/// Training loss and validation loss are in the same units, also if only some outputs count. At the start, training loss and validation loss agree up
+/// to sampling error: the mean square of 500 validation cases has a standard error of about a twentieth.
 #[test]
 fn losses_are_in_the_same_units() {
     for any_of in [false, true] {

@@ -1,5 +1,5 @@
-//! Training of tiny networks within a second. They sense nearly as well as noise allows and state their accuracy correctly (`accuracy`), descend
-//! as configured (`descent`), and follow their recipe (`recipe`). Load cases are drawn in `samples`.
+//! Training of tiny networks within a second. Tiny networks sense nearly as well as noise allows and state their accuracy correctly (`accuracy`).
+//! Their training proceeds as configured (`descent`) and follows the recipe (`recipe`). Load cases are drawn in `samples`.
 
 use finray_model::measurement::Measurement;
 use finray_model::sensing::Contact;
@@ -50,7 +50,7 @@ fn fresh(recipe: &SampleRecipe, count: usize) -> Samples {
     recipe.draw(&paper(), count, FRESH_SEED, Stream::Test).expect("carried")
 }
 
-/// Displacements with noise. The random numbers of this noise are not used in training.
+/// Displacements with noise. The random numbers of the added noise are not used in training.
 fn noisy_shapes(samples: &Samples, noise_mm: f64) -> DMatrix<f64> {
     let mut rng = ChaCha8Rng::seed_from_u64(FRESH_SEED);
     samples.displacements.map(|u| u + noise_mm * rng.sample::<f64, _>(StandardNormal))
@@ -76,7 +76,7 @@ impl Squares {
     }
 }
 
-/// Errors of forces (contacts x cases, N) by contact.
+/// Squared errors of the forces `forces_n` (contacts x cases, N), grouped by contact.
 fn squares(samples: &Samples, forces_n: &DMatrix<f64>) -> Vec<Squares> {
     let of = |row: usize| {
         let cases = (0..samples.count()).filter(|&case| samples.touching[case][row]);

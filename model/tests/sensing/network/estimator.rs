@@ -10,14 +10,14 @@ use rand_chacha::ChaCha8Rng;
 
 /// Rounding error of least squares in f64 for a shape within the network's range.
 const ROUNDING: f64 = 1e-9;
-/// Largest error of a derivative in f64, compared with a difference of f32 forces over a step of 1e-2.
+/// Largest relative error of a derivative computed in f64, compared with a difference of f32 forces over a step of 1e-2 mm.
 const DERIVATIVE: f64 = 2e-3;
 
 #[test]
 fn sigmas_are_noise_through_the_derivatives_and_the_networks_own_error() {
     for contact_set in [ContactSet::Fixed, ContactSet::AnyOf] {
         let mut network = random_network(5, &[17, 20], contact_set, &[20, 10], 30);
-        // Neither part of the sum is negligible.
+        // The noise and the network's own error both contribute noticeably to the variance.
         let (noise_mm, clean_rms_n) = (0.1, 0.3);
         network.card.test_errors = vec![TestError { rms_n: 0.3, clean_rms_n }; 2];
         let mut estimator = estimator(&network, &[17, 20], Instructions::Detected);
@@ -60,7 +60,8 @@ fn noise_that_the_residual_contradicts_is_not_believed() {
     let contradicted = estimator.estimate(&measurement, Some(CAMERA_NOISE_MM)).expect("noise alone");
     assert!(matches!(contradicted.warning, Some(Warning::Residual(_))));
     assert_eq!((&contradicted.forces_n, contradicted.residual_rms_mm), (&unknown.forces_n, unknown.residual_rms_mm));
-    // Without a stated noise, only the residual determines the noise. Student's t widens the deviation: by 2.0281 / 1.9600 for 36 degrees of freedom.
+    // Without a stated noise, only the residual determines the noise. For 36 degrees of freedom, Student's t widens the standard deviation by a
+    // factor of 2.0281 / 1.9600.
     let wider = unknown.noise_mm / contradicted.noise_mm;
     assert!((wider - 2.0281 / 1.959_96).abs() < 1e-4, "{wider}");
     let believed = estimator.estimate(&measurement, Some(0.25)).expect("noise alone");

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 proptest! {
     #![proptest_config(cases(24))]
 
-    /// Files with changed bytes are refused, and no such file causes a panic.
+    /// Files with changed bytes are refused without a panic.
     #[test]
     fn garbled_files_are_refused(changes in prop::collection::vec((any::<prop::sample::Index>(), 1..=255_u8), 1..4)) {
         let bytes = random_network(1, &[19, 20], ContactSet::Fixed, &[3], 4).to_bytes().expect("a file");

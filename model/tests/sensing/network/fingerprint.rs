@@ -1,4 +1,4 @@
-//! Fingerprint of a finger: it depends on the finger's numbers, not on their notation.
+//! The fingerprint of a finger depends on the finger's numbers, not on how these numbers are written.
 
 use finray_model::finger::{FingerDescription, Joints, Part, RibPositions, Strip, Zone};
 use finray_model::sensing::network::Fingerprint;
@@ -25,7 +25,7 @@ fn a_fingerprint_is_that_of_the_numbers() {
     assert_eq!(Fingerprint::of(&Scene::from_toml(&renamed).expect("a scene").finger), fingerprint);
     assert_eq!(fingerprint.to_string().parse(), Ok(fingerprint));
     assert!("0123".parse::<Fingerprint>().is_err());
-    // Thickness and modulus enter through EA and EI, so E / (1 - nu^2) is compared.
+    // Thickness and modulus enter the fingerprint through EA and EI. Fingers with equal E / (1 - nu^2) therefore have equal fingerprints.
     let plane_strain = changed(|d| {
         d.poissons_ratio = 0.4;
         let softer = |strip: &mut Strip| strip.youngs_modulus_mpa *= 1.0 - 0.16;

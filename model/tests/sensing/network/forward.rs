@@ -1,4 +1,5 @@
-//! Forces of a network equal those of burn on all instruction sets; input outside the training is refused.
+//! On all instruction sets, forces of a network equal the forces that the `burn` library computes. Input outside the range of the training is
+//! refused.
 
 use super::{BETWEEN_INSTRUCTIONS_N, estimator, largest_difference, measured, random_network, random_shape};
 use burn_tensor::{Device, Tensor, TensorData, activation};
@@ -9,10 +10,11 @@ use finray_tests::{at_node, at_position, cases, paper};
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 
-/// Largest difference from burn's forces: 1e-5 of the 5 N of the training. burn adds numbers in another order and uses another tanh.
+/// Largest difference from the forces of the `burn` library: 1e-5 of the largest training force of 5 N. `burn` adds numbers in another order and uses
+/// another tanh.
 const AGAINST_BURN_N: f64 = 5e-5;
 
-/// burn's forces for the inputs of the first layer, including the skip branch.
+/// Forces that the `burn` library computes from the inputs of the first layer, including the skip branch.
 fn burn_forces(network: &Network, inputs: Vec<f64>) -> Vec<f64> {
     let device = Device::flex();
     let matrix =
@@ -42,8 +44,8 @@ fn inputs_of(network: &Network, displacements: &[f64]) -> Vec<f64> {
 proptest! {
     #![proptest_config(cases(24))]
 
-    /// Forces equal burn's forces for any widths of the layers, even widths that fill no register. Tested with detected and portable instructions,
-    /// for single and many frames, and for any order of the contacts.
+    /// For any widths of the layers, forces equal those of the `burn` library, even if a width does not fill a SIMD register. Tested with the
+    /// instructions that the processor supports and with portable instructions, for single and many frames, and for any order of the contacts.
     #[test]
     fn forces_are_those_of_burn(
         seed in any::<u64>(),
@@ -74,7 +76,8 @@ proptest! {
         }
     }
 
-    /// For a network for any of twelve contacts, the forces at touching contacts are the sum of ridge forces and burn's correction.
+    /// The network serves any subset of twelve contacts. Forces at the loaded contacts are the sum of ridge forces and a correction, here computed by
+    /// the `burn` library.
     #[test]
     fn any_contacts_may_touch(seed in any::<u64>(), touching in prop::sample::subsequence((13..=24).collect::<Vec<usize>>(), 1..=12)) {
         let nodes: Vec<usize> = (13..=24).collect();
@@ -99,7 +102,7 @@ proptest! {
     }
 }
 
-/// Forces equal burn's forces for the layer widths of the paper.
+/// For the layer widths of the paper, forces equal those of the `burn` library.
 #[test]
 fn forces_of_the_papers_network_are_those_of_burn() {
     let network = random_network(2, &[19, 20], ContactSet::Fixed, &[150, 200, 150], 46);
@@ -141,7 +144,7 @@ fn other_fingers_contacts_and_markers_are_refused() {
         let error = new(&paper(), &contacts).expect_err("other contacts");
         assert!(error.to_string().contains("exactly the contacts 19@0, 20@0"), "{error}");
     }
-    // A contact at the position of a node is the same contact as the node.
+    // A contact given by the position of a node equals a contact given by the node's number.
     let position_mm = paper().front_position_mm(NodeId(19)).expect("on the front plate");
     assert_eq!(new(&paper(), &[at_position(position_mm, 0.0), at_node(20, 0.0)]), Ok(()));
     let any = random_network(1, &[18, 19, 20], ContactSet::AnyOf, &[3], 4);

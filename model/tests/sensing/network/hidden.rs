@@ -9,7 +9,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-/// If half of the markers determine the few principal directions, hidden markers are filled in, and sigmas grow.
+/// If the visible markers determine the few principal directions, the estimator fills in the hidden markers. Sigmas grow with the number of hidden
+/// markers.
 #[test]
 fn hidden_markers_are_filled_in() {
     let network = random_network(5, &[17, 20], ContactSet::Fixed, &[20], 10);
@@ -35,7 +36,7 @@ fn hidden_markers_are_filled_in() {
         }
         wider = estimate.sigmas_n;
     }
-    // The markers have the order of the measurement.
+    // The estimator expects the markers in the order of the measurement for which it was built.
     let reversed: Vec<Marker> = all.markers().iter().rev().copied().collect();
     let reversed = Measurement::new(&paper(), reversed).expect("markers");
     let mut estimator = NetworkEstimator::new(&network, &paper(), &contacts, &reversed).expect("all markers");
@@ -49,12 +50,12 @@ fn hidden_markers_are_filled_in() {
     assert_eq!(refused, Err(NetworkError::HiddenMarkers { expected: 23, found: 22 }));
 }
 
-/// With fewer measured coordinates than directions, forces are uncertain, and sigmas state the uncertainty. Shapes are drawn from the distribution
-/// that the network assumes; the errors of a linear network then equal its sigmas.
+/// With fewer measured coordinates than principal directions, forces are uncertain, and sigmas state the uncertainty. Shapes are drawn from the
+/// distribution that the network assumes. The errors of a linear network then scatter as its sigmas state.
 #[test]
 fn sigmas_tell_what_hidden_markers_leave_open() {
     const DRAWS: usize = 1000;
-    /// Four times the scatter 1 / sqrt(2000) of the root mean square of 1000 errors, each divided by its standard deviation.
+    /// Four standard errors, 4 / sqrt(2000), of the root mean square of 1000 errors, each divided by its standard deviation.
     const SCATTER: f64 = 0.09;
     let mut network = random_network(5, &[17, 20], ContactSet::Fixed, &[], 10);
     network.card.test_errors = vec![TestError { rms_n: 0.0, clean_rms_n: 0.0 }; 2];

@@ -1,5 +1,5 @@
-//! The sensing network: forces compared with burn (`forward`), estimates under noise (`estimator`) and with hidden markers (`hidden`), files
-//! (`file`), and the fingerprint of its finger (`fingerprint`). This file builds networks with random weights.
+//! Tests of the sensing network: forces compared with the `burn` library (`forward`), estimates under noise (`estimator`) and with hidden markers
+//! (`hidden`), files (`file`), and the fingerprint of the network's finger (`fingerprint`). This file builds networks with random weights.
 
 use finray_model::measurement::{Marker, Measurement};
 use finray_model::sensing::network::{
@@ -21,7 +21,8 @@ mod hidden;
 /// Largest difference of forces, N, between instruction sets, which round and add in a different order.
 const BETWEEN_INSTRUCTIONS_N: f64 = 5e-6;
 
-/// A network with random weights for the paper's finger. `hidden` describes the hidden layers; `directions` is the number of principal directions.
+/// A network with random weights for the paper's finger. `hidden` contains the widths of the hidden layers; `directions` is the number of principal
+/// directions.
 fn random_network(
     seed: u64,
     contacts: &[usize],
@@ -69,7 +70,7 @@ fn random_network(
             kinematics: Kinematics::Corotational,
             elements_per_member: 4,
             samples: 1000,
-            // Random weights may lead to any forces.
+            // The range is wide, because random weights may lead to forces of any size.
             force_range_n: [-1e3, 1e3],
             largest_total_n: 10.0,
             direction_spread_deg: 0.0,
@@ -88,7 +89,8 @@ fn random_network(
 fn random_shape(network: &Network, seed: u64) -> Vec<f64> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let z = DVector::from_fn(network.inputs.count(), |_, _| rng.random_range(-2.0..2.0));
-    // The input is P^T (P P^T)^-1 z. P P^T is diagonal, because the rows of P are orthogonal.
+    // For an input z of the network, the shape relative to the mean is P^T (P P^T)^-1 z, where P is the projection. P P^T is diagonal, because the
+    // rows of P are orthogonal.
     let rows = &network.inputs.projection;
     let scaled = DVector::from_fn(z.len(), |i, _| z[i] / rows.row(i).norm_squared());
     (rows.transpose() * scaled).iter().zip(&network.inputs.mean).map(|(x, mean)| x + mean).collect()

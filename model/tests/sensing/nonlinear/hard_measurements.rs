@@ -26,7 +26,7 @@ struct Hardship {
 
 const CAMERA: Hardship = Hardship { noise_mm: CAMERA_NOISE_MM, hidden: 0, wild: false, forces_n: [0.3, 3.0] };
 
-/// Errors in stated sigmas, and the share of refused cases. Contacts are drawn separately for each case.
+/// Returns the errors as multiples of their stated sigmas, and the share of refused cases. Contacts are drawn separately for each case.
 fn standardised_errors(
     questions: &[ContactQuestion],
     contacts: impl Fn(&mut ChaCha8Rng) -> Vec<Contact>,
@@ -76,7 +76,7 @@ fn known(contacts: &[Contact]) -> Vec<ContactQuestion> {
     contacts.iter().copied().map(ContactQuestion::from).collect()
 }
 
-/// Checks that errors are at most a few sigma, and that few cases are refused. An error above 6 sigma has a probability of about 1 in 10^9.
+/// Checks that no error exceeds a few stated sigmas, and that few cases are refused. An error above 6 sigma has a probability of about 1 in 10^9.
 fn assert_honest(what: &str, (errors, refused): &(Vec<f64>, f64), most_refused: f64) {
     let worst = largest(errors);
     assert!(worst <= 6.0, "{what}: {worst} sigma");
@@ -84,7 +84,7 @@ fn assert_honest(what: &str, (errors, refused): &(Vec<f64>, f64), most_refused: 
     let covered = errors.iter().filter(|e| e.abs() <= 1.96).count() as f64 / errors.len().max(1) as f64;
     let allowed = STANDARD_ERRORS * share_error(0.95, errors.len().max(1)) + 0.01;
     assert!(covered >= 0.95 - allowed, "{what}: covered {covered}");
-    // A sigma of twice the error would cover the errors, but would be too large. A hundred draws determine the scatter to 7 %.
+    // A stated sigma of twice the scatter would cover the errors, but would be too large. A hundred draws determine the scatter to 7 %.
     let scatter = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len().max(1) as f64).sqrt();
     assert!(errors.len() < 50 || scatter > 0.6, "{what}: scatter {scatter} of sigma");
 }
@@ -98,7 +98,7 @@ fn hard_measurements_are_right_or_refused() {
             let contacts = at_nodes(&nodes);
             let found =
                 standardised_errors(&known(&contacts), |_| contacts.clone(), Hardship { hidden, ..CAMERA }, 100);
-            // With two markers, one of eight measurements of forces on neighbouring nodes has two explanations: 7.7 N and 1.5 N on node 19.
+            // With two visible markers, one in eight measurements of forces on neighbouring nodes has two explanations: 7.7 N or 1.5 N on node 19.
             let most_refused = if hidden == 21 && nodes.len() == 2 { 0.15 } else { 0.1 };
             assert_honest(&format!("{hidden} hidden, {nodes:?}"), &found, most_refused);
         }
@@ -119,7 +119,7 @@ fn hard_measurements_are_right_or_refused() {
     }
 }
 
-/// Unknown directions and positions: the stated sigma covers the force.
+/// If direction or position is unknown, the stated sigma covers the error of the force.
 #[test]
 fn unknown_directions_and_positions_are_covered() {
     let anywhere = |rng: &mut ChaCha8Rng| vec![at_position(rng.random_range(15.0..150.0), 0.0)];
@@ -138,8 +138,8 @@ fn unknown_directions_and_positions_are_covered() {
     }
 }
 
-/// Forces nearly along the plate of a soft finger, which has buckled. The forces of the linear finger are then no starting point for the search.
-/// Every returned force is correct within its stated deviation, and hardly any force is refused.
+/// Forces act nearly along the plate of a soft finger, and the plate has buckled. On a buckled plate, the forces of the linear finger are no starting
+/// point for the search. Every returned force is correct within its stated deviation, and hardly any force is refused.
 #[test]
 fn forces_along_a_buckled_plate_are_found() -> Result<(), Box<dyn std::error::Error>> {
     let finger = Scene::from_toml(finray_fixtures::SOFT_SCENE)?.finger;
@@ -176,8 +176,9 @@ fn forces_along_a_buckled_plate_are_found() -> Result<(), Box<dyn std::error::Er
     Ok(())
 }
 
-/// Two forces near the limit load of a soft finger: steps towards these forces often lead beyond the limit. A search that discarded the part of a
-/// step with an equilibrium once ended at other forces, with a residual of 1 mm for a noise of 0.067 mm.
+/// Two forces act near the limit load of a soft finger. Steps of the search towards these forces often lead beyond the limit load. Part of a step
+/// beyond the limit load may still have an equilibrium. A search that discarded this part once ended at wrong forces, with a residual of 1 mm for a
+/// noise of 0.067 mm.
 #[test]
 fn pairs_near_the_limit_load_are_found() -> Result<(), Box<dyn std::error::Error>> {
     let finger = Scene::from_toml(finray_fixtures::SOFT_SCENE)?.finger;

@@ -18,8 +18,8 @@ use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-/// Largest relative error of the sensed force for each true force, over every contact node and directions from -60 to 60 degrees. The mesh `truth`
-/// computes the true shapes.
+/// For each true force, the largest relative error of the sensed force over all contact nodes and over directions from -60 to 60 degrees. The true
+/// shapes are computed on the mesh `truth`.
 fn errors_over_the_finger(truth: &Mesh, forces_n: &[f64], sense: impl Fn(Contact, &Measurement) -> f64) -> Vec<f64> {
     let mut worst = vec![0.0_f64; forces_n.len()];
     for node in 13..=24 {
@@ -37,8 +37,8 @@ fn errors_over_the_finger(truth: &Mesh, forces_n: &[f64], sense: impl Fn(Contact
     worst
 }
 
-/// On noise-free data of the same model, the force is recovered to rounding. This also holds if the linear starting point is far from the force: 5 N
-/// at the tip along the plate once led to another minimum.
+/// On noise-free data of the same model, the force is recovered to rounding. The force is also recovered if the linear starting point is far from it.
+/// For 5 N along the plate at the tip, the search once ended in another minimum.
 #[test]
 fn forces_come_back_from_the_own_model() {
     let mesh = Mesh::key_nodes(&paper());
@@ -68,7 +68,7 @@ fn forces_come_back_from_the_fine_mesh() {
     assert!(worst.iter().all(|e| *e <= 0.003), "refined: {worst:?}");
 }
 
-/// Unknown positions and directions are found, alone and together.
+/// An unknown position, an unknown direction, and both together are found.
 #[test]
 fn positions_and_directions_are_found() {
     let finger = paper();
@@ -91,12 +91,13 @@ fn positions_and_directions_are_found() {
     }
 }
 
-/// A force along the normal of the deformed plate. Its direction follows from the rotation of the plate at the contact.
+/// The force acts along the normal of the deformed plate. The direction of a force along the normal of the deformed plate follows from the rotation
+/// of the plate at the contact.
 #[test]
 fn normals_turn_with_the_plate() {
     let finger = paper();
     let mesh = Mesh::with_elements_per_member(&finger, 4);
-    // Finds the follower force by iteration: a dead force along the normal that the plate has under this force.
+    // Finds a follower force by iteration: a dead force is rotated until it acts along the normal of the plate that it deforms.
     let mut contact = at_node(16, 0.0);
     for _ in 0..40 {
         let load = mesh.frame_load(&contact.load(&finger, 3.0)).expect("a contact node");
@@ -146,7 +147,7 @@ fn what_noise_does_not_explain_is_uncertainty() {
     let (right, wrong) = (ask(20, CAMERA_NOISE_MM), ask(19, CAMERA_NOISE_MM));
     assert_eq!(right.noise_mm, CAMERA_NOISE_MM);
     assert!(wrong.noise_mm > 3.0 * CAMERA_NOISE_MM && wrong.sigmas_n[0] > 3.0 * right.sigmas_n[0], "{wrong:?}");
-    // A sufficiently large stated noise is accepted.
+    // A stated noise that is large enough to explain the residual is kept.
     assert_eq!(ask(19, 1.0).noise_mm, 1.0);
 }
 
@@ -174,7 +175,7 @@ fn what_is_not_identifiable_is_refused() {
 proptest! {
     #![proptest_config(cases(96))]
 
-    /// The ladder's sensitivities to added and moved loads equal differences of equilibria, on any finger.
+    /// On any finger, the ladder solver's sensitivities to an added load and to a moved load equal differences of equilibria.
     #[test]
     fn sensitivities_are_differences_of_equilibria(
         finger in built_finger_with_zones(),
@@ -215,7 +216,7 @@ proptest! {
             let difference: Vector = (more[node] - less[node]) / (2.0 * step);
             prop_assert!((difference - rate).norm() <= 1e-4 * largest, "added, node {node}: {difference} against {rate}");
         }
-        // The load stays on one element, because displacements have a kink at an arm and at a node between two elements.
+        // Only loads that stay on one element are compared, because displacements have a kink at an arm and at a node between two elements.
         let [FrameLoad::Interior { member: a, .. }, FrameLoad::Interior { member: b, .. }] =
             [position(s_mm + shift), position(s_mm - shift)] else { return Err(TestCaseError::reject("a kink")) };
         prop_assume!(a == b);
@@ -228,7 +229,7 @@ proptest! {
     }
 }
 
-/// An estimate that starts from known forces returns the same result as any other estimate, in as few steps as for a frame of a stream.
+/// An estimate that starts from known forces returns the same result as any other estimate, in at most three steps, as for a frame of a stream.
 #[test]
 fn an_estimate_starts_from_forces_that_are_known() -> Result<(), Box<dyn std::error::Error>> {
     let finger = paper();

@@ -1,4 +1,4 @@
-//! Sensing with an uncertain base and uncertain friction: stated standard deviations include both.
+//! Sensing with an uncertain base and uncertain friction. Stated standard deviations include the uncertainties of base and friction.
 
 use finray_model::measurement::{BaseUncertainty, Marker, Measurement};
 use finray_model::sensing::{
@@ -29,8 +29,8 @@ fn bracketed() -> Finger {
     finger_of(finray_fixtures::BRACKETED_SCENE)
 }
 
-/// Finds, by iteration, a force that leans by an angle from the normal of the deformed plate. Each iteration applies a dead force, with the direction
-/// from the last shape.
+/// Finds, by iteration, a force that leans by an angle from the normal of the deformed plate. Each iteration applies a dead force, whose direction
+/// follows from the shape of the previous iteration.
 fn leaning(mesh: &Mesh, node: usize, force_n: f64, lean_deg: f64) -> Result<(Contact, Measurement), StaticsError> {
     let finger = mesh.finger();
     let mut contact = at_node(node, lean_deg);
@@ -45,7 +45,7 @@ fn leaning(mesh: &Mesh, node: usize, force_n: f64, lean_deg: f64) -> Result<(Con
     Ok((contact, Measurement::of_shape(finger, &mesh.shape(&motion))))
 }
 
-/// The same displacements, relative to a base that is assumed at another pose.
+/// Displacements of the same deformed finger, measured from an assumed base relative to which the true base is moved and rotated.
 fn from_another_base(finger: &Finger, seen: &Measurement, moved: Vector, turned_rad: f64) -> Measurement {
     let (sin, cos) = turned_rad.sin_cos();
     let marker = |marker: &Marker| {
@@ -64,7 +64,7 @@ fn a_base_that_is_elsewhere_is_found() {
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
     let (contact, seen) = leaning(&mesh, 8, 6.0, 0.0).expect("carried");
     let loose = BaseUncertainty { sd_mm: 10.0, sd_rad: 0.3, ..BaseUncertainty::default() };
-    // A known direction refers to the base of the measurement.
+    // A known direction is stated relative to the base that the measurement assumes.
     let estimate = |measurement: &Measurement, turned_rad: f64| {
         let contact = Contact { angle_deg: contact.angle_deg + turned_rad.to_degrees(), ..contact };
         let mut estimator = NonlinearEstimator::new(&mesh, &[contact.into()]).expect("on the plate");
@@ -74,7 +74,7 @@ fn a_base_that_is_elsewhere_is_found() {
         let elsewhere = from_another_base(&finger, &seen, moved, turned_rad);
         let found = estimate(&elsewhere.clone().with_base(loose), turned_rad).expect("identifiable");
         assert!((found.forces_n[0] / 6.0 - 1.0).abs() < 1e-5, "{found:?}");
-        // If such a base is assumed to be exact, the force has a large error, or the measurement is refused.
+        // If a base at a wrong pose is assumed to be exact, the force has a large error, or the measurement is refused.
         let wrong = estimate(&elsewhere, turned_rad);
         assert!(wrong.is_err() || wrong.is_ok_and(|found| (found.forces_n[0] / 6.0 - 1.0).abs() > 0.05));
     }
@@ -109,8 +109,9 @@ fn stated_sigmas_hold_what_base_and_friction_leave_open() {
     assert!(largest > 0.02, "the priors are part of the sigmas: {largest}");
 }
 
-/// Markers hardly determine a lean that lies within a wide range. The standard deviation follows from the forces at both ends of the range. At one
-/// end, the force differs more than the tangent at the estimate predicts.
+/// If the friction lies within a wide range, the markers hardly determine the lean of the force. The standard deviation of the force follows from the
+/// forces at both ends of the range of the lean. At one end of the range of the lean, the force differs from the estimate by more than the tangent at
+/// the estimate predicts.
 #[test]
 fn a_wide_range_of_friction_widens_by_its_ends() {
     // A stated noise so large that the markers do not constrain the lean.
@@ -143,7 +144,8 @@ fn a_wide_range_of_friction_widens_by_its_ends() {
     assert!(largest > 1.1, "{largest}");
 }
 
-/// Leans that follow the law of friction that builds up with the force are reproduced exactly, for either normal.
+/// If friction builds up with the force by the stated law, the force is recovered exactly, with the lean measured from the undeformed or the deformed
+/// normal.
 #[test]
 fn friction_that_builds_up_is_followed() {
     let finger = bracketed();
@@ -175,9 +177,9 @@ struct Sensed {
     sigma: f64,
 }
 
-/// Senses forces with friction on bases without reference marks, once with each uncertainty of the base in `stated`. The true base has a mounting
-/// error as in the first entry of `stated`. It also rotates by the force times `turn_rad_per_n`, which is drawn for each case with the standard
-/// deviation `turn_sd_rad_per_n`.
+/// Senses forces with friction on bases without reference marks, once with each uncertainty of the base in `stated`. The mounting error of the true
+/// base is drawn with the standard deviations of the first entry of `stated`. The true base also rotates by the force times `turn_rad_per_n`. This
+/// compliance is drawn for each case with the standard deviation `turn_sd_rad_per_n`.
 fn sensed_from_bases_that_give_way(turn_sd_rad_per_n: f64, stated: [BaseUncertainty; 2]) -> [Sensed; 2] {
     let finger = bracketed();
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
@@ -211,8 +213,8 @@ fn sensed_from_bases_that_give_way(turn_sd_rad_per_n: f64, stated: [BaseUncertai
     all
 }
 
-/// A compliant base without reference marks. If its expected rotation is the force times its compliance, the rotation provides information on the
-/// force. If the expected rotation is zero, it contradicts the markers: intervals widen, and errors of the force grow.
+/// A compliant base without reference marks. If the expected rotation of the base is the force times the base's compliance, the rotation provides
+/// information on the force. If the expected rotation of the base is zero, the markers contradict it: intervals widen, and errors of the force grow.
 #[test]
 fn a_base_that_gives_way_is_expected_to_turn() {
     let yields = BaseUncertainty { turn_rad_per_n: TURN_RAD_PER_N, ..MOUNTED };
@@ -221,8 +223,8 @@ fn a_base_that_gives_way_is_expected_to_turn() {
     assert!(not.square > 1.5 * expected.square && not.sigma > 2.0 * expected.sigma, "{expected:?}, {not:?}");
 }
 
-/// If the uncertain compliance has a stated standard deviation, intervals contain the force as often as stated. If this compliance is assumed to be
-/// exact, errors are larger and intervals too narrow.
+/// If the standard deviation of the base's uncertain compliance is stated, intervals contain the force as often as stated. If the uncertain
+/// compliance of the base is assumed to be exact, errors are larger and intervals too narrow.
 #[test]
 fn a_compliance_that_is_not_quite_known_is_in_the_interval() {
     const SHARE: f64 = 0.3;
@@ -247,7 +249,7 @@ fn priors_need_a_noise() {
     assert_eq!(estimator.estimate(&measurement, None), Err(SensingError::NoiseNotStated));
 }
 
-/// The error of the assumed base may exceed the deflection of the finger, for example for a small force on a newly mounted finger.
+/// The error of the base's assumed pose may exceed the deflection of the finger, for example for a small force on a newly mounted finger.
 #[test]
 fn bases_far_off_are_found() {
     let finger = bracketed();
@@ -270,17 +272,18 @@ fn bases_far_off_are_found() {
     }
 }
 
-/// The stated standard deviation combines the responses of the force to the noise of each coordinate.
+/// The square of the stated standard deviation is the sum of the squared responses of the force to the noise of each coordinate.
 #[test]
 fn sigmas_are_responses_to_noise() {
-    // An uncertainty so large that the prior has no effect on the sum.
+    // The base is so uncertain that its prior does not contribute to the standard deviation of the force.
     let loose = BaseUncertainty { sd_mm: 100.0, sd_rad: 1.0, ..BaseUncertainty::default() };
     responses_of(loose, 0.0);
-    // A base with a rotation of exactly force times compliance acts as a second force sensor. Its prior adds equally little to the sum.
+    // A base that rotates by exactly its compliance times the force acts as a second force sensor. The prior of a base with exactly known compliance
+    // contributes equally little to the standard deviation of the force.
     responses_of(BaseUncertainty { sd_rad: 1e-7, turn_rad_per_n: TURN_RAD_PER_N, ..loose }, TURN_RAD_PER_N * 8.0);
 }
 
-/// Senses 8 N with a rotated base, and compares the stated deviation with the responses.
+/// Senses 8 N with a rotated base, and compares the stated standard deviation with the responses of the force to noise.
 fn responses_of(base: BaseUncertainty, turned_rad: f64) {
     let finger = bracketed();
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
@@ -311,6 +314,6 @@ fn responses_of(base: BaseUncertainty, turned_rad: f64) {
         }
     }
     let responses = variance.sqrt();
-    // Central differences of forces that have converged to a hundredth of their standard deviation.
+    // The responses are central differences of forces that have converged to a hundredth of their standard deviation.
     assert!((stated / responses - 1.0).abs() < 0.01, "stated {stated} N, responses {responses} N");
 }

@@ -7,7 +7,7 @@ use finray_train::samples::{SampleRecipe, Stream};
 use rand::Rng;
 use std::collections::{HashMap, HashSet};
 
-/// Limits of chi-square for 6 and 11 degrees of freedom; chance exceeds each limit in one of ten thousand draws.
+/// Limits of chi-square for 6 and 11 degrees of freedom. By chance, one of ten thousand draws exceeds each limit.
 const CHI_SQUARE_6: f64 = 27.9;
 const CHI_SQUARE_11: f64 = 37.4;
 
@@ -15,7 +15,7 @@ fn chi_square(counts: impl IntoIterator<Item = (usize, f64)>) -> f64 {
     counts.into_iter().map(|(found, expected)| (found as f64 - expected).powi(2) / expected).sum()
 }
 
-/// A recipe in which all quantities are random. The finger has no equilibrium under many of these forces, so draws are also repeated.
+/// A recipe in which all quantities are random. The finger has no equilibrium under many of these forces, so some draws are repeated.
 fn all_spread() -> SampleRecipe {
     SampleRecipe {
         any_of: true,
@@ -85,8 +85,8 @@ fn forces_are_in_the_papers_range() {
         assert!(samples.touching.iter().all(|touching| *touching == vec![true; contacts]));
         let sums: Vec<f64> = samples.forces.column_iter().map(|case| case.sum()).collect();
         assert!(sums.iter().all(|sum_n| *sum_n < 10.0));
-        // The sum of twelve forces exceeds 10 N unless their mean is below a third of its expected value. In practice, all cases are therefore scaled
-        // to 0..10 N.
+        // The sum of twelve forces exceeds 10 N unless their mean is below a third of its expected value. In practice, all cases of twelve forces are
+        // therefore scaled, so that their sum lies in 0..10 N.
         let (numbers, largest) = match contacts {
             1 | 2 => (samples.forces.row(0).iter().copied().collect(), 5.0),
             12 => (sums, 10.0),
@@ -96,7 +96,7 @@ fn forces_are_in_the_papers_range() {
     }
 }
 
-/// Checks for a uniform distribution from zero to `largest`: its mean is half of the range, and its variance is 1/12 of the squared range. The
+/// Checks for a uniform distribution from zero to `largest`: the mean is half of the range, and the variance is 1/12 of the squared range. The
 /// extremes of thousands of numbers lie within a hundredth of the limits.
 fn assert_evenly_spread(numbers: &[f64], largest: f64) {
     let (mean, deviation) = (largest / 2.0, largest / f64::sqrt(12.0));
