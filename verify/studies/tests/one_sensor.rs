@@ -1,4 +1,4 @@
-//! `press`, `grasp` and `sense` agree: the same observation gives the same forces, in memory and from a table.
+//! `press`, `grasp` and `sense` agree: an observation gives the same forces whether it stays in memory or is read from a table.
 
 use finray_files::observations::{Coordinates, ObservationTable, to_csv};
 use finray_fixtures::{BOX_SCENE, DISC_SCENE, FRICTION_SCENE, GRASPED_DISC_SCENE};
@@ -38,7 +38,7 @@ fn press_senses_as_a_sensor_does() {
         let object = scene.object.clone().unwrap();
         let pressed = ContactScene::new(&scene, &object, &[]).unwrap().with_fineness(1);
         let run = pressed.run(|step| {
-            // All noise numbers are zero: contacts are read without error, but have the standard deviations of the noise.
+            // Every noise number is zero, so the contacts are read without error; their stated standard deviations are those of the noise.
             let Some(sensed) = pressed.sense(&step, CAMERA_NOISE_MM, || 0.0).unwrap() else { return };
             let felt = step.contacts.iter().filter(|contact| !contact.clamped);
             let read: Vec<_> = felt.map(|seen| read_contact(&scene.finger, seen, CAMERA_NOISE_MM, || 0.0)).collect();
@@ -61,7 +61,7 @@ fn grasp_senses_as_a_sensor_does() {
     let ended = grasp.run(&Eyes::Noise(0.0), 1, |step| {
         for finger in &step.fingers {
             let Ok(Some(sensed)) = &finger.sensed else { continue };
-            // Without noise, the smallest stated standard deviation is used.
+            // Without noise, `grasp` assumes the standard deviation `LEAST_STATED_MM`, so the sensor gets this value.
             let scene = Scene { noise_mm: None, ..scene.clone() };
             let contacts: Vec<MeasuredContact> = sensed.contacts.iter().map(|contact| contact.read).collect();
             let contacts = SensorContacts::Measured { contacts, friction };

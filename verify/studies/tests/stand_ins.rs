@@ -5,7 +5,7 @@ use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, SensingError};
 
 /// An estimator without a model of the finger and without standard deviations. It answers every measurement with 1 N, or refuses every measurement.
-/// It uses the name of the network, in tests without a network.
+/// `Constant` uses the name of the network, because the tests with it have no network.
 pub struct Constant {
     pub refuses: bool,
 }

@@ -29,7 +29,7 @@ fn every_command_explains_itself() {
     assert_says(&finray(&["--version"]).done(), &["finray 0."]);
 }
 
-/// The help must fit one page. On pages of 90 lines, options are far from their descriptions.
+/// The help must fit one page. On a help page of 90 lines, options would be far from their descriptions.
 #[test]
 fn the_help_of_a_command_is_one_page_that_names_its_guide() {
     let help = finray(&["--help"]).done();
@@ -42,7 +42,7 @@ fn the_help_of_a_command_is_one_page_that_names_its_guide() {
     for name in names {
         let page = finray(&[name, "--help"]).done();
         assert!(page.lines().count() <= 45, "{name}: {} lines", page.lines().count());
-        // Lines fit a terminal of 100 columns, except for the names of an option's values.
+        // From the line `Examples:` on, lines fit a terminal of 100 columns; above it, the names of an option's values may need more.
         let examples = page.lines().skip_while(|line| !line.starts_with("Examples:"));
         let long: Vec<_> = examples.filter(|line| line.len() > 100).collect();
         assert!(long.is_empty(), "{name}: {long:#?}");
@@ -101,13 +101,13 @@ fn unknown_words_are_refused() {
     ] {
         finray(&arguments).refused();
     }
-    // Without arguments, the help is printed, and the exit code is the code for bad input.
+    // Without arguments, `finray` prints the help and exits with the code for bad input.
     let nothing = finray(&[]);
     assert_eq!(nothing.code, Some(2));
     assert_says(&nothing.err, &["Usage: finray"]);
 }
 
-/// A negative number is parsed as the value of an option. The message states the fault of the value, and not that the option is unknown.
+/// A negative number is parsed as the value of an option. The message states what is wrong with the value, and does not call the option unknown.
 #[test]
 fn numbers_below_zero_are_values() {
     let sense = ["sense", PAPER, "--displacements", "missing.csv", "--contact", "19"];
@@ -139,7 +139,7 @@ fn help_of_help_is_help() {
     assert_eq!(finray(&["help", "--help"]).done(), finray(&["--help"]).done());
 }
 
-/// An angle of more than a full turn is a mistake.
+/// An angle of more than a full turn is refused.
 #[test]
 fn angles_beyond_a_full_turn_are_refused() {
     for angle in ["361", "-361", "1e6"] {
@@ -149,7 +149,7 @@ fn angles_beyond_a_full_turn_are_refused() {
     }
 }
 
-/// The message for a missing table or key names file and line, as for any other key.
+/// The message for a missing table or key names file and line, as messages about other keys do.
 #[test]
 fn what_a_scene_lacks_is_said_with_file_and_line() {
     let folder = Folder::new();

@@ -12,7 +12,7 @@ const RECOVERED: f64 = 1e-9;
 /// Loads of two cases: node, and force in N.
 const LOADS: [(usize, [f64; 2]); 2] = [(17, [0.1, -1.0]), (21, [-0.2, -2.0])];
 
-/// Measurements of all free nodes of a linear finger, one case for each of [`LOADS`].
+/// Displacements of all key nodes of a linear finger, one case for each of [`LOADS`].
 fn measured(scene: &str) -> String {
     let mut text = COLUMNS.to_owned();
     for (case, (load_node, [fx, fy])) in LOADS.iter().enumerate() {
@@ -34,7 +34,7 @@ fn calibrate(scene: &str, measurements: &str) -> Answer {
 #[test]
 fn a_softer_finger_gives_its_own_modulus() {
     let folder = Folder::new();
-    // The true scene states the modulus multiplied by 0.8; the scene has only one modulus.
+    // The true scene states the modulus multiplied by 0.8; all parts of the finger have this modulus.
     let truth = folder.put("truth.toml", paper_with(&[("47.976", "38.3808")]));
     let answer = Csv::of(&calibrate(PAPER, &measured(&truth)).done());
     assert_eq!(answer.header, ["parameter", "value", "sigma"]);
@@ -78,7 +78,7 @@ fn parts_of_different_moduli_are_listed_each() {
     assert_close(&answer.numbers("value")[2..], &[1.0], RECOVERED);
 }
 
-/// Rows may have another order, and further columns are ignored. The sum of distances is robust against one wrongly assigned marker.
+/// Rows may have another order, and lines may end with CR and LF. The sum of distances is robust against one wrongly assigned marker.
 #[test]
 fn order_does_not_matter_and_single_bad_markers_hardly() {
     let text = measured(PAPER);
@@ -161,7 +161,7 @@ fn options_of_images_are_refused_beside_measurements() {
         let message = finray(&["calibrate", PAPER, "--measurements", &weights, option, "modulus"]).refused();
         assert_says(&message, &["--measurements", option, "cannot be used with"]);
     }
-    // Without either input, the message names both ways to calibrate.
+    // Without measurements and without located images, the message names both ways to calibrate.
     assert_says(&finray(&["calibrate", PAPER]).refused(), &["--measurements", "--located", "--fit"]);
 }
 
@@ -192,7 +192,7 @@ fn measurements_that_tell_no_modulus_are_refused() {
     }
 }
 
-/// The twin scene with other modulus factors; its zones are common to front and back plate.
+/// The twin scene with other modulus factors; each factor applies to one zone of the front plate and one of the back plate.
 fn twin_with(factors: [f64; 3]) -> String {
     let from = ["0.7216", "0.1528", "0.0641"].map(|factor| format!("modulus_factor = {factor}"));
     from.iter().zip(factors).fold(TWIN_SCENE.to_owned(), |scene, (from, factor)| {
@@ -223,7 +223,7 @@ fn zones_are_found_with_their_sigmas_and_correlations() {
     let folder = Folder::new();
     let truth = folder.put("truth.toml", twin_with([0.6, 0.2, 0.1]));
     let start = folder.put("start.toml", twin_with([1.0, 1.0, 1.0]));
-    // Linear shapes are exact. The co-rotational shapes come from another mesh, so the tolerance is larger.
+    // Linear shapes are exact. The co-rotational shapes come from another mesh than the calibration's, so the tolerance is larger.
     for (kinematics, tolerance) in [("linear", 1e-6), ("corotational", 0.01)] {
         let measurements = measured_at_four(&truth, kinematics);
         let correlations = folder.path("correlations.csv");
@@ -246,7 +246,7 @@ fn zones_are_found_with_their_sigmas_and_correlations() {
     }
 }
 
-/// Standard deviations grow with the noise. The factors of front and back plate are hardly separable; the command reports this and succeeds.
+/// Standard deviations grow with the noise. The factors of front and back plate are hardly separable, so the command succeeds with a warning.
 #[test]
 fn noise_sets_the_sigmas_of_zones() {
     let folder = Folder::new();

@@ -1,4 +1,4 @@
-//! Measurements that contradict the images: `calibrate` refuses or reports a wrong name, sign, unit or row before it writes anything.
+//! `calibrate` refuses measurements that contradict the images (by a wrong name, sign, unit or row) before it writes anything, or warns of them.
 
 use crate::kit::*;
 use crate::photographs::{PRESSES, force, images, scene};
@@ -8,7 +8,7 @@ use std::fmt::Write;
 /// Mass in grams whose weight is 1 N.
 const GRAMS_A_NEWTON: f64 = 101.97;
 
-/// Table and forces of the located images; all cases start from them.
+/// The table of the located images and the measured forces; each case changes them.
 struct Located {
     folder: Folder,
     scene: String,
@@ -37,11 +37,11 @@ impl Located {
             }
             cells.join(",") + "\n"
         };
-        // Displacements belong to node names, and positions to markers, so the displacements after an exchange follow from the positions.
+        // `calibrate` computes displacements from the positions of the markers, so it is enough to exchange the node names.
         self.rows.lines().map(renamed).collect()
     }
 
-    /// Calibrates with these rows and forces. `name` distinguishes the files of the run.
+    /// Calibrates with these rows and forces. The names of the run's files begin with `name`.
     fn calibrated(&self, name: &str, rows: &str, forces: &[[f64; 2]]) -> Answer {
         let mut text = "image,fx_n,fy_n\n".to_owned();
         for (i, [fx, fy]) in forces.iter().enumerate() {
@@ -73,7 +73,7 @@ fn measurements_that_contradict_their_images_are_refused_by_name() {
     let names = ["press1.png: the marker of node", "near to node", "check the node numbers"];
     let force =
         ["the measured force is", "times the force that the markers show", "check its sign, unit, frame and row"];
-    // Name of the case, changed rows, forces, and expected parts of the message.
+    // For each case: its name, the changed rows, the forces, and the expected parts of the message.
     let cases = vec![
         ("front", rows("press1.png", ["7", "8"]), as_measured.clone(), names.to_vec()),
         ("back", rows("press1.png", ["3", "4"]), as_measured.clone(), names.to_vec()),
@@ -128,7 +128,7 @@ fn what_stands_out_is_said() {
             &["the ratio of the measured force to the force that the markers show is", "check unit, frame and row"],
         );
     }
-    // The row of one node, displaced by a millimetre.
+    // Adds 1 mm to the position and to the displacement in the row of one marker.
     let moved = |line: &str| {
         let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
         if cells[0] == "press2.png" && cells[1] == "8" {

@@ -1,5 +1,5 @@
-//! Faulty input between image and force: each fault is refused or reported by its check. The rig has pins as grey markers and two references on
-//! the base.
+//! Tests of faulty input on the way from image to force: each fault is refused or reported by its check. The finger in the images has pins as grey
+//! markers, and two references on its base.
 
 use crate::kit::*;
 use finray_fixtures::BRACKETED_SCENE;
@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use std::fmt::Write;
 
 /// For each image: position (mm), force (N) and angle (degrees) of the load; then x (mm), y (mm) and rotation (degrees) of the base. The base is
-/// rotated by about 90 degrees, so fy is along the plate.
+/// rotated by about 90 degrees, so the force component fy is along the plate.
 const PRESSES: [([f64; 3], [f64; 3]); 3] = [
     ([60.0, 2.0, 8.0], [40.0, -70.0, 90.0]),
     ([72.0, 4.0, 15.0], [38.5, -69.2, 90.4]),
@@ -65,7 +65,7 @@ impl Rig {
         self.folder.put(&format!("{name}.toml"), text)
     }
 
-    /// Locates the finger in all images with a changed scene.
+    /// Locates the finger in all images, using a changed scene.
     fn located(&self, name: &str, changes: &[(&str, &str)]) -> Answer {
         self.located_in(&self.scene(name, changes), &self.images)
     }
@@ -82,7 +82,7 @@ impl Rig {
         path
     }
 
-    /// Calibrates with the measured forces, whose components are multiplied by `signs`. The name of each image begins with the number of its press.
+    /// Calibrates with the measured forces, whose components are multiplied by `signs`. The images are in the order of [`PRESSES`].
     fn calibrated(&self, name: &str, images: &[String], signs: [f64; 2]) -> Answer {
         let scene = self.scene(name, &[]);
         let located = self.folder.put(&format!("{name}.csv"), self.located_in(&scene, images).computed());
@@ -109,7 +109,7 @@ impl Rig {
     }
 }
 
-/// Renders the image of one of [`PRESSES`] with a scene.
+/// Renders the image of one of [`PRESSES`] for a scene.
 fn pressed(folder: &Folder, scene: &str, press: usize, name: &str, options: &[&str]) -> String {
     let path = folder.path(name);
     let ([s, force_n, angle], [x, y, deg]) = PRESSES[press];
@@ -147,7 +147,8 @@ fn faults_of_the_inputs_are_said() {
             vec!["the references on the base were not found: 0 and 0 marks", "base.reference.radius_mm"],
             with("marks--", MARK, "radius_mm = 1.9"),
         ),
-        // Other marks have the same radius and the same distance as the references. The base was once located at such marks, with 3 of 8 markers.
+        // The image also shows two other marks with the radius that the scene states for the references, at the same distance from each other. An
+        // earlier version located the base at other marks than the references, with 3 of 8 markers.
         (
             "other marks in place of those of the base",
             Refused,
@@ -233,7 +234,7 @@ fn faults_of_the_inputs_are_said() {
         ),
         ("half of a board", Warned, vec!["the focal length is uncertain by"], Box::new(Rig::half_of_a_board)),
         (
-            // `lens --plane` finds this pose if the stated pitch is 10 % too large.
+            // `lens --plane` finds a camera pose 10 % too far away if the stated pitch is 10 % too large.
             "a camera 10 % too far",
             Refused,
             vec!["references on the base were not found", "lens and pose"],

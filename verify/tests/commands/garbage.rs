@@ -81,7 +81,8 @@ fn outcome(input: &[u8], arguments: &[&str]) -> (Option<i32>, String) {
     (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
 }
 
-/// Runs the command with damaged copies on standard input. Every run must end with one of the codes; a failed run must print a single line.
+/// Runs the command with damaged copies on standard input. Every run must end with one of the exit codes `codes`; a failed run must print a single
+/// line.
 fn survives(name: &str, input: &str, arguments: &[&str], codes: &[i32]) {
     let mut rng = ChaCha8Rng::seed_from_u64(name.bytes().map(u64::from).sum());
     let mut met = Vec::new();

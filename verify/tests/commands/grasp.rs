@@ -1,4 +1,4 @@
-//! `finray grasp`: its files, sensing from images, and scenes without a grasp.
+//! `finray grasp`: its output files, sensing from images, and scenes that are refused.
 
 use crate::kit::*;
 use finray_fixtures::{GRASPED_DISC_SCENE as DISC, WATCHED_DISC_SCENE as CAMERA};
@@ -46,7 +46,7 @@ fn a_grasp_writes_forces_motion_figure_and_summary() {
     assert_eq!([forces.texts("finger")[left], forces.texts("finger")[right]], ["left", "right"]);
     assert!((force_n[left] / force_n[right] - 1.0).abs() < 2e-3);
     assert!((friction_n[left] + friction_n[right] - 0.06 * 9.81).abs() < 1e-3);
-    // Every step is a shot whose text states the figures of the files; one shot is shown without animation.
+    // Every step is one frame (`shot`) of the animation, whose text states the figures of the files; one frame is also shown without animation.
     let animation = folder.read("one/grasp-animation.svg");
     let shots: Vec<&str> = animation.split("<g class=\"shot-").skip(1).collect();
     assert!(shots.len() == steps && steps < 60 && animation.len() < 500_000, "{} of {steps}", shots.len());
@@ -97,7 +97,7 @@ fn a_grasp_is_sensed_by_the_estimator_that_is_asked_for() {
     assert_says(&finray(&[&["grasp"], &scene[..]].concat()).refused(), &["guess", "least-squares"]);
 }
 
-/// Cameras are in front of each finger, or on the gripper; the gripper's camera sees one finger rotated about the finger's axis.
+/// A camera is in front of each finger, or one camera is on the gripper and sees one finger rotated about the finger's axis.
 #[test]
 fn forces_are_sensed_in_images_of_the_fingers() {
     let folder = Folder::new();

@@ -1,4 +1,5 @@
-//! The images of a grasp as streams for `live`: forces of both fingers, frame by frame; readers that leave; streams that cannot be written.
+//! Tests of the images of a grasp as streams for `live`: forces of both fingers in every frame, readers that close a stream, and streams that cannot
+//! be written.
 
 use crate::kit::*;
 use finray_fixtures::WATCHED_DISC_SCENE;
@@ -6,13 +7,13 @@ use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::process::Stdio;
 
-/// Largest accepted error of a force, in standard deviations. Noise exceeds it in one of a million frames.
+/// Largest accepted error of a force, in standard deviations. Noise causes a larger error in about one of a million frames.
 const MOST_SIGMAS: f64 = 5.0;
-/// Largest force that `live` may miss, N: [`MOST_SIGMAS`] times the standard deviation of a force in these images, about 0.002 N.
+/// Largest force that `live` may miss, N: [`MOST_SIGMAS`] times the standard deviation of a force in these images, which is about 0.002 N.
 const LEAST_SEEN_N: f64 = 0.01;
 
-/// The watched grasp in ten steps, with a box far from the centre instead of the disc. The right finger pushes the box over the table while the left
-/// finger is still free. A disc would roll without force.
+/// The scene of the watched grasp with ten steps and, instead of the disc, a box far from the centre. The right finger pushes the box over the table
+/// while the left finger is still free. A disc would roll without force.
 fn off_centre(folder: &Folder) -> String {
     let changes = [
         ("shape = \"disc\"\nradius_mm = 15.0", "shape = \"box\"\nwidth_mm = 30.0\nheight_mm = 12.0"),
@@ -27,7 +28,7 @@ fn off_centre(folder: &Folder) -> String {
     folder.put("scene.toml", text)
 }
 
-/// True forces (N) on a finger by step: the length of the sum of all contacts' forces.
+/// True force (N) on a finger in each step: the magnitude of the sum of all contact forces.
 fn true_forces(forces: &str, finger: &str) -> Vec<f64> {
     let table = Csv::of(forces);
     let [steps, fingers, contacts] = ["step", "finger", "contact"].map(|column| table.texts(column));
@@ -68,7 +69,8 @@ fn assert_follows(lines: &str, true_n: &[f64], finger: &str) {
     }
 }
 
-/// The images of both fingers, through a pipe and from a file, show the forces of their finger and step. They do not change the results of the grasp.
+/// The left finger's images, sent through a pipe, and the right finger's images, from a file, show the true forces of each step. Streaming the images
+/// does not change the results of the grasp.
 #[test]
 fn live_finds_the_forces_of_a_grasp_in_its_images() {
     let folder = Folder::new();
@@ -85,7 +87,7 @@ fn live_finds_the_forces_of_a_grasp_in_its_images() {
     let [true_left, true_right] = ["left", "right"].map(|finger| true_forces(&forces, finger));
     assert_follows(&String::from_utf8(left.stdout).expect("text"), &true_left, "left");
     assert_follows(&finray(&[&live[..], &["--input", &right]].concat()).done(), &true_right, "right");
-    // The grasp distinguishes fingers and steps: the right finger pushes alone, and forces grow by much more than their uncertainty.
+    // The test would detect exchanged fingers or steps: in some steps only one finger pushes, and forces grow by much more than their uncertainty.
     let alone = true_left.iter().zip(&true_right).filter(|(left, right)| (**left == 0.0) != (**right == 0.0)).count();
     assert!(alone > 1 && true_left.last() > Some(&0.3), "{true_left:?} {true_right:?}");
     finray(&[&grasp[..], &[&folder.path("unstreamed")]].concat()).done();

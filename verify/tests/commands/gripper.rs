@@ -70,8 +70,8 @@ fn bad_linkages_and_options_are_refused() {
     assert_says(&finray(&["gripper", &paper]).refused(), &["[gripper]", "screw_pitch_mm"]);
 }
 
-/// Each cause of error has a column. An angle and a play with the same standard deviation at the nut have the same effect. The option requires three
-/// numbers.
+/// Each cause of error has a column. A motor angle and a play whose errors move the nut by the same standard deviation cause the same error. The
+/// option requires three numbers.
 #[test]
 fn errors_of_the_linkage_are_appended() {
     let rows = finray(&["gripper", SCENE, "--motor-deg", "0", "--errors", "3.6,0.138564064605510,0.05"]).computed();

@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Command of the report. It takes most of a minute, so the tests run it only once.
+/// Command of the report. The report takes most of a minute, so the tests run its command only once.
 const REPORT: &str = "finray report --quick";
 
 /// Whether a line matches the expected line, in which `...` stands for any text.
@@ -44,7 +44,7 @@ fn matches(expected: &str, found: &str) -> bool {
     lines_match(&expected.lines().collect::<Vec<_>>(), &found.lines().collect::<Vec<_>>())
 }
 
-/// The fenced blocks of a page: language with name, and content.
+/// For each fenced block of a page: the language with the file name, and the content.
 fn blocks(page: &str) -> impl Iterator<Item = (&str, &str)> {
     page.split("\n```").skip(1).step_by(2).map(|block| block.split_once('\n').unwrap_or((block, "")))
 }

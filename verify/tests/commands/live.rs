@@ -1,4 +1,4 @@
-//! Forces in a stream: video frames, positions, images; contacts that come and go; streams that end or break.
+//! Tests of `live`: forces in streams of video frames, images and positions, contacts that come and go, and streams that end or break.
 
 mod fingers;
 mod latency;
@@ -163,7 +163,8 @@ fn first_frames_may_show_the_unloaded_finger() {
     let found = lines(&finray_reading(shifted.as_bytes(), &[&live[..], &["--rest-frames", "5"]].concat()).done());
     assert_eq!(states(&found), ["none", "none", "none", "none", "none", "none", "none", "contact"]);
     assert!((force_n(&found[7]) - 1.0).abs() < 0.05, "{}", found[7]);
-    // The noise includes the noise of the mean position at rest. With one frame at rest, the noise is 1.4 times as large.
+    // With `--rest-frames`, the noise of a displacement includes the noise of the mean position at rest. With only one frame at rest, a displacement
+    // has 1.4 times the noise of a position.
     let folder = Folder::new();
     let free: String = (0..200).map(|i| positions(&shapes[0], 0.0, 500 + i)[0].clone()).collect();
     let path = folder.put("free", free);
@@ -198,7 +199,7 @@ fn broken_frames_are_refused_alone() {
     let stream = yuv4mpeg2(&images, "444", [1, 1], false);
     let found = lines(&finray(&[&live[..], &["--input", &folder.put("lost", &stream)]].concat()).done());
     assert_eq!(states(&found), ["contact", "lost", "contact"]);
-    // A stream that ends within a frame.
+    // A stream that ends within a frame causes a warning.
     let path = folder.put("cut", &stream[..stream.len() - 1000]);
     let (out, warnings) = finray(&[&live[..], &["--input", &path]].concat()).warned();
     assert_eq!(states(&lines(&out)), ["contact", "lost"]);
@@ -252,7 +253,7 @@ fn lines_arrive_at_once_and_the_reader_may_leave() {
     assert_eq!(child.wait().expect("the end").code(), Some(0));
 }
 
-/// Frames that arrive during an evaluation are dropped except for the newest, and counted.
+/// Of the frames that arrive during an evaluation, all but the newest are dropped and counted.
 #[test]
 fn dropped_frames_are_counted() {
     let one = pressed_frame();

@@ -151,7 +151,7 @@ fn without_noise_the_linear_finger_is_sensed_exactly() {
     let map = Csv::of(&finray(&["map", PAPER, "--estimator", "least-squares", "--truth", "linear"]).done());
     assert!(map.numbers("mean_error").iter().all(|error| *error < ROUNDING));
     assert!(map.numbers("spread").iter().all(|spread| *spread == 0.0));
-    // The noise of a scene's camera is used.
+    // Without `--noise-mm`, the noise stated in the scene's table `[camera]` is used.
     let folder = Folder::new();
     let scene = folder.put("scene.toml", paper_with(&[]) + "\n[camera]\nnoise_mm = 0.1\n");
     let camera = finray(&["map", &scene, "--estimator", "least-squares", "--truth", "linear", "--seeds", "10"]).done();
@@ -256,7 +256,8 @@ fn mujoco_answers_for_what_was_exported_and_nothing_else() {
     assert!(message.contains("paper, asymmetric, soft-zone"), "{message}");
 }
 
-/// The true finger is the finger of the exported drawing. Modulus, Poisson's ratio and arms in the scene change only the beams, not the true finger.
+/// With `--truth continuum`, the true finger is the finger of the exported drawing. Modulus, Poisson's ratio and arms in the scene change only the
+/// beams, not the true finger.
 #[test]
 fn a_continuum_answers_for_its_drawing_and_nothing_else() {
     let printed = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/calculix/paper.toml");
@@ -291,7 +292,7 @@ fn the_twin_is_of_the_papers_finger_alone() {
 fn the_map_of_the_twin_fails_at_tip_and_base() {
     let map =
         Csv::of(&finray(&["map", PAPER, "--estimator", "least-squares", "--truth", "twin", "--force-n", "1"]).done());
-    // Far from the normal, the soft tip folds, and the cells have no error.
+    // Far from the normal, the soft tip folds, so the error is missing in these cells.
     let errors = map.texts("mean_error").into_iter().map(|cell| cell.parse::<f64>().unwrap_or(f64::NAN));
     let cells: Vec<_> = map.numbers("s_mm").into_iter().zip(map.numbers("angle_deg")).zip(errors).collect();
     let error = |s_mm: f64| {

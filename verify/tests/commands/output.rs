@@ -7,7 +7,7 @@ use std::process::Stdio;
 const MEASURED: &str = "node,ux_mm,uy_mm\n7,0.1,-1\n18,0.1,-1\n";
 const WEIGHTS: &str = "case,load_node,fx_n,fy_n,node,ux_mm,uy_mm\na,19,0,-1,7,0.1,-1\na,19,0,-1,18,0.1,-1\n";
 
-/// A folder with inputs, and for each command arguments without `--out` with which it succeeds quickly.
+/// A folder with input files, and for each command a list of arguments with which it succeeds quickly; the lists lack `--out`.
 fn commands() -> (Folder, Vec<Vec<String>>) {
     let folder = Folder::new();
     let measured = folder.put("measured.csv", MEASURED);
@@ -181,7 +181,7 @@ fn a_folder_that_is_not_there_is_named_alone() {
 fn a_full_standard_error_changes_no_exit_code() {
     let (folder, mut commands) = commands();
     let missing = folder.path("missing.toml");
-    // The commands cause a warning, a refusal, a failure, and an error for an argument that clap does not know.
+    // The added commands cause a warning, a refusal, a failure, and an error for an unknown argument.
     commands.push(["solve", PAPER, "--load", "24:0,-8"].map(str::to_owned).to_vec());
     commands.push(["solve", &missing, "--load", "24:0,-8"].map(str::to_owned).to_vec());
     commands.push(["solve", PAPER, "--load", "19:-40,-200"].map(str::to_owned).to_vec());

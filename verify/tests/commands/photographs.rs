@@ -5,7 +5,7 @@ use crate::kit::*;
 use finray_fixtures::BRACKETED_SCENE;
 use std::fmt::Write;
 
-/// Modulus of the finger in the images, relative to the scene, and lengths of its brackets.
+/// Modulus of the finger in the images relative to the scene's modulus, and lengths of its brackets (mm).
 const MODULUS_FACTOR: f64 = 0.93;
 const BRACKETS_MM: [f64; 2] = [3.3, 2.8];
 /// For each image: position (mm), force (N) and angle (degrees) of the load; then x (mm), y (mm) and rotation (degrees) of the base.
@@ -59,7 +59,7 @@ pub(super) fn images(folder: &Folder) -> Vec<String> {
 fn photographs_lead_to_a_finger_and_to_its_forces() {
     let folder = Folder::new();
     let images = images(&folder);
-    // The fitted coefficient replaces the range of friction in the scene.
+    // In the calibrated scene, the fitted friction coefficient replaces the range of friction.
     let scene = folder.put("scene.toml", format!("{BRACKETED_SCENE}[contact]\nfriction_range = [0.0, 0.6]\n"));
     let located = folder.path("located.csv");
     finray(&["locate", &scene, "--image", &images[0], &images[1], &images[2], "--out", &located]).done();
@@ -74,7 +74,7 @@ fn photographs_lead_to_a_finger_and_to_its_forces() {
     let fit = "modulus,bracket,friction,base-compliance,force-error=0.02";
     let answer = finray(&[&calibrate[..], &["--fit", fit, "--images", &folder.path("images.csv")]].concat());
     assert_eq!(answer.code, Some(0), "{}", answer.err);
-    // The measurement error of the references does not include the error of the references relative to the base.
+    // The measurement error of the references does not include their position errors on the base, so a note states the assumed values.
     assert_says(&answer.err, &["note: base.sigma_mm, base.sigma_deg", "1 mm and 1 degree"]);
     let found = Csv::of(&answer.out);
     let names = [
@@ -94,9 +94,9 @@ fn photographs_lead_to_a_finger_and_to_its_forces() {
         assert!((values[i] - truth).abs() < 4.0 * sigma, "{}: {} +- {sigma}", names[i], values[i]);
     }
     assert!((values[0] / MODULUS_FACTOR - 1.0).abs() < 0.01, "{}", values[0]);
-    // The standard deviation includes differences between objects, although these images do not show them.
+    // `force_error_share` includes the stated 0.02 for differences between objects, which the images do not show.
     assert!((0.02..0.03).contains(&values[7]), "{}", values[7]);
-    // The residual is only the noise of the images.
+    // The fitted `model_error_mm` is small, because the residual is only the noise of the images.
     assert!(values[6] < 0.02, "{}", values[6]);
     // Slope of the fitted line through rotations of 0, 0.4 and -0.5 degrees at 2, 4 and 6 N.
     assert!((values[3] + 0.125).abs() < 0.01, "{}", values[3]);
@@ -132,7 +132,7 @@ fn photographs_lead_to_a_finger_and_to_its_forces() {
     let answer = finray(&[&["calibrate", &scene, "--located", &located][..], &unforced].concat());
     assert_says(&answer.err, &["warning: no force was measured", "--forces"]);
     assert!(folder.read("unforced.toml").contains("errors = [["), "{}", folder.read("unforced.toml"));
-    // An image that was not used in the calibration, with another force and another pose of the base.
+    // Senses the force in an image that was not used in the calibration, with another force and another pose of the base.
     let other = folder.path("other.csv");
     finray(&["locate", &calibrated, "--image", &images[3], "--out", &other]).done();
     let [s, force_n, angle] = PRESSES[3].0;
@@ -154,7 +154,7 @@ fn photographs_lead_to_a_finger_and_to_its_forces() {
     let objects = folder.put("objects.csv", objects);
     friction_is_judged(&folder, &scene, &located, &objects);
     compared_in_a_report(&folder, &calibrated, [&located, &anew], &objects, &images);
-    // All images of one file: each has a row, also an image that shows no finger.
+    // With `--all-images`, every image of a table has a row, even an image that shows no finger.
     let mut rows = folder.read("other.csv");
     let seen = Csv::of(&rows);
     let moved = ["ux_mm", "uy_mm"].map(|column| seen.header.iter().position(|name| name == column).expect("a column"));
@@ -234,7 +234,7 @@ fn compared_in_a_report(
     assert_eq!(coverage.numbers("within_95")[0], coverage.numbers("within_95")[1..3].iter().sum::<f64>());
     assert!(folder.read("report/summary.json").contains("\"measured_coverage\": ["));
     assert_says(section, &["By object", "By image"]);
-    // The finger that was calibrated on the images explains them; a finger without brackets or without friction does not.
+    // The calibrated finger explains the images; without brackets, without friction or without lens distortion, the errors are larger.
     let known = errors("direction measured");
     assert_eq!(known.len(), 3);
     assert!(known.iter().all(|[error, sigmas]| error.abs() < 0.01 && sigmas.abs() < 3.0), "{known:?}");
@@ -244,14 +244,14 @@ fn compared_in_a_report(
         let all = errors(worse);
         assert!(all.len() == 3 && mean(&all) > (5.0 * mean(&known)).max(0.01), "{worse}: {all:?} for {known:?}");
     }
-    // Two of the images are shown with the residuals of their markers. Each marker has two circles, because one is a halo.
+    // Two of the images are shown with the residuals of their markers. Each marker has two circles, one of which is a halo.
     assert_eq!(section.matches("data:image/jpeg;base64,").count(), 2);
     assert_eq!(section.matches("r=\"4\"/><path d=\"M").count(), 2 * 2 * 8);
     assert!(section.contains("press2.png: residual of each marker, magnified"));
     let residuals = Csv::of(&folder.read("report/measured_residuals.csv"));
     assert_eq!(residuals.rows.len(), 3 * 8);
     assert!(residuals.numbers("residual_x_mm").iter().all(|left| left.abs() < 0.06));
-    // Two tables do not match their scenes: one was located with brackets that are 0.3 mm shorter, the other with another focal length.
+    // Two tables do not match their scenes: one was located with the brackets of the scene before calibration, the other with another focal length.
     let camera = folder.read("calibrated.toml").replace("focal_px = [1040.0, 1040.0]", "focal_px = [1050.0, 1050.0]");
     for (scene, located) in [(calibrated, elsewhere), (&folder.put("camera.toml", camera), located)] {
         // A missing image ends the command before the report is made.
@@ -270,7 +270,7 @@ fn compared_in_a_report(
 fn what_images_cannot_show_is_refused() {
     let folder = Folder::new();
     let scene = scene(&folder);
-    // Hinges of the undeformed finger with small displacements, whose values are irrelevant to this test.
+    // Undeformed positions of hinges with small displacements; the values do not matter for this test.
     let rows = "image,node,x_mm,y_mm,ux_mm,uy_mm,sigma_mm\na,2,47,-20,0.1,0.1,0.01\na,3,76,-9,0.1,0.1,0.01\n";
     let located = folder.put("located.csv", rows);
     let refused = |scene: &str, options: &[&str]| {
@@ -296,8 +296,8 @@ fn what_images_cannot_show_is_refused() {
     assert_says(&few, &["not identifiable"]);
 }
 
-/// A base without marks has the pose that the camera's pose implies, up to the stated uncertainty and the fitted compliance. A base that `locate`
-/// estimates from the ribs is ignored.
+/// A base without marks is expected at the pose that the scene's camera implies, up to the stated uncertainty and compliance. A pose of the base that
+/// `locate` estimates from the ribs is ignored.
 #[test]
 fn a_base_without_marks_is_expected_to_give_way() {
     const TURN_DEG_PER_N: f64 = -0.1;

@@ -54,7 +54,7 @@ fn sense_of_measured_contacts_gives_what_press_gives() {
     assert!(exact < of_sense[1], "{exact} and {of_sense:?}");
     let mixed = [&sense[..], &["--contact", "17"]].concat();
     assert_says(&finray(&mixed).refused(), &["expected standard deviations (+-) for all contacts or for no contact"]);
-    // A standard deviation is not ignored silently if another quantity of its contact is unknown.
+    // A standard deviation is refused, and not ignored silently, if another quantity of the same contact is unknown.
     for contact in ["auto@-20+-3", "80+-0.5@normal", "80+-0.5@auto"] {
         let sense = ["sense", &scene, "--displacements", &shape, "--contact-at", contact, "--noise-mm", LEAST_MM];
         assert_says(&finray(&sense).refused(), &["expected numbers for its position and its direction"]);
@@ -122,7 +122,7 @@ fn outlines_are_read_and_checked() {
 }
 
 /// Members of 17 mm once had three segments, like members of 13 mm, and the forces had errors of 5 %. The expected totals come from an independent
-/// frame with contact on a fine mesh.
+/// frame model with contact and a fine mesh.
 #[test]
 fn the_default_lattice_suits_the_finger() {
     const FRAME: [(f64, f64); 4] = [(3.75, 12.253524), (7.5, 24.280193), (11.25, 34.523518), (15.0, 48.599816)];

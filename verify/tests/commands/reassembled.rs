@@ -1,9 +1,9 @@
-//! Coverage of intervals on rendered images of fingers that were assembled and mounted again. The scene states how much the unloaded finger may
-//! differ. The tests show the gain from an image at rest, from one measured force, and from several images of unknown forces.
+//! Coverage of intervals on rendered images of fingers that were assembled and mounted again. The scene states how much an unloaded finger may differ
+//! from the scene. The tests show the gain from an image at rest, from one measured force, and from several images of unknown forces.
 //!
-//! Every finger differs from its scene in its joints, a preload, the height of its markers and the references on its base. One object presses it,
-//! with unknown friction, through a pad that the scene states. `FINRAY_TEST_CASES=<number>` sets the number of fingers, otherwise 1; with
-//! `--nocapture` the table is printed.
+//! Every finger differs from its scene in its joints, a preload, the height of its markers and the references on its base. One object with unknown
+//! friction presses each finger through a pad that the scene states. `FINRAY_TEST_CASES=<number>` sets the number of fingers (default 1), and
+//! `--nocapture` prints the table.
 
 use crate::kit::*;
 use crate::photographs::force;
@@ -76,8 +76,8 @@ fn assembled(chance: &mut ChaCha8Rng) -> String {
     with_marks_off(scene, BASE, chance)
 }
 
-/// Presses and answers for the images of one finger. For each remedy and each question, there is an answer for every image whose force was not
-/// measured.
+/// Presses and answers for the images of one finger. For each of [`REMEDIES`] and each of [`QUESTIONS`], there is an answer for every image whose
+/// force was not measured.
 fn answers(finger: usize, forces_n: &[f64]) -> (Vec<Press>, [[Vec<Answer>; 2]; 4]) {
     let chance = &mut ChaCha8Rng::seed_from_u64(4400 + finger as u64);
     let folder = Folder::new();
@@ -150,8 +150,8 @@ fn answers(finger: usize, forces_n: &[f64]) -> (Vec<Press>, [[Vec<Answer>; 2]; 4
     (unmeasured, all)
 }
 
-/// The 95 % intervals contain the force for all four ways of sensing: with `[assembly]` alone, an image at rest, one measured force, and images of
-/// unknown forces.
+/// The 95 % intervals contain the force for all four ways of sensing: with `[assembly]` alone, with an image at rest, with one measured force, and
+/// with images of unknown forces.
 #[test]
 fn intervals_hold_on_rendered_fingers_that_were_assembled_anew() {
     let fingers = case_count(1, 30);

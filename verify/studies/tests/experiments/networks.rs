@@ -1,4 +1,4 @@
-//! The study of the shipped networks: fifteen sets of contacts, including those of Table II.
+//! Tests the study of the shipped networks, which covers fifteen sets of contacts, including the sets of Table II.
 
 mod paper;
 
@@ -12,7 +12,7 @@ use finray_studies::settings::ENOUGH_CASES;
 use finray_tests::{CAMERA_NOISE_MM, paper};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Checks exist only for the camera's noise, and can fail.
+/// The study has checks only for the camera's noise, and each check can fail.
 #[test]
 fn networks_are_held_to_their_tolerances() {
     let finger = paper();
@@ -40,8 +40,8 @@ fn networks_are_held_to_their_tolerances() {
 
     let other_noise = NetworkStudy { noise_mm: 0.1, ..study.clone() };
     assert!(other_noise.checks().is_empty());
-    // With many cases, the tolerance has no allowance for chance; with few cases, it has one. If the bound allows a smaller error, the bound sets the
-    // tolerance.
+    // With many cases, the tolerance has no allowance for sampling error; with few cases, it has one. The tolerance is the smaller of two values: the
+    // set's fixed tolerance, and 1.1 times the error at the Cramer-Rao bound.
     let single = |cases: usize, mean_error: f64, bound: Option<f64>| {
         let bound = bound.map(|bound| AgainstBound { mean_error_bound: bound, ..AgainstBound::default() });
         let forces = vec![Scatter { mean_error, bound, ..Scatter::default() }];

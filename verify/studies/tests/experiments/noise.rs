@@ -45,8 +45,8 @@ fn failed(study: &NoiseStudy) -> usize {
 fn refused_cases_neither_remove_a_check_nor_loosen_it() {
     let answered = study([2000, 0]);
     assert_eq!((answered.checks().len(), failed(&answered)), (11 + 1 + 8 + 2, 0));
-    // Either one case in two thousand is refused, or nearly all cases are refused. Both times, every check still exists with the same tolerance, and
-    // fails.
+    // The test runs with one refused case in two thousand, and with nearly all cases refused. For both numbers of refused cases, every check exists
+    // with the same tolerance, and fails.
     for counts in [[1999, 1], [10, 1990]] {
         let refused = study(counts);
         assert_eq!(failed(&refused), answered.checks().len());

@@ -9,7 +9,7 @@ use finray_studies::experiments::speed_error::{SpeedErrorPoint, Start, Task, Tim
 use finray_studies::settings::ReportForces;
 use finray_tests::paper;
 
-/// A warm nonlinear point on a mesh of `nodes` nodes.
+/// A point of the nonlinear estimator with warm start, on a mesh of `nodes` nodes.
 pub fn point(task: Task, nodes: usize, seconds: f64, error: f64, bias_sigmas: f64) -> SpeedErrorPoint {
     SpeedErrorPoint {
         task,
@@ -29,7 +29,7 @@ pub fn point(task: Task, nodes: usize, seconds: f64, error: f64, bias_sigmas: f6
     }
 }
 
-/// The recommendation excludes settings whose model error is too large compared with the stated standard deviation, and settings with refusals.
+/// The recommendation excludes settings whose model error exceeds 0.4 standard deviations of the noise, and settings that refused a frame.
 #[test]
 fn a_setting_outside_its_stated_deviation_is_never_recommended() {
     let mut points = vec![
@@ -57,9 +57,9 @@ fn the_front_is_what_nothing_beats() {
         ..solved_point("", String::new(), vec![seconds], error, 1)
     };
     let mut points = [of(1.0, 1.0), of(2.0, 0.5), of(3.0, 0.6), of(1.0, 2.0), of(f64::NAN, 0.1)];
-    // The point is faster than all others, but has another task.
+    // The first point is as fast as the fourth and has a smaller error, but the fourth has another task.
     points[3].task = Task::SenseOne;
-    // Without times of criterion, only the fronts change.
+    // Without times from the benchmark library `criterion`, `take_times` only marks the fronts.
     take_times(&mut points, &CriterionTimes::default());
     assert_eq!(points.map(|point| point.on_front), [true, true, false, true, false]);
 }
@@ -70,7 +70,7 @@ fn what_fails_is_counted_and_has_no_error() {
     assert!(failed.error.is_nan() && failed.seconds.is_nan() && failed.failed == 3);
 }
 
-/// Other programs solve the same tasks: `bench/peers` writes the same descriptions.
+/// `bench/peers` writes the same descriptions for the other programs, which solve the same tasks.
 #[test]
 fn what_is_asked_is_said() {
     let said = Task::ALL

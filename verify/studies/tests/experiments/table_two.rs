@@ -10,9 +10,9 @@ use finray_studies::truths::fine_mesh;
 use finray_tests::{CAMERA_NOISE_MM, paper};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Tolerance for linear sensing of the linear finger without noise: rounding errors times the condition number of neighbours.
+/// Tolerance for linear sensing of the linear finger without noise: rounding errors times the condition number for neighbouring contacts.
 const ROUNDING: f64 = 1e-8;
-/// Tolerance for nonlinear sensing without noise on four elements per member, whose shapes have an error of 0.04 %.
+/// Tolerance for nonlinear sensing without noise, with four elements per member; shapes on this mesh have an error of 0.04 %.
 const MESH_ERROR: f64 = 0.002;
 
 fn errors(table: &TableTwo, truth: TruthId, noise_mm: f64, estimator: EstimatorId) -> Vec<[f64; 2]> {
@@ -21,7 +21,7 @@ fn errors(table: &TableTwo, truth: TruthId, noise_mm: f64, estimator: EstimatorI
     rows.iter().map(|row| [row.mean_error().expect("sensed"), row.sum.expect("sensed").mean_error]).collect()
 }
 
-/// The paper states its contact nodes (sec. V-C), and lists the mean over the tests of each kind.
+/// The sets of contact nodes are those of the paper's section V-C. As in the paper's table, the error of a group is the mean over its sets.
 #[test]
 fn table_two_is_of_the_papers_nodes() {
     let sets: Vec<&[usize]> = vec![&[21], &[19], &[17], &[19, 20], &[16, 17], &[18, 20], &[16, 20]];
@@ -47,8 +47,8 @@ fn table_two_is_of_the_papers_nodes() {
     assert_eq!(GroupErrors::of(&one, &rows), None);
 }
 
-/// Linearisation, unlike noise, causes large errors in linear sensing of neighbours, but not of their sum. The nonlinear estimator reaches the bound.
-/// The figures agree with an independent study of this protocol, within chance.
+/// In linear sensing of two neighbouring forces, linearisation causes large errors of each force but not of their sum; noise does not. The nonlinear
+/// estimator reaches the bound. The figures agree with an independent study of this protocol up to sampling error.
 #[test]
 fn table_two_blames_linearisation() {
     let finger = paper();

@@ -1,4 +1,4 @@
-//! Fingers solved as plane continua: tables and manifest are consistent.
+//! Tests that tables and manifest agree for the fingers solved as plane continua.
 
 use finray_studies::exports::calculix::{FURTHER, PAPER_PLAIN, PROGRAM};
 use serde_json::Value;

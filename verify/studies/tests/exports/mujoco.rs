@@ -1,4 +1,4 @@
-//! Fingers solved by MuJoCo: tables and manifest are consistent; contact forces balance, obey friction and are sensed.
+//! Tests of the fingers solved by MuJoCo: tables and manifest agree, and contact forces balance, obey friction and are sensed.
 //!
 //! `fixtures/mujoco/README.md` states how the files were made and how accurate they are.
 
@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 /// Relative tolerance of a rod's sensed force.
 const SENSED_TOLERANCE: f64 = 0.05;
 /// Tolerances of the sum of contact forces and reactions, N, and of the sum of their moments about the origin, N mm. MuJoCo's positions have rounding
-/// errors of 1e-14 mm, and its springs have some 1e4 N/mm.
+/// errors of 1e-14 mm, and its springs have stiffnesses of about 1e4 N/mm.
 const BALANCE_TOLERANCE_N: f64 = 1e-6;
 const BALANCE_TOLERANCE_NMM: f64 = 1e-4;
 /// Tolerance between two formulations in MuJoCo, as a share of the largest displacement; the comparison with beams has the same tolerance. The second
@@ -143,7 +143,7 @@ fn contact_forces_obey_coulomb() {
     }
 }
 
-/// Contact at which the line of the force crosses the plate: at the rod, except for the effect of friction on the rod's surface.
+/// Contact at which the line of the force crosses the plate: at the rod without friction, and beside it with friction on the rod's surface.
 fn position_of_force(finger: &Finger, step: &ContactStep, rod: &TouchedRod) -> Contact {
     let tangent = nalgebra::Rotation2::new(step.shape.motion(rod.node).rotation) * finger.front_tangent();
     let (normal, along) = (finger.direction(0.0), finger.direction(90.0));

@@ -1,4 +1,4 @@
-//! Dependence of the lattice's rest state on sweeps and precision.
+//! Dependence of the lattice's rest state on the number of solver sweeps and on floating-point precision.
 
 use finray_lattice::settling::Precision;
 use finray_lattice::{Lattice, settling};
@@ -10,8 +10,8 @@ use finray_tests::paper;
 /// Tolerance between the settled lattice and its equilibrium, as a share of the largest displacement.
 const SETTLING_TOLERANCE: f64 = 5e-4;
 
-/// With more sweeps, the lattice rests nearer to the equilibrium, until only the error of the criterion of rest remains. In single precision, the
-/// error is larger.
+/// With more solver sweeps per step, the lattice settles nearer to its equilibrium; only the error of the criterion for rest remains. In single
+/// precision, the error is larger.
 #[test]
 fn few_sweeps_and_single_precision_rest_elsewhere() {
     let finger = paper();

@@ -1,4 +1,4 @@
-//! Reference problems of the report: each passes its tolerance.
+//! The checks of each reference problem of the report pass.
 
 use crate::check::assert_all_pass;
 use finray_model::Scene;
@@ -35,7 +35,7 @@ fn elastica_rows() {
 #[test]
 fn lee_frame_limit_loads() {
     let checks = lee_frame::checks().expect("the path is followed");
-    // Checks of the number of limit loads, the first limit load against literature, both limit loads against shooting, and stability.
+    // Five checks: number of limit loads, first limit load against literature, both limit loads against shooting, and stability.
     assert_eq!(checks.len(), 5);
     assert_all_pass(&checks);
 }
@@ -55,8 +55,8 @@ fn gripper_rows() {
     let gripper = gripper.expect("it has a gripper");
     let (of_linkage, of_camera) = (linkage::checks(&finger, &gripper), gripper_camera::checks(&finger, &gripper));
     let of_camera = of_camera.expect("the lens is one");
-    // Linkage: closed loop, both frames, and derivative and inverse of the opening. Camera: both frames in the camera's frame, and nodes in its
-    // images.
+    // Checks of the linkage: closed loop, frames of both fingers, derivative of the opening, and inverse of the opening. Checks of the camera: frames
+    // of both fingers in the camera's frame, and undeformed nodes in the camera's images.
     assert_eq!([of_linkage.len(), of_camera.len()], [4, 2]);
     assert_all_pass(&of_linkage);
     assert_all_pass(&of_camera);
@@ -75,8 +75,8 @@ fn rigid_rotation_leaves_no_forces() {
     }
 }
 
-/// Two cases: the first example of the procedure's authors (Celik et al. 2008, table 1), printed with two to four digits, and the invented solution
-/// `1 + h^3` on meshes with unequal ratios.
+/// Tests two known cases: the first example of Celik et al. (2008, table 1), printed with two to four digits, and the invented solution `1 + h^3` on
+/// meshes with unequal ratios.
 #[test]
 fn grid_convergence_index_of_known_cases() {
     let cells = [4500, 8000, 18000];

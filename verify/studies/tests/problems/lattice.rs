@@ -8,7 +8,7 @@ use finray_tests::paper;
 #[test]
 fn paper_finger_is_that_of_beams() {
     let checks = lattice::checks(&paper()).expect("every load has an equilibrium");
-    // Six forces, linear theory, settling, two settled forces, and identical bits.
+    // Checks: six forces, linear theory, settling, two forces on the settled lattice, and identical bits of two runs.
     assert_eq!(checks.len(), 11);
     assert_all_pass(&checks);
 }

@@ -1,4 +1,5 @@
-//! Fingers other than the paper's, compared with OpenSees: unequal plates, zones, hinges, undeformable ribs, rigid arms.
+//! Fingers compared with OpenSees: the paper's finger, and fingers with unequal plates, zones, hinges, brackets, clips, undeformable ribs or rigid
+//! arms.
 //!
 //! `fixtures/opensees/README.md` states how the files were made and how accurate they are.
 
@@ -6,8 +7,8 @@ use finray_model::Kinematics;
 use finray_studies::problems::opensees::{COROTATIONAL_TOLERANCE, CaseDeviation, LINEAR_TOLERANCE, deviations};
 use finray_tests::finger_of;
 
-/// Tolerance for linear solutions of the spring-steel finger. On fine meshes, rounding errors grow with the fourth power of the node count. They are
-/// larger for spring steel, whose plates are thousands of times stiffer in tension than in bending.
+/// Tolerance for linear solutions of the spring-steel finger. On fine meshes, rounding errors grow with the fourth power of the node count. Rounding
+/// errors are larger for spring steel, whose plates are thousands of times stiffer in tension than in bending.
 const STEEL_LINEAR_TOLERANCE: f64 = 1e-7;
 
 fn worst_deviation(scene: &str, csv: &str, linear_tolerance: f64) {

@@ -54,7 +54,7 @@ fn every_node_and_pair_reaches_the_bound() {
             assert_efficient(&format!("{:?}", row.nodes), scatter, cases, TOLERANCE);
         }
     }
-    // In means over the first forces of all rows, chance is small.
+    // In means over the first forces of all rows, the sampling error is small.
     let mean = |quantity: fn(&Scatter) -> Option<f64>| {
         let first: Option<Vec<f64>> = single.iter().chain(&pairs).map(|row| quantity(&row.forces[0])).collect();
         let first = first.expect("there is noise");
@@ -75,16 +75,18 @@ fn every_node_and_pair_reaches_the_bound() {
     assert_targets(&single, &pairs, cases);
 }
 
-/// Number of cases of each set of contacts on the fine finger. With control variates for the noise, a root mean square is then known to 2 % for
-/// Number of studies with different seeds. It determines a ratio of variances to about 15 %.
+/// Number of studies with different seeds. This number determines a ratio of variances to about 15 %. The studies compare mean errors with and
+/// without the control variate.
 const STUDIES: u64 = 100;
+/// Number of cases of each set of contacts on the fine finger. With control variates for the noise, a root mean square is then known to 2 % for
 /// neighbours, and more accurately for all other sets.
 const FINE_CASES: usize = 200;
-/// Number of cases for the few sets that are too close to the tolerance to decide.
+/// Number of cases for the few sets whose scatter is too close to the tolerance for a decision with [`FINE_CASES`].
 const MORE_CASES: usize = 2000;
 
-/// The same for the 684-node finger, sensed by the model of the report. The tolerance is exactly 10 % without an allowance for chance, which must be
-/// small. Every sixth pair is tested; the full study tests all pairs, as in the report.
+/// For the finger with 684 nodes, sensed with the report's model, the scatter also equals the Cramer-Rao bound. The tolerance is exactly 10 %,
+/// without an allowance for sampling error; the standard error must be at most a quarter of the tolerance. Every sixth pair is tested; the full study
+/// tests all pairs, as in the report.
 #[test]
 fn every_node_and_pair_reaches_the_bound_on_the_fine_truth() {
     let finger = paper();
@@ -104,7 +106,7 @@ fn every_node_and_pair_reaches_the_bound_on_the_fine_truth() {
         let request = ScatterRequest { cases, ..request };
         scatter_controlled(&request, &[&nonlinear], sets, range_n, &|| {}).expect("contact nodes")
     };
-    // Sets that are too close to the tolerance to decide are drawn again with more cases, as in the report.
+    // Sets whose scatter is too close to the tolerance for a decision are drawn again with more cases, as in the report.
     let of_sets = |sets: &[Vec<NodeId>], range_n| {
         let rows = drawn(FINE_CASES, sets, range_n).into_iter().zip(sets);
         let settled = |(row, set): (ScatterRow, &Vec<NodeId>)| match row.is_near_tolerance(TOLERANCE) {
@@ -132,7 +134,8 @@ fn every_node_and_pair_reaches_the_bound_on_the_fine_truth() {
 /// The test detects an estimator whose errors are 1.2 times as large as the errors of the nonlinear estimator.
 #[test]
 fn a_fifth_above_the_bound_is_found_out() {
-    // Adds noise of sqrt(1.2^2 - 1) times the camera's noise. Its seed follows from the measurement, so equal measurements get equal noise.
+    // Adds noise of sqrt(1.2^2 - 1) times the camera's noise. The seed of the added noise follows from the measurement, so equal measurements get
+    // equal noise.
     let noisier = |seen: &Measurement| {
         let bits = seen.markers().iter().fold(0, |bits, marker| bits ^ marker.displacement.y.to_bits());
         noisy(seen, CAMERA_NOISE_MM * 0.44_f64.sqrt(), &mut ChaCha8Rng::seed_from_u64(bits))
@@ -153,8 +156,8 @@ fn a_fifth_above_the_bound_is_found_out() {
     assert!(found.over_bound_controlled - 1.0 > TOLERANCE, "{found:?}");
 }
 
-/// The control variate leaves the mean error of a pair as it is, and lowers its standard error at least as much as twice the cases would: over studies
-/// with different seeds, means with control vary less than sqrt(1 / 2) times as much as means without.
+/// The control variate does not change the mean error of a pair, and lowers its standard error at least as much as twice the cases would. Over
+/// studies with different seeds, means with the control variate vary less than sqrt(1 / 2) times as much as means without it.
 #[test]
 fn a_controlled_mean_error_varies_as_little_as_one_of_twice_the_cases() {
     let mesh = Mesh::key_nodes(&paper());
@@ -201,8 +204,8 @@ fn assert_targets(single: &[ScatterRow], pairs: &[ScatterRow], cases: usize) {
     }
 }
 
-/// A force at this finger's tip along the front plate's normal hardly displaces the finger, so the force is not identifiable. If the noise looks like
-/// the onset of buckling, a stated force would be ten times the true force.
+/// A force at this finger's tip along the front plate's normal hardly displaces the finger, so the force is not identifiable. If noise looked like
+/// the onset of buckling, the estimated force would be ten times the true force.
 #[test]
 fn a_force_that_moves_nothing_is_refused() {
     let finger = finger_of(finray_fixtures::SPRING_STEEL_SCENE);

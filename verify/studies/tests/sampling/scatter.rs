@@ -9,8 +9,8 @@ use finray_tests::{CAMERA_NOISE_MM, paper};
 
 /// Number of cases for each set of contacts.
 pub const CASES: usize = 100;
-/// Relative allowance for chance in a mean error: three standard errors, which one of four hundred figures exceeds. The relative errors have a
-/// standard deviation of 1.1 times their mean, so the standard error of [`CASES`] is about a tenth.
+/// Relative allowance for sampling error in a mean error: three standard errors, which about one mean in four hundred exceeds. The relative errors
+/// have a standard deviation of 1.1 times their mean, so the relative standard error over [`CASES`] cases is about a tenth.
 pub const CHANCE: f64 = 0.33;
 /// Tolerance for nonlinear sensing without noise on the mesh of the true finger. The iteration stops at some millionths.
 const SAME_FINGER: f64 = 1e-5;
@@ -90,13 +90,13 @@ fn the_sigma_of_a_sum_knows_of_the_correlation() {
     let found = rows(&[&least_squares, &ridge], Kinematics::Linear, &[CAMERA_NOISE_MM], &[19, 20]);
     for row in &found {
         let covered = row.sum.and_then(|sum| sum.coverage).expect("stated");
-        // Tolerances: four standard errors of a share of a hundred cases are 0.19 and 0.09.
+        // The tolerances 0.19 and 0.09 are four standard errors of each share over a hundred cases.
         assert!((covered.one_sigma - 0.683).abs() < 0.19 && (covered.two_sigma - 0.95).abs() < 0.09, "{row:?}");
     }
 }
 
-/// Every sample belongs to its forces, whatever the path to its equilibrium. An estimator with the true finger therefore has only the error of two
-/// Newton iterations.
+/// Each sampled shape is the equilibrium under its own forces, whichever path led to it. A nonlinear estimator with the true finger's mesh therefore
+/// has only the convergence errors of two Newton iterations: its own and that of the true shape.
 #[test]
 fn samples_are_those_of_the_forces() {
     let finger = paper();

@@ -1,4 +1,4 @@
-//! Noise samples that start from the noise-free estimate give the same answers as a cold start.
+//! The search for a noise sample gives the same answer from the noise-free estimate as from a cold start.
 
 use finray_model::estimators::{BeamEstimator, Estimator, PreparedEstimator};
 use finray_model::measurement::Measurement;

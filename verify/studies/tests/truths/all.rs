@@ -3,8 +3,8 @@
 use finray_studies::truths::TruthId;
 use finray_tests::{at_node, paper};
 
-/// A true finger may be softer at its ends or have another discretisation. Its displacement still differs from the linear finger's by less than this
-/// factor.
+/// A true finger may be softer at its ends or have another discretisation. The displacement of a true finger still differs from that of the linear
+/// finger by less than this factor.
 const SOFTER: f64 = 2.0;
 
 /// Under 1 N in the middle, every true finger moves in the direction of the force, by about as much as the linear finger.

@@ -53,7 +53,7 @@ fn export(program: &Program, finger: &Finger) -> Option<&'static str> {
     program.export_of(finger).map(|export| export.name)
 }
 
-/// A beam model may assume another material and other arms, and still belongs to the same printed finger. Another drawing is another finger.
+/// A beam model whose material and arms differ from those of the printed finger still belongs to this finger. Another drawing is another finger.
 #[test]
 fn the_continuum_belongs_to_the_drawing_and_not_to_what_beams_assume() {
     let printed = finger_of(finray_fixtures::CONTINUUM_PAPER_SCENE);
@@ -87,7 +87,7 @@ fn the_continuum_belongs_to_the_drawing_and_not_to_what_beams_assume() {
     for (i, change) in others.iter().enumerate() {
         assert_eq!(continuum(&changed(change)), None, "change {i}");
     }
-    // A scaled modulus in the scene's text gives the same finger as a factor, up to rounding.
+    // Scaling the modulus in the scene's text gives the same finger as a modulus factor, up to rounding.
     let text = finray_fixtures::PAPER_SCENE.replace("47.976", &(47.976 * 1.6).to_string());
     assert_eq!(continuum(&Scene::from_toml(&text).expect("a scene").finger), Some("paper"));
 }

@@ -1,11 +1,11 @@
-//! Tests of the scout, which predicts whether loads have an equilibrium. It never refuses loads that have one.
+//! Tests of the scout, which predicts whether loads have an equilibrium. The scout never refuses loads that have an equilibrium.
 
 use super::*;
 use finray_model::Scene;
 
 /// A grid of force pairs acts on two nodes near the tip of a finger that carries only the smaller pairs. The scout refuses no pair that the finger
-/// carries or nearly carries, and accepts no pair that the finger does not carry. It decides nearly all pairs without computing their equilibrium
-/// paths.
+/// carries or nearly carries, and accepts no pair that the finger does not carry. The scout decides nearly all pairs without computing their
+/// equilibrium paths.
 #[test]
 fn forces_that_are_carried_are_never_refused() -> Result<(), Box<dyn std::error::Error>> {
     let finger = Scene::from_toml(finray_fixtures::SOFT_SCENE)?.finger;

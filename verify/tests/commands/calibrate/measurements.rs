@@ -40,7 +40,7 @@ fn weights_that_bend_far_lead_to_the_true_modulus() {
         &warnings[0],
         &["the co-rotational finger is closer", "--kinematics linear", "sigma includes the difference"],
     );
-    // For shapes of a linear finger, a warning states that the linear finger is closer.
+    // For shapes of a linear finger, a warning states that the linear finger is closer to the shapes.
     let (_, warnings) =
         finray_reading(measured(&truth).as_bytes(), &["calibrate", PAPER, "--measurements", "-"]).warned();
     assert_says(&warnings.concat(), &["the linear finger is closer", "modulus_factor 0.9000"]);
@@ -55,7 +55,7 @@ fn weights_that_bend_far_lead_to_the_true_modulus() {
     assert!(warnings.len() == 1 && warnings[0].contains("case 3 in the order of the file: node 5 is"), "{warnings:?}");
 }
 
-/// Empty cells have the same meaning as for `sense`.
+/// As in the tables for `sense`, empty cells stand for a hidden marker.
 #[test]
 fn empty_cells_are_a_hidden_marker() {
     let exact = measured(PAPER);

@@ -64,7 +64,7 @@ fn other_kinds_of_image_files_are_read() {
     assert_says(&finray(&["locate", CAMERA, "--image", &grey]).refused(), &["found 0 of 23 markers"]);
 }
 
-/// A damaged image file never causes a panic; the command ends with a message.
+/// A damaged image file never causes a panic; the command succeeds or ends with a message.
 #[test]
 fn damaged_images_do_no_harm() {
     use rand::{RngExt, SeedableRng};
@@ -135,8 +135,8 @@ fn an_orientation_in_exif_is_not_heeded() {
     assert_says(&finray(&["locate", CAMERA, "--image", &left]).refused(), &["1400 x 1600 px", "turned by 90 degrees"]);
 }
 
-/// A slightly wrong pose displaces every node. `locate` once did not compare the clamped markers with their positions, and stated a standard
-/// deviation of 0.002 mm.
+/// A slightly wrong pose of the camera displaces every located node. `locate` once did not compare the clamped markers with their positions, and
+/// stated a standard deviation of 0.002 mm.
 #[test]
 fn clamped_markers_that_are_off_are_not_looked_at() {
     let folder = Folder::new();

@@ -3,7 +3,7 @@
 use super::*;
 use finray_fixtures::CAMERA_SCENE;
 
-/// Image of a grid with a pitch of 10 mm, slanted by `slant` (rad). The camera is the scene's camera without distortion.
+/// Image of a grid with a pitch of 10 mm, slanted by `slant` (rad). The camera has the lens of the camera scene, which has no distortion.
 fn grid(folder: &Folder, name: &str, slant: f64) -> String {
     use finray_imaging::render::{Disturbances, GridPlate, render_grid};
     use finray_model::camera::{Camera, Pose};
@@ -60,8 +60,8 @@ fn images_without_a_grid_give_no_lens() {
     assert!(answer.out.contains("# the focal length is uncertain by"));
 }
 
-/// `lens --plane` computes the pose of the grid's plane: the origin is in the middle of the image, and z points to the camera. All images must show
-/// the grid in the same place.
+/// `lens --plane` computes the pose of a frame in the grid's plane: its origin is in the middle of the image, and its z axis points to the camera.
+/// All images must show the grid in the same place.
 #[test]
 fn the_plane_of_a_grid_is_written() {
     use finray_model::camera::{Camera, Lens, Pose};
@@ -79,7 +79,7 @@ fn the_plane_of_a_grid_is_written() {
     // Two images of a grid in one place do not determine the focal length, which keeps its prior value. Slant and distance are therefore only
     // approximate.
     assert!(z.dot(&true_z).abs() > 0.03_f64.cos() && z.z < 0.0, "{z} {true_z}");
-    // Distances between positions in the plane are nevertheless correct.
+    // Distances between positions in the grid's plane are correct even with an inaccurate focal length.
     let apart = |lens: Lens, pose: Pose| {
         let [a, b] = [[300.0, 400.0], [1300.0, 1000.0]]
             .map(|pixel| Camera { lens, pose }.on_plane(&pixel.into(), 0.0).expect("the plane"));

@@ -22,7 +22,7 @@ fn an_image_leads_back_to_the_force() {
         let sensed = Csv::of(&finray(&arguments).computed());
         let (force, sigma) = (sensed.numbers("force_n")[0], sensed.numbers("sigma_n")[0]);
         assert!((force - 2.0).abs() < 4.0 * sigma, "{estimator}: {force} +- {sigma}");
-        // Noise of 0.067 mm would cause an error of 1.2 % at the worst node; this camera causes a tenth of that error.
+        // Noise of 0.067 mm would cause an error of 1.2 % at the worst node; the noise of this camera causes a tenth of that error.
         assert!(estimator != "nonlinear" || (force - 2.0).abs() < 0.0024, "{force}");
     }
 }
@@ -62,10 +62,10 @@ fn the_pose_may_come_from_an_image_at_rest() {
     assert_located(&located, "image.png", &shape);
     let message = finray(&["locate", &scene, "--image", &image]).refused();
     assert_says(&message, &["rotation_vector_rad", "[camera]"]);
-    // A bent finger is rejected as a finger at rest.
+    // `--rest` refuses an image of a loaded finger.
     let message = finray(&["locate", &scene, "--image", &image, "--rest", &image]).refused();
     assert_says(&message, &["unloaded"]);
-    // Markers beside their nodes may have the same effect as a small load, so a small load causes only a warning.
+    // In an image at rest, markers that are off their nodes may look like a small load, so a small load causes only a warning.
     let (bent, _) = image_of(&folder, "bent.png", "80:0.05", &[]);
     let (_, warnings) = finray(&["locate", &scene, "--image", &image, "--rest", &bent]).warned();
     assert_says(
@@ -80,7 +80,7 @@ const STANDARD_ERRORS: f64 = 3.0;
 /// A finger with brackets and grey markers.
 const BRACKETED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/scenes/bracketed.toml");
 
-/// A finger with grey markers and an arbitrary pose of its base: displacements and force from an image.
+/// Finds displacements and force from an image of a finger with grey markers and an arbitrary pose of its base.
 #[test]
 fn grey_markers_lead_back_to_the_force() {
     let folder = Folder::new();
@@ -109,8 +109,8 @@ fn grey_markers_lead_back_to_the_force() {
     let sensed = Csv::of(&finray(&sense).computed());
     let (force, sigma) = (sensed.numbers("force_n")[0], sensed.numbers("sigma_n")[0]);
     assert!((force - 3.0).abs() < 4.0 * sigma && sigma < 0.05, "{force} +- {sigma}");
-    // Without references, the ribs give only an approximate pose of the base, as a warning states. The pose is then estimated together with the
-    // force. The force deviates from the undeformed normal by 10 degrees, whatever the pose of the base is.
+    // Without references, the ribs give only an approximate pose of the base, as a warning states. Without references, `sense` estimates the pose of
+    // the base together with the force. The force deviates from the undeformed normal by 10 degrees, whatever the pose of the base is.
     let (scene, _) = finray_fixtures::BRACKETED_SCENE.split_once("[[base.reference]]").expect("references");
     let (_, camera) = finray_fixtures::BRACKETED_SCENE.split_once("[camera]").expect("a camera");
     let contact = "[contact]\nfriction = 0.17633\nnormal = \"undeformed\"\n";
@@ -129,8 +129,8 @@ fn grey_markers_lead_back_to_the_force() {
     assert!((force - 3.0).abs() < 4.0 * sigma && sigma < 0.06, "{force} +- {sigma}");
 }
 
-/// The finger in the images equals its scene; only its base has different poses. The coverage of the 95 % intervals of force and base is 95 % within
-/// chance, and the errors of the forces have zero mean.
+/// The finger in the images equals the finger of the scene; only its base has different poses. The 95 % intervals of force and base have a coverage
+/// of 95 % up to sampling error, and the errors of the forces have zero mean.
 #[test]
 fn intervals_of_forces_and_bases_hold_on_images_of_an_exact_finger() {
     const BASES: [&str; 3] = ["40,-70,95", "60,-75,90", "0,-60,80"];
@@ -164,23 +164,23 @@ fn intervals_of_forces_and_bases_hold_on_images_of_an_exact_finger() {
     let mean = off.iter().sum::<f64>() / count as f64;
     println!("{share} within, {mean} standard deviations off in the mean");
     assert!((share - 0.95).abs() <= STANDARD_ERRORS * share_error(0.95, count), "{share} {off:?}");
-    // Images with the same base and load share the errors that the edge model neglects, so all seeds together count as one.
+    // Images with the same base and load share the errors that the edge model neglects, so the images of all seeds count as one.
     let independent = (BASES.len() * LOADS.len()) as f64;
     assert!(mean.abs() <= STANDARD_ERRORS / independent.sqrt(), "{mean} {off:?}");
     let within = of_base.iter().flatten().filter(|off| off.abs() <= TWO_SIDED_95).count() as f64;
     let share = within / (3 * count) as f64;
     let square = of_base.iter().flatten().map(|off| off * off).sum::<f64>() / (3 * count) as f64;
     println!("{share} of the base's coordinates within, mean square {square}");
-    // The coordinates of one base are correlated, so each base counts once.
+    // The three coordinates of one base are correlated, so each base counts as one independent value.
     assert!((square - 1.0).abs() <= STANDARD_ERRORS * (2.0 / count as f64).sqrt(), "{square} {of_base:?}");
     assert!((share - 0.95).abs() <= STANDARD_ERRORS * share_error(0.95, 3 * count), "{share} {of_base:?}");
 }
 
 /// A bracket and a rib that meet at the rim of a ring once shifted the measured centre by 0.057 mm; the stated standard deviation was 0.012 mm. The
-/// background was sampled beyond the blur of bracket and rib. They do not touch the inner edge of the ring.
+/// background had been sampled farther out than the blurred edges of bracket and rib reach. Bracket and rib do not touch the inner edge of the ring.
 #[test]
 fn strips_that_meet_at_a_ring_do_not_pull_its_centre() {
-    // The measured error is 0.008 mm. It was 0.023 mm if contradictory edges kept their weights, and 0.060 mm with the outer edge alone.
+    // The measured error is 0.008 mm. The error was 0.023 mm if contradictory edges kept their weights, and 0.060 mm with the outer edge alone.
     const LARGEST_MM: f64 = 0.015;
     let folder = Folder::new();
     let scene = BRACKETED_SCENE

@@ -47,7 +47,7 @@ fn images_of_one_name_are_distinguished_by_their_folders() {
         &named("102/1.png").refused(),
         &["\"102/1.png\" is not among the located images", "100/1.png, 101/1.png, 2.png"],
     );
-    // The same command in one of the folders.
+    // Runs `locate` in one of the folders with images.
     let inside =
         command(&["locate", CAMERA, "--image", "1.png", "../101/1.png"]).current_dir(folder.path("100")).output();
     let inside = Csv::of(&String::from_utf8(inside.expect("finray runs").stdout).expect("text"));
@@ -85,8 +85,8 @@ fn forces_find_images_of_one_name_by_their_folders() {
     assert_says(&calibrated(["100/1.png", &images[0], "2.png"]).refused(), &["line 3: ", "is listed twice"]);
 }
 
-/// A truncated image has one refused row among the located images and one among the forces. The other images are located and sensed as without the
-/// truncated image.
+/// A truncated image gives one refused row in the table of `locate` and one in the table of `sense`. The other images are located and sensed as if
+/// the truncated image were absent.
 #[test]
 fn a_bad_image_is_one_refused_row() {
     let folder = Folder::new();
@@ -104,6 +104,6 @@ fn a_bad_image_is_one_refused_row() {
     assert!(sensed.texts("refused")[1].contains("cut.png"), "{:?}", sensed.texts("refused"));
     let one = ["sense", CAMERA, "--displacements", &nodes, "--contact-at", "80@-20", "--image-name"];
     assert_says(&finray(&[&one[..], &["cut.png"]].concat()).refused(), &["cut.png was refused when it was located"]);
-    // The truncated image alone is an error.
+    // If the truncated image is the only image, `locate` fails.
     assert_says(&finray(&["locate", CAMERA, "--image", &cut]).refused(), &["cut.png"]);
 }

@@ -16,8 +16,8 @@ fn the_same_seed_gives_the_same_image() {
     assert_eq!(&first[..8], b"\x89PNG\r\n\x1a\n");
 }
 
-/// Without --mesh-nodes, `render` draws the converged finger. The image equals the image of a much finer mesh, except for single pixels in which the
-/// rounded coverage differs. The image of a mesh of key nodes differs.
+/// Without --mesh-nodes, `render` draws the converged finger. This image equals that of a much finer mesh, except for single pixels whose rounded
+/// coverage differs. The image of a mesh with only key nodes differs from the image of the converged finger.
 #[test]
 fn the_converged_finger_is_drawn() {
     let folder = Folder::new();
@@ -32,7 +32,7 @@ fn the_converged_finger_is_drawn() {
     assert!(fine <= 30 && coarse > 10_000, "{fine} {coarse}");
 }
 
-/// The image of a shape from a file equals the image of the same load.
+/// `render` draws the same image from a shape in a file as from the load that caused the shape.
 #[test]
 fn shapes_are_rendered_from_files() {
     let folder = Folder::new();

@@ -1,4 +1,4 @@
-//! Cameras, markers and references of a scene that are refused.
+//! Scenes that are refused because of their camera, markers or references.
 
 use super::*;
 use finray_fixtures::CAMERA_SCENE;
@@ -36,7 +36,7 @@ fn cameras_and_markers_of_a_scene_are_checked() {
     ] {
         assert_says(&refused(from, to), &[expected, "line "]);
     }
-    // Scenes that are valid but describe cameras that do not see the finger.
+    // A valid scene is refused if its camera cannot see the finger or its markers.
     let folder = Folder::new();
     let (image, _) = image_of(&folder, "image.png", "80:2", &[]);
     for (from, to, expected) in [

@@ -63,9 +63,9 @@ pub struct Measured {
     pub wide: String,
 }
 
-/// Measures a copy of a page, with all details opened, in a window of the given width.
+/// Measures a copy of a page in a window of the given width, with all `<details>` elements opened.
 pub fn measure(browser: &Path, folder: &Path, html: &str, width: u32, dark: bool) -> Measured {
-    // Details are opened, so that their content is measured as well.
+    // The `<details>` elements are opened, so that their content is measured as well.
     let page = folder.join("measured.html");
     let mut copy = html.replace("<details>", "<details open>").replace("</body>", MEASURE);
     if dark {

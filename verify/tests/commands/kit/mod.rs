@@ -95,8 +95,8 @@ impl Answer {
         self.message(1)
     }
 
-    /// Checks the exit code, and that standard error contains only one message. An error in the arguments has clap's hint to `--help`; any other
-    /// message has one line.
+    /// Checks the exit code, and that standard error contains only one message. For an error in the arguments, the parser `clap` adds a hint to
+    /// `--help`; any other message has one line.
     #[track_caller]
     fn message(self, code: i32) -> String {
         assert_eq!((self.code, self.out.as_str()), (Some(code), ""), "{}", self.err);

@@ -11,7 +11,8 @@ pub fn refused(scene: &str) -> String {
     message.strip_prefix(&format!("{path}: ")).unwrap_or_else(|| panic!("no file in: {message}")).to_owned()
 }
 
-/// Checks that the paper's scene with one changed text is refused. The message must name the line of `at` and the reason.
+/// Checks that the paper's scene with one changed text is refused. The message must state the reason and the number of the line that begins with
+/// `at`.
 #[track_caller]
 pub fn assert_refused(from: &str, to: &str, at: &str, expected: &[&str]) {
     let scene = paper_with(&[(from, to)]);

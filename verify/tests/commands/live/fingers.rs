@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Two scenes of the camera, with one finger each, whose images do not overlap.
+/// Names of two scenes with one finger each, and translations of their cameras; the images of the fingers do not overlap.
 const PLACES: [(&str, &str); 2] = [("left", "[-75.0, 45.0, 240.0]"), ("right", "[-75.0, -45.0, 240.0]")];
 
 fn scenes_of_two_fingers(folder: &Folder) -> [String; 2] {
@@ -16,7 +16,7 @@ fn scenes_of_two_fingers(folder: &Folder) -> [String; 2] {
 /// Topic, stamp (s) and force (N) of a recorded wrench.
 type Wrench = (String, f64, [f64; 3]);
 
-/// The wrenches and the lines of JSON in a recording. The function decodes CDR by its standard, without a library.
+/// The wrenches and the lines of JSON in a recording. The function decodes the CDR encoding of ROS 2 by its standard, without a library.
 fn recorded(bytes: &[u8], options: &[mcap::read::Options]) -> (Vec<Wrench>, Vec<Value>) {
     let (mut wrenches, mut found) = (Vec::new(), Vec::new());
     let messages =
@@ -48,7 +48,7 @@ fn recorded(bytes: &[u8], options: &[mcap::read::Options]) -> (Vec<Wrench>, Vec<
     (wrenches, found)
 }
 
-/// Two fingers in one image are sensed separately. The recording has the same lines, and the forces as vectors in the finger frame.
+/// Two fingers in one image are sensed separately. The recording contains the printed lines, and the forces as vectors in the finger frame.
 #[test]
 fn two_fingers_in_one_image_are_distinguished_and_recorded() {
     let folder = Folder::new();

@@ -7,7 +7,7 @@ use std::sync::mpsc;
 
 /// Number of frames after which every buffer has its final size.
 const WARM: usize = 1000;
-/// Tolerance of the growth of the resident memory after these frames.
+/// Tolerance of the relative growth of the resident memory after [`WARM`] frames.
 const GROWTH: f64 = 0.02;
 
 /// Columns of the recorded resources: after [`WARM`] frames, and after the last frame.
@@ -29,8 +29,8 @@ fn resources(process: u32) -> Resources {
     Resources { resident_kb, descriptors }
 }
 
-/// Sends `count` frames to `live`, the given frames in turn, and compares its resources after [`WARM`] frames with those after the last frame.
-/// A full study records the resources as the row `name` of `fixtures/results/memory.csv`.
+/// Sends `count` frames to `live`, repeating the given frames in turn. Compares the resources of `live` after [`WARM`] frames with those after the
+/// last frame. A full study records the resources as the row `name` of `fixtures/results/memory.csv`.
 fn check_flat(name: &str, scene: &str, header: &[u8], frames: &[Vec<u8>], count: usize) {
     let mut command = command(&["live", scene, "--contact-at", "auto@0", "--every-frame", "--quiet"]);
     let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().expect("finray starts");
@@ -88,7 +88,7 @@ fn a_long_stream_of_positions_needs_no_more_memory() {
     check_flat("positions", CAMERA, b"", &frames, finray_tests::case_count(3 * WARM, 1_000_000));
 }
 
-/// The same in a stream of images, a quarter as wide and high as the camera's.
+/// Resident memory and open files also stay the same in a stream of images, which are a quarter as wide and high as the camera's images.
 #[test]
 #[cfg(target_os = "linux")]
 fn a_long_stream_of_images_needs_no_more_memory() {

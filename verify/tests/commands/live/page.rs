@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// A run with a page, and its port.
+/// A run of `live` that serves a page, and the page's port.
 struct Served {
     child: std::process::Child,
     err: BufReader<std::process::ChildStderr>,
@@ -82,7 +82,7 @@ fn a_page_shows_each_line() {
             assert!(events.read_line(text).expect("an event") > 0, "the connection is closed");
         }
     };
-    // A client that is registered after the first line gets this line, too.
+    // A client that is registered after the first line was printed also gets this line.
     for _ in 0..3 {
         std::io::Write::write_all(&mut input, pressed_frame().as_bytes()).expect("a frame");
         let mut line = String::new();
@@ -105,7 +105,7 @@ fn a_slow_client_does_not_stop_the_stream() {
     let Served { mut child, mut err, port } = served(&["--every-frame"]);
     let events = format!("GET /events HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n");
     let clients: Vec<_> = (0..14).map(|_| requested(port, &events)).chain([requested(port, "GET / HT")]).collect();
-    // The lines exceed what the sockets buffer: a refused line has about 300 bytes.
+    // All lines together exceed the buffers of the sockets: the line of a refused frame has about 300 bytes.
     let frames = 40_000;
     let mut input = child.stdin.take().expect("an input");
     let writing = std::thread::spawn(move || {
@@ -115,7 +115,7 @@ fn a_slow_client_does_not_stop_the_stream() {
     let began = std::time::Instant::now();
     let lines = BufReader::new(child.stdout.take().expect("an output")).lines().count();
     assert_eq!(lines, frames);
-    // A write to a client that does not read ends after 10 s.
+    // A write to a client that does not read would end only after 10 s.
     assert!(began.elapsed().as_secs() < 8, "{:?}", began.elapsed());
     writing.join().expect("all frames are written");
     assert_eq!(child.wait().expect("the end").code(), Some(0));
@@ -125,7 +125,8 @@ fn a_slow_client_does_not_stop_the_stream() {
     assert_says(&rest, &["done: 40000 frames", "40000 refused"]);
 }
 
-/// An address that cannot be opened is refused before the scene is read. Other machines reach the page only on request, with a warning.
+/// An address that cannot be opened is refused before the scene is read. Other machines can reach the page only if `--serve` states such an address,
+/// and a warning is printed.
 #[test]
 fn addresses_of_the_page_are_checked() {
     let taken = std::net::TcpListener::bind("127.0.0.1:0").expect("a free port");

@@ -1,4 +1,4 @@
-//! Frames of a video: their forms, their colours, and the forces that they show.
+//! Video frames: their formats, their colours, and the forces that they show.
 
 use super::{CAMERA, force_n, lines, states};
 use crate::kit::*;
@@ -27,7 +27,7 @@ fn weighted(rgb: [u8; 3], [red, green, blue]: [f64; 3], offset: f64) -> u8 {
     (offset + red * r + green * g + blue * b).round().clamp(0.0, 255.0) as u8
 }
 
-/// Frames as YUV4MPEG2, encoded in floating point, independent of the decoder. Chroma has every `across`-th column and `down`-th row.
+/// Frames as YUV4MPEG2, encoded in floating point, independent of the decoder. Chroma is stored for every `across`-th column and every `down`-th row.
 pub(super) fn yuv4mpeg2(
     images: &[RgbImage],
     colour_space: &str,
@@ -62,7 +62,7 @@ fn whole(frame: &VideoFrame) -> RgbImage {
     RgbImage::from_raw(width, height, rows.collect()).expect("three bytes a pixel")
 }
 
-/// A reader of a stream after its first frame, and this frame.
+/// Reads the first frame of a stream; returns the reader and the frame.
 fn first_frame(stream: &[u8]) -> (FrameReader<&[u8]>, VideoFrame) {
     let mut reader = FrameReader::yuv4mpeg2(stream).expect("a stream");
     let mut frame = VideoFrame::new(reader.layout());
@@ -70,7 +70,7 @@ fn first_frame(stream: &[u8]) -> (FrameReader<&[u8]>, VideoFrame) {
     (reader, frame)
 }
 
-/// The forces of a video's frames are sensed for every form of chroma, for both ranges, and for raw frames.
+/// The forces in a video's frames are sensed for every chroma format, for both colour ranges, and for raw frames.
 #[test]
 fn forces_are_found_in_every_form_of_video() {
     let folder = Folder::new();
@@ -124,7 +124,7 @@ fn decoded_colours_are_those_that_were_encoded() {
     assert_eq!(FrameLayout::rgb([7, 5]).byte_count(), 105);
 }
 
-/// A part of a row has the pixels of the whole row, also from a column within a chroma sample.
+/// A part of a row has the same pixels as in the whole row, even if the part begins within a chroma sample.
 #[test]
 fn parts_of_rows_are_converted_as_whole_rows() {
     let image = RgbImage::from_fn(7, 5, |u, v| image::Rgb([(37 * u) as u8, (50 * v) as u8, (29 * (u + v)) as u8]));
@@ -145,7 +145,7 @@ fn parts_of_rows_are_converted_as_whole_rows() {
     }
 }
 
-/// A frame whose pixels are converted where they are read gives the same observations as the image of all its pixels, to the last bit. The first image
+/// Converting a frame's pixels only where they are read gives the same observations, to the last bit, as converting all pixels first. The first image
 /// is searched completely; the finger moves by up to 1 mm from image to image.
 #[test]
 fn frames_give_the_positions_of_their_images() {

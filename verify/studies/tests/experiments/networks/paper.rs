@@ -18,8 +18,8 @@ fn a_figure_is_reproduced_within_the_factor_on_both_sides() {
     assert!(!reproduces(0.298, f64::NAN));
 }
 
-/// The paper's recipes are recorded with four seeds at every set of each group. If the sets of a group are missing, there are no figures for the
-/// table.
+/// Each of the paper's recipes has records of four seeds for every set of contacts in every group of the table. If the records of a group's sets are
+/// missing, `figures` returns `None`.
 #[test]
 fn the_papers_network_is_recorded_at_every_set_of_the_table() {
     let records = Records::shipped().expect("records").recipes;

@@ -37,7 +37,7 @@ fn frames_are_those_of_a_moving_force() {
         })
         .collect();
     let rms = (noise.iter().sum::<f64>() / (2 * noise.len()) as f64).sqrt();
-    // The standard deviation of 2 x 23 x 25 draws is known to 2 %.
+    // A standard deviation estimated from 2 x 23 x 25 draws has a relative standard error of 2 %.
     assert!((rms / CAMERA_NOISE_MM - 1.0).abs() < 0.1, "{rms}");
 }
 
@@ -55,12 +55,13 @@ fn cold_and_warm_starts_answer_alike() {
         stream.frames.iter().map(answer).collect::<Vec<f64>>()
     };
     for (cold, warm) in answers(Start::Cold).into_iter().zip(answers(Start::Warm)) {
-        // Both searches stop if a step would change a force by less than a millionth.
+        // Both searches end if a step changes the force by less than 1e-7 of its scale.
         assert!((cold - warm).abs() < 1e-4, "{cold} and {warm}");
     }
 }
 
-/// At nodes 19 and 20, the error of the mesh of key nodes exceeds its stated standard deviation; with eight elements per member, it does not.
+/// At node 20, the model error on the mesh of key nodes exceeds two standard deviations of the noise; with eight elements per member, it is below
+/// 0.4.
 #[test]
 fn the_bias_of_a_coarse_mesh_is_seen() {
     let (truth, stream) = stream_at(20);
@@ -78,8 +79,8 @@ fn the_bias_of_a_coarse_mesh_is_seen() {
         })
         .collect();
     assert!(biases[0] > 2.0 && biases[3] < 0.4, "{biases:?}");
-    // The error of least squares at 3 N is 45 standard deviations of the noise. Once, the error was divided by the wider stated standard deviation,
-    // which gave only 7.5.
+    // The error of least squares at 3 N is 45 standard deviations of the noise. An earlier version divided the error by the wider stated standard
+    // deviation, which gave only 7.5.
     let estimators = beam_estimators(&meshes);
     let linear = estimators.iter().find(|timed| timed.start == Start::None).expect("least squares");
     let bias_sigmas = largest_bias(linear, CAMERA_NOISE_MM, &streams).expect("an answer");
