@@ -11,7 +11,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[3]
 SCENES = ROOT / "fixtures" / "scenes"
-# The program of the same state of the code.
+# The program `finray`, built from the same version of the code as the Python module.
 PROGRAM = os.environ.get("FINRAY", str(ROOT / "target" / "release" / "finray"))
 
 

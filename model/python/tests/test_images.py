@@ -65,7 +65,8 @@ def test_images_are_read_in_place(camera, pressed):
     still = pressed.view()
     still.flags.writeable = False
     assert len(finray.Locator(camera).locate(still)) == 25
-    # In an address space with room for less than one more image, a copy fails. The image is large, and most of it is outside the camera.
+    # A copy of the image would raise the peak of memory by more than the limit, half the size of the image. The image is much larger than the
+    # camera's images, so `locate` refuses it.
     large = np.zeros((16000, 16000, 3), np.uint8)
     before_kb = peak_kb()
     with pytest.raises(finray.FinrayError, match="expected an image of 1600 x 1400 px"):
@@ -154,5 +155,5 @@ def test_other_threads_run_during_a_computation(camera):
     counted = ticks[0] - before
     is_over.set()
     thread.join()
-    # A pass takes 1 ms of sleep and more on a busy machine.
+    # Each pass of the counting thread takes 1 ms of sleep, and longer on a busy machine.
     assert took_s > 0.05 and counted > took_s / 0.02, (took_s, counted)

@@ -51,7 +51,7 @@ def test_stubs_have_the_parameters_of_the_module():
                 continue
             owner = getattr(finray, node.name)
             text = owner.__text_signature__ if member.name == "__new__" else getattr(owner, member.name).__text_signature__
-            # Python 3.9 keeps no signature of a class from the stable ABI.
+            # In Python 3.9, a class that is built for the stable ABI has no text signature.
             if member.name != "__new__" or sys.version_info >= (3, 10):
                 assert parameters(text) == stated(member), (node.name, member.name)
                 compared += 1

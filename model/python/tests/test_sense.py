@@ -50,7 +50,7 @@ def test_forces_are_those_of_the_program(paper, displaced, ours, theirs):
     if code == 0:
         assert_same_forces(finray.Sensor(paper, **ours).sense(observation), out, said)
         return
-    # A refusal of the program is a refusal here.
+    # If the program refuses the request, the Python module refuses it with the same message.
     with pytest.raises(finray.FinrayError) as error:
         finray.Sensor(paper, **ours).sense(observation)
     assert str(error.value) == said.partition("error: ")[2].strip()

@@ -1,9 +1,10 @@
-//! Coverage of intervals on rendered images, and the cost of each unknown. The fingers have known forces and differ from their scene; the
-//! scene is calibrated on some images and senses the others, as in the README.
+//! Measures, on rendered images, how often 95 % intervals contain the true force, and how much each unknown quantity costs. The rendered fingers
+//! carry known forces and differ from their scene. As in the README, the scene is calibrated on some images and senses the forces in the others.
 //!
-//! Every image has its own force, position and friction, and its base is mounted anew. A pad between object and plate distributes the force, and
-//! friction acts in front of the plate. Intervals include calibration errors, which all images share, so coverage is averaged over several fingers,
-//! each calibrated separately. `FINRAY_TEST_CASES=<number>` sets the number of sensed images, otherwise 16; `--nocapture` prints the tables.
+//! Every image has its own force, contact position and friction, and shows a finger whose base was mounted anew. A pad between object and plate
+//! distributes the force, and friction acts on the pad's surface, at a distance from the plate. Intervals include calibration errors, which all
+//! images of a finger share, so coverage is averaged over several fingers, each calibrated separately. `FINRAY_TEST_CASES=<number>` sets the number
+//! of sensed images, otherwise 16; `--nocapture` prints the tables.
 
 use crate::kit::*;
 use crate::photographs::force;
@@ -16,14 +17,15 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use std::fmt::Write;
 
-/// Number of images for the calibration of a scene, smallest number of these images that must be located, and largest number of images that the scene
-/// senses.
+/// Number of images per finger for calibration, smallest number of them that must be located, and number of images per finger for sensing in the full
+/// study.
 const CALIBRATED_ON: usize = 10;
 const LEAST_CALIBRATED_ON: usize = 7;
 const SENSED: usize = 20;
 /// Smallest number of fingers.
 const FINGERS: usize = 2;
-/// Standard deviations between built and drawn finger: of the modulus (as a share), of the brackets (mm) and of the ribs' positions (mm).
+/// Standard deviations of the differences between built and drawn finger: of the modulus (as a share), the brackets (mm) and the positions of the
+/// ribs (mm).
 const MODULUS_OFF: f64 = 0.05;
 const BRACKETS_OFF_MM: f64 = 0.3;
 const RIBS_OFF_MM: f64 = 0.1;
@@ -34,13 +36,14 @@ const LARGEST_FRICTION: f64 = 0.5;
 const PARTS: usize = 7;
 /// Number of mesh nodes of the rendered finger.
 const MESH_NODES: usize = 200;
-/// Pads between object and plate. The first represents an object that touches the plate over 2 mm, the second is a soft pad.
+/// Pads between object and plate. `TOUCHING` represents an object that touches the plate over 2 mm; `PAD` is a soft pad.
 const TOUCHING: Pad = Pad { length_mm: 2.0, thickness_mm: 0.0 };
 const PAD: Pad = Pad { length_mm: 8.0, thickness_mm: 3.0 };
-/// Number of images from which on a coverage of 75 % is significantly below 95 %. The margin is five standard errors of independent images, because
-/// fingers differ.
+/// With at least this number of images, a coverage of 75 % is significantly below 95 %. The difference between 75 % and 95 % is five standard errors
+/// of independent images; the margin is large because fingers differ.
 const ENOUGH: usize = 30;
-/// Tolerance of a coverage, in standard errors. With few images, the estimated standard error is too small if most intervals contain the force.
+/// Tolerance of a coverage, in standard errors. With few images, the standard error estimated from the differences between fingers is too small if
+/// most intervals contain the force.
 const STANDARD_ERRORS: f64 = 3.0;
 
 /// An image and its true load.
@@ -48,7 +51,7 @@ pub(super) struct Press {
     pub name: String,
     pub s_mm: f64,
     pub force_n: f64,
-    /// Direction of the force, degrees from the undeformed normal, as the friction determines it.
+    /// Direction of the force, degrees from the undeformed normal; it follows from the friction.
     pub lean_deg: f64,
     /// Rotation of the base in the image, degrees.
     pub base_deg: f64,
@@ -95,7 +98,7 @@ impl Known {
     }
 }
 
-/// Relative errors of the sensed forces, and numbers for the coverage of their intervals.
+/// Relative errors of the sensed forces, and counts from which the coverage of their intervals follows.
 #[derive(Default)]
 pub(super) struct Tally {
     pub errors: Vec<f64>,
@@ -128,8 +131,8 @@ impl Tally {
         self.within.iter().map(|[within, _]| within).sum::<usize>() as f64 / self.asked() as f64
     }
 
-    /// Standard error of the coverage: the larger of two values, for independent images and for independent fingers. All fingers have equal numbers
-    /// of images.
+    /// Standard error of the coverage: the larger of two values, one for independent images and one for independent fingers. All fingers have equal
+    /// numbers of images.
     pub fn standard_error(&self) -> f64 {
         let fingers = self.within.len() as f64;
         let off = |[within, asked]: &[usize; 2]| (*within as f64 / *asked as f64 - self.coverage()).powi(2);
@@ -137,7 +140,7 @@ impl Tally {
         of_fingers.max(share_error(0.95, self.asked()))
     }
 
-    /// Whether the coverage is 95 % within chance.
+    /// Whether the coverage agrees with 95 % up to sampling error.
     pub fn holds(&self) -> bool {
         (self.coverage() - 0.95).abs() <= STANDARD_ERRORS * self.standard_error()
     }
@@ -178,7 +181,7 @@ impl Built {
     }
 }
 
-/// The true scene of an image; its marks show the position at which the base was mounted for this image.
+/// The true scene of an image; the positions of its base marks contain the error with which the base was mounted for this image.
 fn mounted(built: &Built, chance: &mut ChaCha8Rng) -> String {
     let scene = drawn(Pad::default())
         .replace("youngs_modulus_mpa = 213000.0", &format!("youngs_modulus_mpa = {:?}", built.modulus_mpa))
@@ -187,7 +190,7 @@ fn mounted(built: &Built, chance: &mut ChaCha8Rng) -> String {
     with_marks_off(scene, REMOUNTED, chance)
 }
 
-/// A scene with random errors of the marks' positions (mm) and rotation (degrees), with the given standard deviations.
+/// Moves and rotates all marks of a scene together by random errors with the given standard deviations (mm and degrees).
 pub(super) fn with_marks_off(mut scene: String, [sd_mm, sd_deg]: [f64; 2], chance: &mut ChaCha8Rng) -> String {
     let (x, y, turn) = (sd_mm * normal(chance), sd_mm * normal(chance), (sd_deg * normal(chance)).to_radians());
     let (sin, cos) = turn.sin_cos();
@@ -202,7 +205,7 @@ pub(super) fn normal(chance: &mut ChaCha8Rng) -> f64 {
     rand_distr::Distribution::sample(&rand_distr::StandardNormal, chance)
 }
 
-/// Renders an image of a finger pressed somewhere.
+/// Renders an image of a finger that is pressed at a random position.
 fn press(folder: &Folder, built: &Built, number: usize, pad: Pad) -> Press {
     let mut chance = ChaCha8Rng::seed_from_u64(19 + number as u64);
     let scene = mounted(built, &mut chance);
@@ -224,7 +227,7 @@ pub(super) struct Rendering {
     pub preload_nmm: f64,
 }
 
-/// Renders a press of a scene's finger; without a force, the unloaded finger.
+/// Renders a scene's finger under the force of a press; a force of zero renders the finger without contact.
 pub(super) fn render(folder: &Folder, scene: &str, press: &Press, rendering: Rendering) {
     let Rendering { pad, base: [x, y, base_deg], seed, preload_nmm } = rendering;
     let &Press { ref name, s_mm, force_n, lean_deg, .. } = press;
@@ -271,13 +274,13 @@ fn photographed(pad: Pad) -> Vec<Photographed> {
     (0..fingers).into_par_iter().map(of_finger).collect()
 }
 
-/// Command that measures the figures of the guide.
+/// Command that measures the results stated in the guide.
 const COMMAND: &str =
     "FINRAY_TEST_CASES=200 cargo test --release -p finray-verify --test commands -- rendered --nocapture";
-/// Smallest number of images for which the figures are recorded.
+/// Smallest number of images for which the results are recorded.
 const RECORDED: usize = 200;
 
-/// Records the figures for each of [`Known::ALL`].
+/// Records the results of a study for each case in [`Known::ALL`].
 fn record(study: &str, question: &str, tallies: &[Tally; 5]) {
     if tallies[0].asked() < RECORDED {
         return;

@@ -1,4 +1,4 @@
-//! Invalid scenes: refused with exit code 2 and one message that names file, line, key and expected value.
+//! Tests that invalid scenes are refused with exit code 2 and one message that names file, line, key and expected value.
 
 use crate::kit::scene::{assert_refused, refused};
 use crate::kit::*;
@@ -46,7 +46,7 @@ fn a_scene_may_be_written_in_many_ways() {
     let evenly: Vec<_> = (1..=11).map(|i| format!("[{0:?}, {0:?}]", 153.0 * f64::from(i) / 12.0)).collect();
     let positions = format!("positions_mm = [{}]", evenly.join(", "));
     assert_eq!(shape(&paper_with(&[("count = 11", &positions)])), reference);
-    // A zone that covers the whole plate has the same effect as another modulus.
+    // A zone that covers the whole plate changes the shape of the finger.
     let zones = |to: &str| {
         format!(
             "{}\n[[finger.zone]]\nplate = \"front\"\nfrom_mm = 0\nto_mm = {to}\nmodulus_factor = 2\n",
@@ -81,7 +81,7 @@ fn unknown_keys_are_named_with_the_nearest_known_one() {
         let nearest = format!("; the nearest known key is `{nearest}`");
         assert_refused(from, to, line, &[&format!("unknown key `{key}`"), &nearest]);
     }
-    // For a key in a plate's table or in the second of two zones, the message names the line of that key.
+    // For an unknown key in a plate's table or in the second of two zones, the message names the line of that key.
     let scene = paper_with(&[("[finger.back]\nthickness_mm", "[finger.back]\nthicknes_mm")]);
     assert_says(&refused(&scene), &["line 19: unknown key `finger.back.thicknes_mm`", "`thickness_mm`"]);
     let zone = "[[finger.zone]]\nplate = \"front\"\nfrom_mm = 1\nto_mm = 2\nmodulus_factor = 2\n";
@@ -170,7 +170,7 @@ fn values_of_another_type_are_refused() {
     assert_says(&refused("name = \"x\"\nfinger = 5\n"), &["line 2: finger: expected a table, found 5"]);
 }
 
-/// The message names the line of the table that should contain the key.
+/// If a key is missing, the message names the line of the table that should contain the key.
 #[test]
 fn missing_keys_are_named() {
     for (from, at, expected) in [
@@ -234,7 +234,7 @@ fn text_that_is_no_toml_is_refused_by_line() {
     assert_says(&finray_reading(b"[", &["solve", "-", "--load", "19:0,-1"]).refused(), &["standard input: line 1: "]);
 }
 
-/// Faults of objects and rods; the message names the line of each fault.
+/// Scenes with faulty objects or rods are refused; the message names the line of the fault.
 #[test]
 fn objects_that_cannot_be_are_refused() {
     let disc = "[object]\nshape = \"disc\"\nradius_mm = 5\nat_mm = 70\ntravel_mm = 3\n";

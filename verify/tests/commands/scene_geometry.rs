@@ -1,4 +1,4 @@
-//! Scenes with impossible fingers: refused with exit code 2 and one message that names file, line, key and expected value.
+//! Tests that scenes with impossible fingers are refused with exit code 2 and one message that names file, line, key and expected value.
 
 use crate::kit::scene::{assert_refused, refused};
 use crate::kit::*;
@@ -90,7 +90,7 @@ fn sizes_must_be_positive_finite_numbers() {
     ] {
         assert_refused(from, to, at, &[expected]);
     }
-    // The length of the last rib between the middle lines of the plates is 58 mm / 12.
+    // Between the middle lines of the plates, the last rib is 58 mm / 12 long.
     for (value, room) in [("2.3", true), ("2.5", false), ("[4.6, 0.0]", true), ("[0.0, 4.9]", false)] {
         let bracket = format!("count = 11\nbracket_mm = {value}");
         let scene = paper_with(&[("count = 11", &bracket)]);

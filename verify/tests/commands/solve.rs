@@ -5,7 +5,7 @@ use crate::kit::*;
 const HEADER: [&str; 6] = ["node", "x_mm", "y_mm", "ux_mm", "uy_mm", "theta_rad"];
 /// Relative tolerance between two solutions of one equilibrium: Newton's last correction is below 1e-9 of the solution.
 const NEWTON: f64 = 1e-8;
-/// A difference far above Newton's error for displacements of some millimetres.
+/// A difference that is far above the error of Newton's method for displacements of some millimetres.
 const NOTICEABLE_MM: f64 = 1e-4;
 /// Tolerance between a mesh with one element per member and the fine mesh at 2.5 N, as a share of the largest displacement.
 const COARSE_MESH: f64 = 0.05;
@@ -161,7 +161,8 @@ fn loads_that_the_finger_cannot_take_are_refused() {
     assert_says(&finray(&["solve", PAPER]).refused(), &["--load NODE:FX,FY", "--load-at S_MM:FORCE,ANGLE_DEG"]);
 }
 
-/// The message names the share of the load up to which there is an equilibrium. `solve` succeeds just below this share, and fails just above.
+/// The message names the share of the load up to which there is an equilibrium. `solve` succeeds just below the named share of the load, and fails
+/// just above it.
 #[test]
 fn without_equilibrium_the_last_share_of_the_load_is_named() {
     let [fx, fy] = paper_force(200.0, 0.0);
@@ -171,7 +172,7 @@ fn without_equilibrium_the_last_share_of_the_load_is_named() {
     let percent = message.split_once("beyond ").and_then(|(_, rest)| rest.split_once(" %")).expect("a share").0;
     let share = percent.parse::<f64>().expect("a number") / 100.0;
     assert!(share > 0.01 && share < 1.0, "{message}");
-    // At this load, the strains are large, so `solve` warns.
+    // Just below the largest load with an equilibrium, the strains are large, so `solve` warns.
     finray(&["solve", PAPER, "--load", &load(0.999 * share)]).warned();
     finray(&["solve", PAPER, "--load", &load(1.001 * share)]).failed();
     // The linear finger carries any load.
@@ -221,8 +222,8 @@ fn a_mesh_too_fine_for_double_precision_is_refused() {
     }
 }
 
-/// On the mesh of the key nodes, a long member near the base buckles later, and displacements are a tenth of those on a fine mesh. Once, no warning
-/// said so.
+/// On the mesh of the key nodes, a long member near the base buckles only at a larger load, and displacements are a tenth of those on a fine mesh.
+/// Once, no warning said so.
 #[test]
 fn a_mesh_that_is_too_coarse_is_warned_of() {
     let folder = Folder::new();

@@ -4,8 +4,8 @@ use crate::kit::*;
 
 /// Options for a network that is trained quickly.
 const SMALL: [&str; 6] = ["--samples", "400", "--epochs", "4", "--hidden-layers", "6"];
-/// Relative tolerance of a sensed force. With noise of 0.067 mm, the Cramer-Rao bound for 2 N in the middle is 0.4 %; a small network has a larger
-/// error.
+/// Relative tolerance of a sensed force. With noise of 0.067 mm, the Cramer-Rao bound for a force of 2 N in the middle of the plate is 0.4 %; a small
+/// network has a larger error.
 const SENSED: f64 = 0.05;
 /// Noise of the camera, mm; the tested shapes have no noise.
 const NOISE: [&str; 2] = ["--noise-mm", "0.067"];
@@ -69,7 +69,7 @@ fn the_seed_makes_the_weights() {
     assert_ne!(one, made("another", "2"));
 }
 
-/// Options of `train` change the samples, as forces sensed with the network show.
+/// Options of `train` change the training samples; the test shows this by forces that the trained networks sense.
 #[test]
 fn options_reach_the_samples() {
     let folder = Folder::new();
@@ -79,7 +79,7 @@ fn options_reach_the_samples() {
         // The shape contradicts a network that was trained on the linear finger, so `sense` may warn.
         Csv::of(&sense(&truth, &["--contact", "19"], Some(&network)).computed()).numbers("force_n")[0]
     };
-    // For the co-rotational shape under 4 N at node 19, the regression on the linear finger has an error of some percent.
+    // For the co-rotational shape under 4 N at node 19, a network that was trained on the linear finger has an error of some percent.
     let (linear, nonlinear) = (force(&["--truth", "linear"]), force(&[]));
     assert!((nonlinear - 4.0).abs() < SENSED * 4.0, "{nonlinear}");
     assert!((linear - 4.0).abs() > 2.0 * (nonlinear - 4.0).abs(), "{linear} {nonlinear}");

@@ -2,15 +2,16 @@
 
 use crate::kit::*;
 
-/// The paper's finger with a depth of 0.4 um. It has the same strains as the paper's finger under 50 000 times the force.
+/// The paper's finger with a depth of 0.4 um. The flat finger has the same strains as the paper's finger under a force that is 50 000 times as large.
 fn flat() -> String {
     paper_with(&[("depth_mm = 20.0", "depth_mm = 0.0004")])
 }
 
-/// A force that causes a strain of 16 % in the flat linear finger, N. At this node, 3 N cause a strain of 3.89 % in the paper's finger.
+/// A force, N, that causes a strain of 16 % in the flat finger with linear kinematics. At node 19, 3 N cause a strain of 3.89 % in the paper's
+/// finger.
 const FLAT_N: f64 = 2.5e-4;
 
-/// The percent in "not small: 16 % at".
+/// The percentage of strain in a warning, such as 16 in "not small: 16 % at".
 #[track_caller]
 fn strain_percent(warnings: &[String]) -> f64 {
     let said = warnings.iter().find_map(|line| line.split("strains are not small: ").nth(1));
@@ -44,7 +45,7 @@ fn small_strains_go_without_a_word() {
     finray(&["solve", SPRING_STEEL, "--load-at", "80:0.2,0"]).done();
 }
 
-/// The strain limit of the material replaces the default in every part.
+/// A strain limit that the scene states for the material of a part replaces the default; this holds for every part.
 #[test]
 fn a_material_states_its_own_limit() {
     let folder = Folder::new();
@@ -88,7 +89,7 @@ fn thick_members_are_warned_of() {
     );
 }
 
-/// Sensed forces of every estimator are checked against the limits, like loads.
+/// Like the loads of `solve`, the forces sensed by every estimator are checked against the limits of the beam model.
 #[test]
 fn sensed_forces_are_judged() {
     let folder = Folder::new();
@@ -111,7 +112,7 @@ fn sensed_forces_are_judged() {
         ])
     };
     let (_, sensed) = sense(&soft, "nonlinear").warned();
-    // Both forces agree to the estimator's 0.2 %, which may change the rounded percentage.
+    // The sensed force agrees with the load to 0.2 %, the error of the estimator, which may change the rounded percentage.
     assert!(
         (strain_percent(&sensed) - strain_percent(&solved)).abs() <= 0.05 * strain_percent(&solved),
         "{sensed:?} against {solved:?}"
@@ -137,7 +138,7 @@ fn sensed_forces_are_judged() {
     .done();
 }
 
-/// The warning names the step with the largest strain.
+/// The warning names the step of the press with the largest strain.
 #[test]
 fn a_pressed_finger_is_judged() {
     let folder = Folder::new();

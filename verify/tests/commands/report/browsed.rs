@@ -1,4 +1,4 @@
-//! The report's pages in a browser: window sizes, print, choices and animated drawings.
+//! Tests the report's pages in a browser: window sizes, printing, the reader's choices and animated drawings.
 
 use super::shared::*;
 use crate::kit::*;
@@ -6,10 +6,10 @@ use finray_figures::{Film, Frame, Series, Shot};
 use finray_report::page::{self, Block, Figure, Page, Section};
 use std::path::Path;
 
-/// A headless window is drawn only once, so a timer triggers the frames.
+/// A headless browser draws its window only once, so a timer triggers the frames of animations.
 const FRAMES: &str = "window.requestAnimationFrame = (draw) => setTimeout(draw, 16);";
 
-/// Results of a script that operates a page and writes its results into the page: lines that begin with PASS, FAIL or DONE.
+/// Runs a script that operates a page, and returns the script's results: lines that begin with PASS, FAIL or DONE.
 pub fn driven(browser: &Path, html: &str, script: &str, width: u32) -> Vec<String> {
     let before = include_str!("explore/before.js");
     let folder = tempfile::tempdir().expect("a folder");
@@ -65,8 +65,8 @@ fn the_page_fits_its_window_and_prints() {
     assert!(broken.page >= 2000.0 && broken.wide.contains("DIV"), "{} px, {}", broken.page, broken.wide);
 }
 
-/// The script answers the reader's choices with the numbers in the files, also by keyboard and on a phone. For choices without numbers, it shows
-/// nothing.
+/// After each choice of the reader, the page shows the numbers in the files; choices also work by keyboard and on a phone. A panel whose numbers are
+/// missing is hidden.
 #[test]
 fn choices_change_what_the_page_shows() {
     let Some(browser) = browser::browser() else { return };
@@ -105,7 +105,7 @@ fn page_with_film() -> String {
     page::render(&page).expect("a page")
 }
 
-/// An animated drawing runs and can be stopped. Its steps can be chosen, and one shot is shown at a time.
+/// An animated drawing runs and can be stopped. The reader can choose a step of the animation, and one shot is shown at a time.
 #[test]
 fn a_grasp_can_be_stopped_and_stepped() {
     let Some(browser) = browser::browser() else { return };

@@ -1,4 +1,4 @@
-//! The report's section on the way from camera to force.
+//! Tests the report's section on errors that a camera causes in displacements and forces.
 
 use super::shared::*;
 use crate::kit::*;
@@ -10,19 +10,19 @@ fn what_a_camera_costs_is_in_the_report() {
     assert_keys(rows, &["item", "setting"], &["force_rms_error", "force_largest_error"]);
     let number = |row: &serde_json::Value, key: &str| row[key].as_f64().expect("a number");
     for row in rows {
-        // The error of the mesh does not depend on a camera, so its row has no displacements.
+        // The row `mesh` states an error of the mesh, which does not depend on a camera, so this row has no displacement errors.
         let is_mesh = row["item"] == "mesh";
         for key in ["displacement_rms_mm", "displacement_largest_mm", "first_order_rms_error"] {
             assert_eq!(row[key].is_null(), is_mesh, "{key} of {row}");
         }
         assert_eq!((number(row, "found"), number(row, "refused")), (number(row, "markers"), 0.0), "{row}");
-        // Errors of equally weighted displacements are small, so the force depends on them to first order. The error of the force is computed from
-        // the response and by sensing.
+        // If displacements come from images or are relative to the seen rest shape, their errors are small, so the force error is of first order in
+        // these errors. The report computes the error of the force in two ways: to first order from the finger's response, and by sensing.
         if row["in_images"] == true || row["is_rest_seen"] == true {
             let [sensed, first] = ["force_rms_error", "first_order_rms_error"].map(|key| number(row, key));
             assert!((sensed / first - 1.0).abs() < 0.02, "{row}");
         }
-        // Rows without an image have no noise.
+        // Rows without an image state no noise.
         assert_eq!(row["stated_mm"].is_null(), row["in_images"] == false, "{row}");
     }
     assert!(rows[0]["item"] == "as it is" && number(&rows[0], "displacement_rms_mm") < 0.004);
@@ -35,7 +35,7 @@ fn what_a_camera_costs_is_in_the_report() {
     }
 }
 
-/// With the noise that the report allows for an error, `sense` states this error.
+/// With the noise that the report allows for a force error of 1 %, `sense` states a standard deviation of 1 %.
 #[test]
 fn the_noise_that_is_needed_gives_the_error_that_is_asked() {
     let folder = Folder::new();
@@ -44,7 +44,7 @@ fn the_noise_that_is_needed_gives_the_error_that_is_asked() {
     assert_eq!(nodes.len(), 11);
     for (node, noise_mm) in nodes.iter().zip(noises) {
         let shape = folder.path("shape.csv");
-        // Nodes 25 (base) to 13 (tip) are 12.75 mm apart.
+        // Neighbouring nodes, from 25 (base) to 13 (tip), are 12.75 mm apart.
         let s_mm = 12.75 * (25.0 - node.parse::<f64>().expect("a number"));
         finray(&["solve", PAPER, "--load-at", &format!("{s_mm}:1.5"), "--out", &shape]).done();
         let noise = noise_mm.to_string();

@@ -1,4 +1,4 @@
-//! The report's checks: all pass, are counted by kind, and claim no more independence than they have.
+//! Tests the report's checks: all pass, they are counted by kind, and no text overstates their independence.
 
 use super::shared::*;
 use crate::kit::*;
@@ -23,8 +23,8 @@ fn comparisons_have_no_tolerance() {
     assert!(comparisons.iter().all(|entry| entry.get("verdict").is_none() && entry.get("tolerance").is_none()));
 }
 
-/// External, analytical and internal checks are counted separately, and so are the external checks against our own lattice. The counts agree in the
-/// file, at the head of the page and in the command's output. A kind without checks is not mentioned.
+/// The report counts external, analytical and internal checks separately, and external checks against our own lattice as a separate group. The counts
+/// agree in the summary file, at the head of the first page and in the command's output. A kind without checks is not mentioned.
 #[test]
 fn checks_are_counted_by_whose_figures_they_are_against() {
     for report in [&*PAPERS, &*SPRING_STEELS] {
@@ -72,10 +72,10 @@ fn checks_are_counted_by_whose_figures_they_are_against() {
         let other_program = ["OpenSees", "MuJoCo", "rapier2d lattice"].contains(&source);
         assert!(check["kind"] != "external" || other_program, "{check}");
         assert!(source != "rapier2d lattice" || check["kind"] == "external", "{check}");
-        // The equilibrium check of the lattice must not count as a check against rapier.
+        // The equilibrium check of the lattice must not count as a check against the physics engine rapier2d.
         let problem = check["problem"].as_str().expect("words");
         assert!(!problem.contains("in equilibrium") || source != "rapier2d lattice", "{check}");
-        // A residual of the fit must not count as a check.
+        // A residual of the fit to the paper's Table I must not count as a check.
         assert!(source != "paper" && !problem.contains("residual"), "{check}");
     }
     let residuals = array(&summary, "comparisons").iter();
@@ -83,7 +83,7 @@ fn checks_are_counted_by_whose_figures_they_are_against() {
     assert_eq!(residuals.count(), 6);
 }
 
-/// Every external and analytical check, and every residual of the fit, has a symbol in the drawing of disagreements.
+/// Every external and analytical check, and every residual of the fit to the paper's Table I, has a symbol in the drawing of disagreements.
 #[test]
 fn every_independent_reference_is_drawn() {
     let page = PAPERS.pages();
@@ -113,7 +113,8 @@ fn nothing_claims_more_independence_than_there_is() {
         }
     }
     assert!(PAPERS.pages().contains("Material and joints of a real finger are not verified here"));
-    // Beam theory is compared with a continuum, without a verdict. For a finger without a continuum solution, the page states that there is none.
+    // The report compares beam theory with a continuum solution, without a pass or fail verdict. For a finger without a continuum solution, the page
+    // states that this finger was not solved as a continuum.
     let summary = PAPERS.summary();
     let median = |beams: &str| {
         let found = array(&summary, "comparisons").iter().find(|entry| {
@@ -143,7 +144,7 @@ fn hard_cases_pass_their_checks() {
     for column in ["difficulty", "promise", "outcome"] {
         assert!(cases.texts(column).iter().all(|words| words.len() > 10), "{column}");
     }
-    // Each case occurs among the checks and on the page.
+    // Each hard case occurs among the checks and on the page.
     let summary = PAPERS.summary();
     let page = PAPERS.pages();
     for name in &names {

@@ -41,7 +41,7 @@ fn opened_by(report: &Report) -> PathBuf {
     report.folder.join("../../programs/opened")
 }
 
-/// The command passes the page to the opener and does not wait for the opener.
+/// The command passes the page to the program that opens it, and does not wait for that program.
 #[cfg(target_os = "linux")]
 #[test]
 fn the_page_is_opened_and_left_to_its_opener() {
@@ -93,7 +93,7 @@ fn a_soft_finger_is_reported_under_the_force_that_is_asked() {
     for key in ["explanations", "causes"] {
         assert!(array(&summary, key).iter().all(|entry| entry["force_n"] == 0.012), "{key}");
     }
-    // No figure uses the force of the paper's finger.
+    // No page mentions 3 N, the force of the paper's finger.
     let pages = names_in(Path::new(&out)).into_iter().filter(|name| name.ends_with(".html"));
     let pages: String = pages.map(|name| folder.read(&format!("report/{name}"))).collect();
     assert!(pages.contains("At rest and under 0.012 N") && !pages.contains(" 3 N"));

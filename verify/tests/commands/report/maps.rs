@@ -23,7 +23,7 @@ fn maps_come_with_their_figures_and_their_cells() {
             let forces: Vec<f64> =
                 map["forces_n"].as_array().expect("forces").iter().filter_map(Value::as_f64).collect();
             if let [force] = forces[..] {
-                // The summary's figures for one force follow from the cells.
+                // For a map of one force, the numbers in the summary follow from the cells of the map.
                 let samples = cells.numbers("samples").into_iter().zip(cells.texts("mean_error"));
                 let of_force = cells.numbers("force_n").into_iter().zip(samples).filter(|(f, _)| *f == force);
                 // A cell without samples has no equilibrium; a cell with samples but without an error is refused.
@@ -78,7 +78,7 @@ fn linear_sensing_of_the_linear_finger_errs_by_noise_alone() {
     assert!(error("linear", true) > 1e-3 && error("corotational", false) > 1e-2);
 }
 
-/// For the paper's finger, the report has maps of every truth with every estimator, with and without noise; for other fingers, of the combinations
+/// For the paper's finger, the report maps every truth with every estimator, with and without noise; for other fingers, it maps only the combinations
 /// that exist. Truths that the nonlinear estimator cannot explain are mapped only with noise.
 #[test]
 fn every_truth_is_mapped_by_every_estimator() {
@@ -104,7 +104,7 @@ fn every_truth_is_mapped_by_every_estimator() {
         }
     }
     assert_eq!(papers.len(), 5 * 4 * 2 - 2);
-    // Two truths, three estimators and two noise levels, without one combination.
+    // Two truths, three estimators and two noise levels, minus the nonlinear estimator on the linear finger without noise.
     assert_eq!(kinds(&SPRING_STEELS).len(), 2 * 3 * 2 - 1);
 }
 
@@ -113,7 +113,7 @@ fn the_overview_holds_the_cells_that_are_drawn() {
     let cells = Csv::of(&PAPERS.read("map_overview.csv"));
     let truths: std::collections::BTreeSet<_> = cells.texts("truth").into_iter().collect();
     assert_eq!(truths.len(), 5);
-    // The largest error over the forces in the file of the map.
+    // In the overview, the error of a cell is the largest error over the forces in the map's own file.
     let kinds = cells.texts("truth").into_iter().zip(cells.texts("estimator")).zip(cells.texts("noise_mm"));
     let of_map = kinds.zip(cells.texts("worst_error")).filter(|(((truth, estimator), noise), _)| {
         (*truth, *estimator) == ("twin", "ridge") && noise.parse() == Ok(0.0)
@@ -144,7 +144,8 @@ fn maps_come_with_what_explains_them() {
     }
 }
 
-/// For pairs of neighbours and of separate nodes, the file agrees with the checks. Only a full report includes every pair and the cases with unknown directions.
+/// For pairs of neighbouring nodes and pairs of separate nodes, `noise.csv` agrees with the checks. Only a full report includes every pair and the
+/// cases with unknown directions.
 #[test]
 fn four_pairs_are_within_their_tolerances() {
     let summary = PAPERS.summary();
@@ -173,7 +174,7 @@ fn four_pairs_are_within_their_tolerances() {
         let said = checks.iter().filter(|check| check["problem"].as_str().is_some_and(|text| text.contains(&problem)));
         let said: Vec<f64> =
             said.flat_map(|check| [&check["ours"], &check["tolerance"]]).filter_map(Value::as_f64).collect();
-        // A quick report has a hundred cases, so chance may increase the error by 22 %.
+        // A quick report has only a hundred cases, so sampling error may increase the mean error by 22 %.
         assert_close(&said, &[of(false), 1.22 * tolerance, of(true), 0.10 + 0.22], LINEAR_ROUNDING);
     }
     for key in ["pairs", "directions", "directions_without_friction"] {

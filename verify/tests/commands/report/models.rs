@@ -1,4 +1,4 @@
-//! The report's comparison of meshes and the lattice.
+//! Tests the report's comparisons of meshes, and of the lattice with beams.
 
 use super::shared::*;
 use crate::kit::*;
@@ -25,7 +25,7 @@ fn meshes_of_the_papers_finger_are_within_their_tolerances() {
         assert_close(&[number("ours") / error, number("tolerance")], &[1.0, limit], LINEAR_ROUNDING);
         assert!(error > 0.0 && error <= limit, "{mesh_nodes} nodes: {error}");
     }
-    // Nodes 14 to 24 are loaded, and the finger carries 3 N on every mesh.
+    // Nodes 14 to 24 are loaded in turn, and the finger carries 3 N on every mesh.
     let mut nodes = Csv::of(&PAPERS.read("convergence.csv")).numbers("load_node");
     nodes.dedup();
     assert_eq!(nodes, (14..=24).map(f64::from).collect::<Vec<_>>());
@@ -39,13 +39,14 @@ fn finer_meshes_err_less() {
         meshes.sort_by(f64::total_cmp);
         meshes.dedup();
         let errors: Vec<f64> = meshes.iter().map(|nodes| worst_error(report, *nodes, 3.0)).collect();
-        // The paper's mesh is not part of the sequence of doubled meshes, so its error need not follow their trend.
+        // The paper's mesh does not belong to the sequence of meshes in which each has twice the elements, so its error need not follow the
+        // sequence's trend.
         assert!(errors.len() >= 5 && errors[0] > 0.0, "{errors:?}");
         assert!(errors[errors.len() - 1] < 1e-2 * errors[0], "{errors:?}");
     }
 }
 
-/// Finer lattices agree better with beams at every force, and the files contain the figures that the page states.
+/// Finer lattices agree better with beams at every force, and `lattice.csv` contains the errors that the summary states.
 #[test]
 fn the_lattice_comes_near_to_beams() {
     let rows = Csv::of(&PAPERS.read("lattice.csv"));
@@ -74,8 +75,8 @@ fn the_lattice_comes_near_to_beams() {
     assert!(array(&SPRING_STEELS.summary(), "lattice").is_empty());
 }
 
-/// The lattice is the third finger of the maps. On it, least squares has the same error as on the co-rotational finger, and the nonlinear estimator
-/// has hardly any error.
+/// The lattice is one of the simulated true fingers in the maps. On the lattice, least squares has the same error as on the co-rotational finger, and
+/// the nonlinear estimator has hardly any error.
 #[test]
 fn the_lattice_is_sensed_as_the_corotational_finger_is() {
     let summary = PAPERS.summary();

@@ -3,7 +3,7 @@
 use super::shared::*;
 use crate::kit::*;
 
-/// The file contains eleven single nodes and four pairs, each with its checks. The summary agrees with the file.
+/// `networks.csv` contains eleven single nodes and four pairs of nodes, and each of its rows has a check. The summary agrees with the file.
 #[test]
 fn networks_that_ship_are_within_their_tolerances() {
     let rows = Csv::of(&PAPERS.read("networks.csv"));
@@ -14,7 +14,8 @@ fn networks_that_ship_are_within_their_tolerances() {
     assert!(rows.numbers("drawn").iter().all(|cases| *cases >= 40.0) && rows.numbers("refused") == [0.0; 19]);
     assert_eq!(rows.numbers("drawn"), rows.numbers("answered"));
     for (error, bound) in rows.numbers("mean_error").into_iter().zip(rows.numbers("mean_error_bound")) {
-        // The error from forty cases scatters by a sixth. For sums of neighbours, the error is 1.6 times the bound.
+        // A mean error over forty cases has a relative scatter of one sixth. For the sum of two forces on neighbouring nodes, the error is 1.6 times
+        // the bound.
         assert!(error > 0.5 * bound && error < 2.5 * bound, "{error}, bound {bound}");
     }
     let summary = PAPERS.summary();
@@ -40,7 +41,7 @@ fn table_two_has_the_network_on_both_fingers() {
     let networks: Vec<_> = keys.filter(|((_, estimator), _)| *estimator == "network").collect();
     for (truth, noise_mm) in [("linear", 0.0), ("linear", 0.067), ("corotational", 0.0), ("corotational", 0.067)] {
         let of_finger = networks.iter().filter(|((of, _), noise)| *of == truth && *noise == noise_mm);
-        // Three single nodes, two rows for each of four pairs, and the five means that the paper lists.
+        // The rows are three single nodes, two rows for each of four pairs, and the five means that the paper lists.
         assert_eq!(of_finger.count(), 3 + 2 * 4 + 5, "{truth}, {noise_mm} mm");
     }
     let summary = PAPERS.summary();

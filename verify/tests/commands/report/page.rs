@@ -37,7 +37,7 @@ fn every_file_that_a_page_names_is_there() {
 fn a_page_needs_nothing_but_itself() {
     for report in [&*PAPERS, &*SPRING_STEELS] {
         for name in report.page_names() {
-            // The name of the SVG namespace is not an address from which the page loads data.
+            // The names of the SVG and XHTML namespaces look like addresses, but the page loads no data from them.
             let page = report
                 .read(&name)
                 .replace("http://www.w3.org/2000/svg", "")
@@ -46,7 +46,7 @@ fn a_page_needs_nothing_but_itself() {
                 assert!(!page.contains(outside), "{name}: {outside}");
             }
             assert!(page.starts_with("<!DOCTYPE html>") || page.starts_with("<!doctype html>"));
-            // A page contains a script only together with the script's data.
+            // A page contains a script only if it also contains the data for that script.
             let with_data = match name.as_str() {
                 "index.html" | "your-finger.html" => [1, 3],
                 "maps.html" => [1, 2],
@@ -66,7 +66,7 @@ fn without_program(page: &str) -> String {
     format!("{before}{}", rest.split_once('<').expect("the end of the program").1)
 }
 
-/// Limits for the first page: size without the embedded program, bytes, and number of visible words.
+/// Limits for the first page: size in bytes without the embedded program, and number of visible words.
 const FIRST_PAGE: [usize; 2] = [1_000_000, 1800];
 /// Largest number of visible words of all pages.
 const WORDS: usize = 6000;
@@ -106,10 +106,10 @@ fn words(figure: &str) -> Vec<&str> {
     texts.map(str::trim).filter(|text| !text.is_empty() && text.parse::<f64>().is_err()).collect()
 }
 
-/// Every drawing has a name, a caption and a file with its numbers. Every drawing with axes labels them with quantity and unit.
+/// Every drawing has a name, a caption and a file with its numbers. In drawings with axes, each axis is labelled with quantity and unit.
 #[test]
 fn every_drawing_says_what_it_shows() {
-    // Units, and words for numbers or ratios. An axis label contains at least one of these texts.
+    // Units, and words that stand in axis labels of counts and ratios. Every axis label contains at least one of the texts in `units`.
     let units = [
         " mm",
         ", N",
@@ -146,8 +146,8 @@ fn every_drawing_says_what_it_shows() {
 /// Largest number of words on the first screen.
 const FIRST_SCREEN: usize = 120;
 
-/// The first page begins with a short verdict, which states that the results come from simulation only. The finger in three situations and the full
-/// verdict follow. Each section begins with its conclusion.
+/// The first page begins with a short verdict, which states that the results come from simulation only. After the short verdict, the page shows the
+/// finger in three situations, and then the full verdict. Each section begins with its conclusion.
 #[test]
 fn the_first_page_begins_with_its_verdict() {
     let page = PAPERS.read("index.html");
@@ -182,7 +182,7 @@ fn the_first_page_begins_with_its_verdict() {
         let blocks = section.split("class=\"says\"").nth(1).and_then(|says| says.split("</div>").next());
         assert!(blocks.is_some_and(|says| says.matches("<p>").count() >= 1), "{id} says nothing");
     }
-    // Every sentence of the machine-readable summary occurs exactly once, on one page.
+    // Every sentence of the verdict in the machine-readable summary occurs exactly once, on one page.
     let page = as_read(&page);
     let summary = PAPERS.summary();
     for sentence in array(&summary, "verdict") {
@@ -191,7 +191,8 @@ fn the_first_page_begins_with_its_verdict() {
     }
 }
 
-/// The shares in the first answer follow from the cells in the files of the maps, by the largest error over four forces.
+/// The first answer of the verdict states shares of trusted cells, which follow from the map files. The largest error over four forces decides
+/// whether a cell is trusted.
 #[test]
 fn the_first_answer_counts_the_cells_of_its_maps() {
     let summary = PAPERS.summary();
@@ -231,7 +232,8 @@ fn the_first_answer_counts_the_cells_of_its_maps() {
     }
 }
 
-/// Shares exclude cells without an equilibrium. The page states the number of these cells, so that a share does not seem to refer to all cells.
+/// Shares exclude cells without an equilibrium. The page states the number of cells without an equilibrium, so that a share does not seem to refer to
+/// all cells.
 #[test]
 fn cells_without_an_equilibrium_are_said() {
     for report in [&*PAPERS, &*SPRING_STEELS] {
@@ -260,7 +262,7 @@ fn pages_without_a_study_are_not_there() {
     }
 }
 
-/// The verdict states that the beam model is beyond its limits exactly if this is true for the drawn forces.
+/// The verdict states that the beam model is beyond its limits exactly if a shape in `validity.csv` exceeds a limit.
 #[test]
 fn limits_of_the_beam_model_are_said_first() {
     for report in [&*PAPERS, &*SPRING_STEELS] {
@@ -274,7 +276,8 @@ fn limits_of_the_beam_model_are_said_first() {
     }
 }
 
-/// The files contain the figures of the other answers: failures in the map, the share of least squares, coverage and refusals.
+/// Numbers in the remaining answers of the verdict follow from files: failures in the map, the share of cells for least squares, coverage and
+/// refusals.
 #[test]
 fn the_other_answers_are_found_in_files() {
     let summary = PAPERS.summary();

@@ -1,4 +1,4 @@
-//! The finger that a reader can push on the first page: operated in a browser, and compared with the commands.
+//! Tests the finger that a reader can push on the first page: in a browser, and against the commands.
 
 use super::browsed::{assert_passes, driven};
 use super::shared::*;
@@ -9,7 +9,7 @@ use finray_push::{Knowledge, MESH_NODES, Push, Pushed, PushedFinger, Sensed};
 use finray_tests::{case_count, random_stream};
 use rand::RngExt;
 
-/// Pointer, keys and choices change the drawing without script errors. Without a sensed force, the page shows no force.
+/// Pointer, keys and choices change the drawing without script errors. If no force was sensed, the page shows no sensed force.
 #[test]
 fn the_finger_of_the_page_can_be_pushed() {
     let Some(browser) = browser::browser() else { return };
@@ -21,7 +21,7 @@ fn the_finger_of_the_page_can_be_pushed() {
     // The test detects a force that is shown twice as large.
     let broken = html.replacen("`Sensed ${newton(force_n)}`", "`Sensed ${newton(2 * force_n)}`", 1);
     assert!(results(&broken, 1400).iter().any(|line| line.starts_with("FAIL")), "a wrong force is not seen");
-    // Without the embedded program, the drawing is hidden, and no script error occurs.
+    // Without the embedded program, the drawing is hidden.
     let without = results(&html.replacen("id=\"push-program\"", "id=\"push-nothing\"", 1), 1400);
     assert!(without.contains(&"FAIL the picture is shown: hidden".to_owned()), "{without:?}");
 }

@@ -13,7 +13,7 @@ pub struct Report {
     pub noted: String,
 }
 
-/// The report for the paper's finger, with times of criterion and results of other programs.
+/// The report for the paper's finger, with times measured by the benchmark tool criterion and results of other programs.
 pub static PAPERS: LazyLock<Report> = LazyLock::new(|| {
     let folder = criterion_folder();
     let criterion = folder.path().to_str().expect("a UTF-8 path");
@@ -23,7 +23,7 @@ pub static PAPERS: LazyLock<Report> = LazyLock::new(|| {
 });
 pub static SPRING_STEELS: LazyLock<Report> = LazyLock::new(|| Report::of("spring-steel", &[SPRING_STEEL], None));
 
-/// A script that replaces the browser: records the page, runs for a while as a browser does, and records its end unless a later run has started.
+/// A script that replaces the browser. It records the page, runs for a while as a browser does, and records its end unless a later run has started.
 pub const OPENER: &str = r#"#!/bin/sh
 echo "$1" > "${0%/*}/opened"
 echo $$ > "${0%/*}/last"
@@ -32,14 +32,15 @@ read -r last < "${0%/*}/last"
 [ "$last" = $$ ] && : > "${0%/*}/left"
 "#;
 
-/// Results of other programs. The last row is for nodes that the report does not load.
+/// Results of other programs. The last row is for another set of nodes than the report loads.
 pub const PEERS: &str = "task,model,setting,seconds,error,program,version,nodes,forces_n,machine
 solve,corotational frame,684 nodes,0.15,0.0002,OpenSees,3.7.1.2,14-24,3,\"a desk, one core\"
 sense-one,untrained network,46-150-1,0.00004,,Torch,2.1,14-24,0.3-3,\"a desk, one core\"
 solve,corotational frame,25 nodes,0.01,0.02,OpenSees,3.7.1.2,14 18 22,3,\"a desk, one core\"
 ";
 
-/// A folder with criterion's times for three points of the report, of which one is damaged, and for an unknown benchmark.
+/// A folder with times measured by criterion: for three points of the report, one of them in a damaged file, and for a benchmark that the report does
+/// not know.
 pub fn criterion_folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let put = |bench: &str, [group, function, value]: [&str; 3], estimates: &str| {
@@ -71,7 +72,7 @@ pub fn executable(file: &Path) {
 pub fn executable(_: &Path) {}
 
 impl Report {
-    /// Runs `report --quick --open` with a search path that contains only the opener, if one is given.
+    /// Runs `report --quick --open`; the search path for programs contains only the opener, or no program if no opener is given.
     pub fn of(name: &str, scene: &[&str], opener: Option<&str>) -> Report {
         let place = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("report-of-{name}"));
         // Removes the folder of an earlier run.
@@ -164,7 +165,7 @@ pub fn sources(summary: &Value) -> Vec<&str> {
     sources
 }
 
-/// The page as a reader sees it: with resolved entities, and with each question and its answer in one line.
+/// The page as a reader sees it: HTML entities are replaced by their characters, and each question and its answer are in one line.
 pub fn as_read(page: &str) -> String {
     let entities = [("&#x27;", "'"), ("&quot;", "\""), ("&#x2f;", "/"), ("&lt;", "<"), ("&gt;", ">"), ("&amp;", "&")];
     entities.iter().fold(page.replace("</dt>\n<dd>", " "), |page, (entity, letter)| page.replace(entity, letter))

@@ -3,13 +3,13 @@
 use super::shared::*;
 use crate::kit::*;
 
-/// A row of a table on the page, and the source of its numbers: the file, the first cells of the row, and the values of some columns that select rows
-/// of the file.
+/// A row of a table on a page, and the source of its numbers: the file, the first cells of the row, and column values that identify the row of the
+/// file.
 struct Sample {
     file: &'static str,
     row: &'static [&'static str],
     records: &'static [(&'static str, &'static str)],
-    /// Heading on the page, column of the file, and factor between the two.
+    /// Heading on the page, column of the file, and factor from the number in the file to the number on the page.
     numbers: &'static [(&'static str, &'static str, f64)],
 }
 
@@ -61,7 +61,7 @@ const SAMPLES: [Sample; 7] = [
     },
 ];
 
-/// Compares the numbers of a table with its file, to the shown digits, for a sample of each kind of table.
+/// For a sample of each kind of table, compares the numbers on the page with the table's file, rounded to the shown digits.
 #[test]
 fn numbers_of_tables_are_those_of_their_files() {
     let page = PAPERS.pages();
@@ -82,14 +82,14 @@ fn numbers_of_tables_are_those_of_their_files() {
     }
 }
 
-/// Headings and texts of the first row with the given first cells, among the page's tables for a file.
+/// Headings and texts of a row: the first row that begins with the given cells, in the page's tables for a file.
 fn table_row(page: &str, file: &str, row: &[&str]) -> Vec<(String, String)> {
     let tables =
         page.split("<figure class=\"table\">").skip(1).filter(|table| table.contains(&format!("href=\"{file}\"")));
     let texts = |html: &str, tag: &str| -> Vec<String> {
         let opening = format!("<{tag}");
         let cells = html.split(&opening).skip(1).filter_map(|cell| cell.split_once('>'));
-        // The text of a link, or of a name with an explanation.
+        // The visible text of a cell, also if the cell contains a link or a name with an explanation.
         let words = |cell: &str| cell.split("</").next()?.rsplit('>').next().map(as_read);
         cells.filter_map(|(_, cell)| words(cell)).collect()
     };
@@ -102,8 +102,8 @@ fn table_row(page: &str, file: &str, row: &[&str]) -> Vec<(String, String)> {
     found.next().unwrap_or_else(|| panic!("{file} has no row {row:?}"))
 }
 
-/// The first page attributes a share of the failures to a wrong direction. The test recomputes this share from the files, cell by cell and to first
-/// order.
+/// For a wrongly assumed contact, the first page states the share of failing cells whose main cause is the direction. The test recomputes the share
+/// of failures caused by a wrong direction from the files, cell by cell and to first order.
 #[test]
 fn failures_of_a_wrong_contact_are_those_of_the_files() {
     // Errors of the assumed contact: position (mm) and direction (degrees).

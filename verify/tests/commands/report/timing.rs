@@ -1,11 +1,11 @@
-//! The report's times for a moving force, and the sources of all times.
+//! Tests the report's times for sensing a moving force, and the stated sources of all times.
 
 use super::shared::*;
 use crate::kit::*;
 use serde_json::Value;
 
-/// For each way of sensing, the report states time and error, the kind of start, the slowest times, the preparation for a contact, and the model
-/// error. The model error of the recommended way is within its stated standard deviation.
+/// For each way of sensing, the report states time, error, cold or warm start, the slowest times, the preparation time for a contact, and the model
+/// error. With the recommended way of sensing, the model error is within the stated standard deviation.
 #[test]
 fn times_of_sensing_are_of_a_moving_force_cold_and_warm() {
     let summary = PAPERS.summary();
@@ -26,7 +26,7 @@ fn times_of_sensing_are_of_a_moving_force_cold_and_warm() {
             assert_eq!(number(point, "failed"), 0.0);
         }
         assert!(cold["setting"].as_str().expect("words").ends_with("cold start"));
-        // The start changes the time, but not the sensed force.
+        // A cold or warm start changes the time, but not the sensed force.
         assert!((number(cold, "error") - number(warm, "error")).abs() < 1e-3);
     }
     // With 25 nodes, the model error exceeds the stated standard deviation; with the recommended setting, it does not.
@@ -47,7 +47,7 @@ fn times_of_sensing_are_of_a_moving_force_cold_and_warm() {
     assert_says(rate["how"].as_str().expect("words"), &["its rate is not tested", "camera noise"]);
 }
 
-/// Times of criterion and of other programs are used unchanged, and the table names their source.
+/// Times measured by criterion and by other programs are used unchanged, and the table names the source of each time.
 #[test]
 fn times_say_who_took_them() {
     let rows = Csv::of(&PAPERS.read("speed_error.csv"));
@@ -81,7 +81,7 @@ fn times_say_who_took_them() {
     assert!(without.contains("Other programs were not timed") && !section.contains("Other programs were not timed"));
 }
 
-/// Claims once stated the report's own times, although the table contained the times of criterion.
+/// The report's claims once stated times that the report had measured itself, although the table contained the times measured by criterion.
 #[test]
 fn claims_state_the_times_of_the_table() {
     let summary = PAPERS.summary();
@@ -93,7 +93,7 @@ fn claims_state_the_times_of_the_table() {
     assert_says(claim["how"].as_str().expect("words"), &["timed by criterion"]);
 }
 
-/// A table of other programs is checked line by line before anything is computed.
+/// A table with results of other programs is checked line by line before anything is computed.
 #[test]
 fn wrong_tables_of_other_programs_are_refused() {
     let folder = Folder::new();

@@ -33,8 +33,9 @@ fn twelve_normal_forces_are_separable() {
     assert_close(&forces, &truth.iter().map(|(_, _, force)| *force).collect::<Vec<_>>(), 100.0 * SENSED);
 }
 
-/// Least squares for one contact, computed by hand: f = c.u / c.c and sigma = noise / |c|, with the displacements c under 1 N. The measured
-/// displacements u are a multiple of c plus a part that no force explains, like noise.
+/// Least squares for one contact, computed by hand: f = c.u / c.c and sigma = noise / |c|. Here c are the displacements under 1 N, and u are the
+/// measured displacements. The measured displacements u are a multiple of c, the displacements under 1 N, plus a part that no force explains, like
+/// noise.
 #[test]
 fn force_and_sigma_are_those_of_least_squares() {
     let unit = displacements(&Csv::of(&linear_shape(&[(17, -15.0, 1.0)])));
@@ -72,7 +73,7 @@ fn force_and_sigma_are_those_of_least_squares() {
     check(&camera, &[], force, 0.2);
     check(&camera, &["--noise-mm", "0.067"], force, 0.067);
 
-    // Ridge regression: the prior for the paper's forces, 0 to 5 N, adds (noise / (5 / sqrt 3))^2 to c.c.
+    // Ridge regression: the prior for the paper's forces, 0 to 5 N, adds (noise / (5 / sqrt 3))^2 to c.c, where c are the displacements under 1 N.
     let prior = 25.0 / 3.0;
     let noise: f64 = 20.0;
     let weight = cc + noise * noise / prior;
@@ -81,8 +82,8 @@ fn force_and_sigma_are_those_of_least_squares() {
     assert_close(&ridge.numbers("sigma_n"), &[noise / weight.sqrt()], 2e-3);
 }
 
-/// For 3 N at -60 deg on node 19, the linear model estimates 4 N. `sense` once stated a standard deviation of 0.008 N without a warning. The default
-/// estimator is the nonlinear one.
+/// For 3 N at -60 deg on node 19, the linear model estimates 4 N. For an estimate with an error of 1 N, `sense` once stated a standard deviation of
+/// 0.008 N without a warning. The default estimator is the nonlinear one.
 #[test]
 fn a_linear_answer_that_the_measurement_contradicts_says_so() {
     let shape = finray(&["solve", PAPER, "--load", &paper_load(19, 3.0, -60.0), "--mesh-nodes", "684"]).done();
@@ -148,8 +149,8 @@ fn the_nonlinear_estimator_finds_position_and_direction() {
     }
 }
 
-/// The shipped networks sense forces on the paper's finger within their stated standard deviations. The forces are in the order of the contacts,
-/// which may be nodes or their positions.
+/// The shipped networks sense forces on the paper's finger within their stated standard deviations. The sensed forces are in the order of the
+/// contacts, which may be stated as nodes or as the positions of nodes.
 #[test]
 fn shipped_networks_sense_the_paper_finger() {
     let truth = [(19, 0.0, 1.5), (20, 0.0, 0.8)];
@@ -165,15 +166,15 @@ fn shipped_networks_sense_the_paper_finger() {
     let [mut forwards, mut backwards] = [&sensed, &ask(&["--contact", "20", "19"])].map(|csv| csv.numbers("force_n"));
     backwards.reverse();
     assert_eq!(forwards, backwards);
-    // Nodes 19 and 20 are the seventh and eighth of thirteen from the tip, 153 mm from the base.
+    // The tip is node 13, 153 mm from the base, and node 25 is at the base, so nodes 19 and 20 are at 76.5 mm and 63.75 mm.
     let positions = ask(&["--contact-at", "76.5", "--contact-at", "63.75"]);
     assert_eq!(positions.numbers("force_n"), forwards);
-    // For a third contact, the network for any subset of the nodes is used.
+    // With a third contact, `sense` uses the network that was trained for any subset of the nodes.
     forwards.push(0.0);
     let three = ask(&["--contact", "19", "20", "15"]).numbers("force_n");
     assert!(three.iter().zip(&forwards).all(|(ours, truth)| (ours - truth).abs() < 0.3), "{three:?}");
 
-    // If another contact also bends the finger, the displacements correspond to a pulling force, which no training sample has.
+    // If a contact that was not stated also bends the finger, the displacements correspond to a pulling force, which occurs in no training sample.
     let other = paper_load(15, 0.5, 0.0);
     let other = finray(&["solve", PAPER, "--load", &loads[0], "--load", &other]).done();
     let message = sense_text(&other, &[&["--contact", "19", "20"][..], &network].concat()).refused();

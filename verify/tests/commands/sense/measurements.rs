@@ -35,7 +35,8 @@ fn a_measurement_may_be_written_in_many_ways() {
     }
 }
 
-/// Markers on hinges move differently from markers on the junctions of the plate. The force is sensed correctly from both.
+/// Markers on hinges move differently from markers on the junctions of the plate. The force is sensed correctly from markers on hinges and from
+/// markers on junctions.
 #[test]
 fn markers_on_hinges_are_compared_with_hinges() {
     let folder = Folder::new();
@@ -66,7 +67,7 @@ fn markers_on_hinges_are_compared_with_hinges() {
     ] {
         assert_close(&[force(scene, &text)], &[truth], 1e-6);
     }
-    // Displacements of hinges that are read as displacements of junctions give another force; the difference is a hundred times the tolerance.
+    // If displacements of hinges are read as displacements of junctions, the sensed force is wrong by more than a hundred times the tolerance.
     assert!((force(&on_plates, &seen(hinges)) - truth).abs() > 1e-4 * truth);
 }
 
@@ -90,7 +91,7 @@ fn displacements_of_another_finger_are_warned_of() {
     for own in [with(&shape, &undeformed), with(&shape, &|_, _| "aside".to_owned())] {
         of_paper(&own).done();
     }
-    // The deformed positions are farther from the undeformed positions than the limit for another finger.
+    // The deformed positions differ from the undeformed positions by more than the limit beyond which `sense` suspects another finger.
     let bent = paper_shape(&[(19, 3.0, 0.0)], &[]).computed();
     let own = sense_text(&with(&bent, &deformed), &["--contact", "19", "--estimator", "nonlinear"]);
     assert_eq!((own.code, own.err.contains("another finger?")), (Some(0), false), "{}", own.err);
@@ -248,7 +249,7 @@ fn a_measured_force_has_its_direction_in_the_frame_of_the_base() {
     let alone = |image: &str| sense("19@measured", &["--forces", &forces, "--image-name", image]);
     assert_eq!(Csv::of(&alone("b.png").computed()).texts("force_n")[0], sensed.texts("force_n")[1]);
     assert_says(&alone("c.png").refused(), &["measured", "--forces"]);
-    // Refused: a measured direction without a force, a measured force without `@measured`, and one force for two contacts.
+    // `sense` refuses `@measured` without a measured force, a measured force without `@measured`, and one measured force for two contacts.
     assert_says(&sense("19@measured", &["--all-images"]).refused(), &["measured", "--forces"]);
     assert_says(
         &sense("19@12", &with_forces).refused(),

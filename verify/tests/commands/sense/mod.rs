@@ -1,5 +1,5 @@
-//! `finray sense`: from displacements to contact forces with their uncertainty. Modules test its answers (`answers`), the measurements that it reads
-//! (`measurements`), and its refusals (`refusals`).
+//! `finray sense`: from displacements to contact forces with their uncertainty. The modules test the answers of `finray sense` (`answers`), the
+//! measurements that it reads (`measurements`), contacts with known objects (`object`), and refusals (`refusals`).
 
 mod answers;
 mod measurements;

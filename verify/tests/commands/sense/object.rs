@@ -1,4 +1,4 @@
-//! Sensing of contact with an object of known shape, whose pose the scene states.
+//! Tests the sensing of a contact with an object of known shape; the scene may also state the pose of the object.
 
 use crate::kit::*;
 
@@ -9,10 +9,11 @@ fn scene(folder: &Folder, tables: &str) -> String {
     folder.put("scene.toml", paper_with(&[]) + "\n" + tables)
 }
 
-/// `press` finds the contact from the pose of the object. `sense` with the same object recovers the same forces.
+/// `press` finds the contact from the pose of the object. From the shape that `press` writes, `sense` with the same object recovers the same forces.
 #[test]
 fn what_presses_is_sensed_where_it_is() {
-    /// Relative tolerance. The plate of the lattice is a chain of capsules, whose direction between two bodies has an error of up to half a degree.
+    /// Relative tolerance. In the lattice, the plate is a chain of straight capsules; the direction of a capsule deviates from the plate's direction
+    /// by up to half a degree.
     const LATTICE: f64 = 3e-3;
     let folder = Folder::new();
     let press = "[object]\nshape = \"disc\"\nradius_mm = 20\npath_mm = [[76.7, 35.9], [75.45, 29.45]]\nsteps = 1\n";
@@ -28,8 +29,8 @@ fn what_presses_is_sensed_where_it_is() {
     assert!((found_mm - true_mm).abs() < 0.3, "{found_mm} mm, {true_mm} mm");
 }
 
-/// If the position of the object is unknown, its direction follows from the plate alone. If its pose is in the camera's plane, the base of the image
-/// is used.
+/// If the pose of the object is unknown, the direction of the force follows from the plate alone. If the pose of the object is stated in the camera's
+/// plane, `sense` uses the base pose of the image to convert it to the finger frame.
 #[test]
 fn poses_are_in_their_frame_or_unknown() {
     let folder = Folder::new();
@@ -50,7 +51,7 @@ fn poses_are_in_their_frame_or_unknown() {
     });
     let placed = Csv::of(&sense(&moved, &rows.collect::<String>(), "auto@object").done());
     assert_close(&placed.numbers("force_n"), &Csv::of(&known).numbers("force_n"), 1e-6);
-    // If the file states no base, the base has the pose that the camera's pose implies.
+    // If the displacement file states no base pose, `sense` uses the base pose that the camera's pose implies.
     assert_says(&sense(&moved, &shape, "auto@object").refused(), &["the object cannot touch the plate at contact 1"]);
 }
 

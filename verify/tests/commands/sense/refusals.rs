@@ -59,8 +59,8 @@ fn a_contact_on_the_rigid_arm_of_the_clamp_moves_nothing() {
     }
 }
 
-/// Without stated noise, a wrong contact once gave 3.27 +- 0.22 N for 2 N without a warning. Now the warning states the residual; the correct contact
-/// causes no warning.
+/// For a true force of 2 N and a wrong contact without stated noise, `sense` once stated 3.27 +- 0.22 N without a warning. Now the warning states the
+/// residual; the correct contact causes no warning.
 #[test]
 fn a_wrong_contact_without_stated_noise_is_no_silent_answer() {
     let shape = finray(&["solve", PAPER, "--load", "19:0,-2"]).done();
@@ -71,7 +71,7 @@ fn a_wrong_contact_without_stated_noise_is_no_silent_answer() {
     assert_eq!(at("19").err, "");
 }
 
-/// `auto` without a direction once assumed the normal without a message.
+/// For a contact `auto` without a direction, `sense` once assumed the normal direction without a message.
 #[test]
 fn an_unknown_position_without_a_direction_says_which_is_taken() {
     let shape = finray(&["solve", PAPER, "--load-at", "80:1,0"]).done();

@@ -1,5 +1,5 @@
-//! `finray sweep`, `--shard`, `finray merge` and resumed runs: all produce the bytes of one uninterrupted run. This file defines the requested
-//! sweep and map.
+//! Tests that `finray sweep`, shards joined by `finray merge`, and resumed runs all produce the bytes of one uninterrupted run. This file defines the
+//! requested sweep and map.
 
 mod rows;
 mod shards;

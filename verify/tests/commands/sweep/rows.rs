@@ -8,7 +8,7 @@ fn a_row_says_all_that_is_known_of_a_cell() {
     assert_eq!(SWEPT.lines().next(), Some(HEADER));
     let table = Csv::of(&SWEPT);
     assert_eq!(table.rows.len(), BLOCKS * ROWS_IN_BLOCK);
-    // Columns in the order of the rows: truth, position, direction, estimator, noise, force. The force changes fastest.
+    // Columns by which the rows are sorted: truth, position, direction, estimator, noise, force. The force changes fastest.
     let key = |row: &[String]| -> Vec<String> { [0, 3, 4, 1, 2, 5].iter().map(|&i| row[i].clone()).collect() };
     let mut keys: Vec<_> = table.rows.iter().map(|row| key(row)).collect();
     assert_eq!(
@@ -59,7 +59,8 @@ fn the_stated_deviation_is_that_of_sense() {
     assert_close(&table.numbers("sigma_n")[row..=row], &sigma, LINEAR_ROUNDING);
 }
 
-/// MuJoCo's directions are 30 degrees apart, the continuum's directions 20 degrees. The normal is the only common direction.
+/// The shapes from MuJoCo exist for directions that are 30 degrees apart, and the shapes from the continuum model for directions that are 20 degrees
+/// apart. The normal is the only direction for which MuJoCo and the continuum model both have shapes.
 #[test]
 fn exported_fingers_are_swept_where_all_have_shapes() {
     let sweep = ["sweep", PAPER, "--truth", "mujoco,continuum", "--estimator", "least-squares", "--force-n", "3"];
@@ -86,19 +87,20 @@ fn sweeps_that_make_no_sense_are_refused() {
     assert_says(&finray(&["sweep", SPRING_STEEL, "--estimator", "network"]).refused(), &["no network ships"]);
 }
 
-/// Networks return forces only for the contacts of their training; the nonlinear estimator returns forces for all contacts.
+/// Networks return forces only for the contacts for which they were trained; the nonlinear estimator returns forces for all contacts.
 #[test]
 fn every_estimator_can_be_mapped() {
     let folder = Folder::new();
     let out = folder.path("map.csv");
     let nodes = ["--places", "12", "--step-deg", "40", "--noise-mm", "0.067", "--seeds", "3", "--out", &out];
-    // The shipped networks are for each single node from 14 to 24 and for any subset of nodes 13 to 24, with forces along the normal.
+    // The shipped networks include one for each single node from 14 to 24 and one for any subset of nodes 13 to 24; all are for forces along the
+    // normal.
     for (estimator, answered) in [("network", 12), ("nonlinear", 60)] {
         finray(&[&["map", PAPER, "--estimator", estimator], &nodes[..]].concat()).done();
         let map = Csv::of(&folder.read("map.csv"));
         let errors: Vec<f64> = map.texts("mean_error").iter().filter_map(|error| error.parse().ok()).collect();
         assert_eq!(errors.len(), answered, "{estimator}");
-        // For 3 N with noise, the errors are below the ten percent of linear sensing.
+        // For 3 N with noise, the errors are below 10 %, an error that linear sensing reaches.
         assert!(errors.iter().all(|error| *error < 0.1), "{estimator}: {errors:?}");
         let empty = errors.len() < map.rows.len();
         assert_eq!(folder.read("map.svg").contains(">refused<"), empty);

@@ -8,7 +8,7 @@ fn merged_shards_are_the_bytes_of_one_run() {
     let folder = Folder::new();
     let map = folder.path("map.csv");
     finray(&with(&MAP, &["--out", &map])).done();
-    // More shards than blocks: some have no rows.
+    // The last number of shards is larger than the number of blocks, so some shards have no rows.
     for of in [1, 3, 7, BLOCKS + 2] {
         let out = folder.path("merged.csv");
         let parts = shards(&folder, &SWEEP, of);

@@ -3,13 +3,13 @@
 use super::{HEADER, ROWS_IN_BLOCK, SWEEP, SWEPT, with};
 use crate::kit::*;
 
-/// After a killed run, whatever it had written, the next run ends with the same bytes as an uninterrupted run.
+/// After a run was killed, the next run produces the same bytes as an uninterrupted run, however much the killed run had written.
 #[test]
 fn a_run_that_was_killed_goes_on() {
     let folder = Folder::new();
     let out = folder.path("out.csv");
     let whole = SWEPT.as_str();
-    // A shard consists of a head and rows. Without the shard's number, the file equals the file of a complete run without shards.
+    // A shard consists of a head and rows. Without the lines about the shard, this file equals the partial file of a run without shards.
     let all = folder.path("all.csv");
     finray(&with(&SWEEP, &["--shard", "1/1", "--out", &all])).done();
     let shard = folder.read("all.csv");
