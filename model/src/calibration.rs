@@ -120,7 +120,7 @@ pub enum CalibrationError {
     #[error(
         "measured forces scatter by {:.1} % about the forces that the images show, but only by {:.1} % if the \
             measured forces are mirrored about the plate's normal: check the sign of fx_n and fy_n, and that fx_n and \
-            fy_n refer to the frame of the camera's pose",
+            fy_n refer to the frame in which the scene states the camera's pose",
         100.0 * scatter,
         100.0 * mirrored
     )]

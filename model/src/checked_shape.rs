@@ -109,13 +109,12 @@ impl fmt::Display for MeshDoubt {
         match self {
             MeshDoubt::NoResult { nodes, reason } => write!(
                 f,
-                "the mesh of the key nodes may be too coarse: on {nodes} mesh nodes (--mesh-nodes {nodes}) there is no result: {reason}"
+                "the mesh of the key nodes may be too coarse: a finer mesh of {nodes} nodes has no result: {reason}; use --mesh-nodes {nodes}"
             ),
             MeshDoubt::Coarse { nodes, largest_mm, error_mm } => write!(
                 f,
-                "the mesh of the key nodes is too coarse: on {nodes} mesh nodes (--mesh-nodes {nodes}) the largest \
-                    displacement is {largest_mm:.3} mm, and the displacement of a key node differs by {error_mm:.3} \
-                    mm"
+                "the mesh of the key nodes is too coarse: on a finer mesh of {nodes} nodes the largest displacement is \
+                 {largest_mm:.3} mm, and the displacement of a key node differs by {error_mm:.3} mm; use --mesh-nodes {nodes}"
             ),
         }
     }

@@ -1,4 +1,4 @@
-//! Results of a stream, one line of JSON for each frame.
+//! Results of a stream, one line of JSON for each evaluated frame.
 
 use crate::recording::ContactForce;
 use finray_model::sensing::ContactPosition;

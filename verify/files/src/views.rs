@@ -24,7 +24,7 @@ pub struct LocatedViews {
 pub struct MeasuredForce {
     /// Name of the image, one of the located images.
     pub image: String,
-    /// Force on the finger in the frame of the camera's pose, N.
+    /// Force on the finger in the frame in which the scene states the camera's pose, N.
     pub force: Vector,
     /// Name of the object that pressed the finger; `None` if the file does not state it.
     pub object: Option<String>,
@@ -57,7 +57,7 @@ pub fn load(located: &Path, forces: Option<&Path>, scene: &Scene) -> Result<Loca
     Ok(LocatedViews { views: located.map(|image| view(image)).collect::<Result<_, _>>()?, refused, misplaced_mm })
 }
 
-/// Reads the columns `image,fx_n,fy_n` and, if present, `object`. Forces are in the frame of the camera's pose, N; for a base that does not move, this is
+/// Reads the columns `image,fx_n,fy_n` and, if present, `object`. Forces are in the frame in which the scene states the camera's pose, N; for a base that does not move, this is
 /// the finger frame.
 ///
 /// # Errors

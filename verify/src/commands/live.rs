@@ -28,7 +28,7 @@ Examples:
 
 Guide: finray guide live";
 
-/// Estimate contact forces in each frame of a stream; write one line of JSON per frame.
+/// Estimate contact forces in the frames of a stream; write one line of JSON per evaluated frame.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {

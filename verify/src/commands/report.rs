@@ -46,7 +46,7 @@ pub struct Arguments {
     /// Markers located in your images (file from `finray locate`)
     #[arg(long, help_heading = "Your photographs", value_name = "FILE", requires = "scene", requires = "forces")]
     measurements: Option<PathBuf>,
-    /// Measured forces in the frame of the camera's pose (CSV: image,fx_n,fy_n)
+    /// Measured forces in the frame in which the scene states the camera's pose (CSV: image,fx_n,fy_n)
     #[arg(long, help_heading = "Your photographs", value_name = "FILE", requires = "measurements")]
     forces: Option<PathBuf>,
     /// Images (PNG, JPEG) named in the file of --measurements; the page draws marker residuals over these images

@@ -47,7 +47,7 @@ pub struct Arguments {
     /// Evaluate every image; write one row per image and contact
     #[arg(long, help_heading = "Input", conflicts_with = "image_name")]
     all_images: bool,
-    /// Measured forces in the frame of the camera's pose, for the direction `measured` (CSV: image,fx_n,fy_n)
+    /// Measured forces in the frame in which the scene states the camera's pose, for the direction `measured` (CSV: image,fx_n,fy_n)
     #[arg(long, help_heading = "Question", value_name = "FILE")]
     forces: Option<PathBuf>,
     /// Mesh nodes, only for `nonlinear` [default: refined until converged]

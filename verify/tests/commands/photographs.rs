@@ -25,7 +25,7 @@ fn front_plate() -> [[f64; 2]; 2] {
     [[along[1], -along[0]], along]
 }
 
-/// Converts a force from the finger frame to the frame of the camera's pose, in which the base is rotated by `base_deg`.
+/// Converts a force from the finger frame to the frame in which the scene states the camera's pose, in which the base is rotated by `base_deg`.
 pub(super) fn force([force_n, angle_deg]: [f64; 2], base_deg: f64) -> [f64; 2] {
     let [inward, along] = front_plate();
     let (sin, cos) = angle_deg.to_radians().sin_cos();

@@ -4,7 +4,7 @@ use crate::kit::*;
 
 /// Options for a network that is trained quickly.
 const SMALL: [&str; 6] = ["--samples", "400", "--epochs", "4", "--hidden-layers", "6"];
-/// Relative tolerance of a sensed force. With noise of 0.067 mm, the Cramer-Rao bound for a force of 2 N in the middle of the plate is 0.4 %; a small
+/// Relative tolerance of a sensed force. With noise of 0.067 mm, the Cramer-Rao bound for a force of 2 N in the middle of the plate is 0.2 %; a small
 /// network has a larger error.
 const SENSED: f64 = 0.05;
 /// Noise of the camera, mm; the tested shapes have no noise.

@@ -18,7 +18,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 /// Number of frames in one oscillation of a force: one second at the paper's 25 Hz.
 pub const FRAMES_A_PERIOD: usize = 25;
 const SEED: u64 = 11;
-/// Number of preparations for each set of contacts. The median of their times counts.
+/// Number of times that the preparation of an estimator for a set of contacts is timed. The median of the times counts.
 const PREPARATIONS: usize = 5;
 
 /// One frame: true forces and measurement.
