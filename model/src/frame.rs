@@ -185,6 +185,11 @@ impl FrameMotion {
         FrameMotion::of_zeros(frame, 0.0)
     }
 
+    /// Whether the motion has as many displacements and rotations as a frame.
+    pub(crate) fn fits(&self, frame: &PlaneFrame) -> bool {
+        self.displacements.len() == frame.nodes.len() && self.rotations.len() == frame.rotation_fixed.len()
+    }
+
     /// Whether all displacements and rotations are zero.
     pub(crate) fn is_at_rest(&self) -> bool {
         self.displacements.iter().all(|u| *u == Vector::zeros()) && self.rotations.iter().all(|turn| *turn == 0.0)

@@ -96,7 +96,7 @@ pub enum MeasurementError {
     },
 }
 
-/// Errors of a finger's markers relative to their stated standard deviations.
+/// Errors of a finger's markers: a factor on their stated standard deviations, and an error of the model that adds to them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MarkerErrors {
     /// Ratio of actual to stated marker noise, dimensionless. The ratio is below 1 if part of the stated noise is common to all images and absorbed

@@ -235,6 +235,9 @@ impl<'s> Sensor<'s> {
                 if !scene.contact.pad.is_none() {
                     return Err(Refusal::MeasuredContacts("a scene whose contacts have no pad"));
                 }
+                if scene.assembly.is_some() {
+                    return Err(Refusal::MeasuredContacts("a scene without the table [assembly]"));
+                }
                 let contacts: Vec<Contact> = contacts.iter().map(|measured| measured.contact).collect();
                 crate::sensing::check_contacts(&scene.finger, &contacts)?;
             }
@@ -383,12 +386,15 @@ impl<'s> Sensor<'s> {
             Some(nodes) => Mesh::with_nodes(finger, nodes).map_err(EstimatorError::from)?,
         };
         let knowledge = ContactKnowledge { noise_mm, friction, rod_radius_mm: self.scene.contact.rod_radius_mm };
-        let measured = sense_measured_contacts(&mesh, contacts, measurement, knowledge)?;
+        let mut measured = sense_measured_contacts(&mesh, contacts, measurement, knowledge)?;
+        measured.add_force_error(self.scene.contact.force_error.hypot(self.scene.model_error));
+        let unexplained = measured.unexplained;
+        let warning = |test| SensorWarning::Model { warning: Warning::Residual(test), is_linear: false };
         Ok(SensedForces {
             contacts: measured.contacts.clone(),
             forces_n: measured.along_n.clone(),
             sigmas_n: measured.sigmas_n.clone(),
-            warnings: Vec::new(),
+            warnings: unexplained.map(warning).into_iter().collect(),
             measured: Some(measured),
         })
     }

@@ -111,8 +111,7 @@ tables! {
         "Shear correction factor kappa: plates and ribs have the shear rigidity kappa A E / (2 (1 + nu)). Use 5/6 for rectangular sections; 0 \
          means no shear deformation.";
     model_error: Number(Quantity("share", ""), Within(0.0, 1.0)), Or(0.0),
-        "Relative standard deviation of a sensed force due to the errors of beam theory. sigma_n of `finray sense` and `finray live` includes this \
-         deviation; maps do not. `finray guide accuracy` states values.";
+        "Relative standard deviation of a sensed force due to the errors of beam theory. sigma_n of `finray sense` and `finray live` includes this deviation, except for contacts with +-SD; maps do not. `finray guide accuracy` states values.";
 }
 
 tables! {
@@ -122,7 +121,7 @@ tables! {
         "Thickness at the tip of a linearly tapered plate. Objects can touch only front plates of constant thickness.";
     youngs_modulus_mpa: Number(MODULUS, POSITIVE), Required, "Young's modulus E of the plate.";
     largest_strain: Number(STRAIN, Above(0.0, 1.0)), Optional,
-        "Largest fibre strain at which the material is linear; a larger strain causes a warning. Default: 0.05.";
+        "Largest fibre strain at which the material is linear. Default: 0.05. `finray solve`, `finray press` and, for a single image, `finray sense` warn of a larger strain.";
     rigid_base_mm: Number(LENGTH, NOT_NEGATIVE), Or(0.0), "Length of the rigid section at the base.";
     rigid_tip_mm: Number(LENGTH, NOT_NEGATIVE), Or(0.0), "Length of the rigid section at the tip.";
 }
@@ -131,8 +130,7 @@ tables! {
     RIBS = "finger.ribs": RibKeys, Once, "The ribs.";
     count: Count("ribs", 0, 1000), RequiredIf("unless positions_mm is given"), "Number of evenly spaced ribs.";
     positions_mm: Pairs("[front, back], positions in mm", None), Optional,
-        "Replaces count: position of each rib on the front and the back plate, measured from the base. Position 0 is the corner of the base. Ribs \
-         may share a junction but must not cross.";
+        "Replaces count: position of each rib on the front and the back plate, measured from the base. Position 0 is the corner of the base. Ribs must not cross. Deformable ribs without brackets may share a junction.";
     joints: Word<2>(["rigid", "hinged"]), RequiredIf("if the finger has ribs"),
         "Joints between ribs and plates: clamped (`rigid`) or pinned (`hinged`).";
     rigid: Word<2>(TRUE_FALSE), Or(1), "Whether the ribs are undeformable.";
@@ -161,17 +159,16 @@ tables! {
 tables! {
     ASSEMBLY = "assembly": AssemblyKeys, Optional,
         "Deviations of the unloaded finger from its description in the scene, caused by assembly or mounting. \
-            `finray sense` and `finray live` estimate the deviations together with the force, and include them in \
-            sigma_n. `finray calibrate` uses preload_nmm and can estimate it. `finray solve` ignores this table.";
+            With the estimator `nonlinear`, `finray sense` and `finray live` estimate the deviations together with the force, and include them in sigma_n. Other estimators refuse this table; contacts with +-SD ignore it. `finray calibrate --located` uses preload_nmm and can estimate it. `finray solve` ignores this table.";
     joint_sigma_mm: Number(Quantity(SIGMA, "mm"), Within(0.0, LARGEST_JOINT_SIGMA_MM)), Or(0.0),
-        "Standard deviation of the position of each rib joint, both along the joint's plate and perpendicular to this plate.";
+        "Standard deviation of the position of each rib joint: along the joint's plate, and for joints on brackets also perpendicular to the plate.";
     preload_nmm: Number(Quantity("moment", "N mm"), Finite), Or(0.0),
         "Moment that the plates of the unloaded finger exert on each other at the tip, positive from x to y. Curved plates, for instance, cause \
          such a moment. `finray calibrate` writes this key.";
     preload_sigma_nmm: Number(Quantity(SIGMA, "N mm"), NOT_NEGATIVE), Or(0.0),
-        "Standard deviation of preload_nmm. `finray calibrate` writes this key.";
+        "Standard deviation of preload_nmm. `finray calibrate` removes this key if it estimates the preload, because other keys then include this deviation.";
     height_sigma_mm: Number(Quantity(SIGMA, "mm"), NOT_NEGATIVE), Or(0.0),
-        "Standard deviation of the markers' height; a height error scales the finger and its markers in the image.";
+        "Standard deviation of the markers' height; a height error scales the finger and its markers in the image. Without the camera's pose, or without a description of the markers in images, this key has no effect.";
     errors: Rows("of one error each"), Optional,
         "Independent errors that remain after a calibration. Each row describes one error with the size of one standard deviation. A row begins \
          with four numbers for each rib (mm): offset of the front joint along its plate and into the finger, then the same offsets of the back \
@@ -193,7 +190,7 @@ tables! {
     distortion: Numbers<5>(Quantity("k1, k2, p1, p2, k3", ""), AtMost(1e6)), Or([0.0; 5]),
         "Brown-Conrady distortion coefficients in OpenCV's convention. The distortion must not map two points of the image to the same pixel.";
     rotation_vector_rad: Numbers<3>(Quantity("a rotation vector", "rad"), AtMost(100.0)), RequiredIf("with translation_mm"),
-        "Rodrigues vector of the rotation R in X_camera = R X_finger + t. Without R and t, `finray locate` requires --rest.";
+        "Rodrigues vector of the rotation R in X_camera = R X_finger + t. Images of the finger require R and t, except for `finray locate --rest` with coloured markers.";
     translation_mm: Numbers<3>(Quantity("a translation", "mm"), AtMost(FARTHEST_MM)), RequiredIf("with rotation_vector_rad"),
         "Translation t in X_camera = R X_finger + t.";
 }
@@ -216,15 +213,14 @@ tables! {
     inner_radius_mm: Number(LENGTH, BELOW_RADIUS), Or(0.0),
         "Inner radius of rings; requires shade. The area inside a ring may have any appearance.";
     noise_factor: Number(Quantity("number", ""), Above(0.0, 1.0)), Or(1.0),
-        "The marker noise that `finray locate` states is multiplied by this factor. `finray calibrate` writes this key.";
+        "Factor on the stated marker noise in `finray sense` and `finray live`, also on noise_mm and --noise-mm. `finray calibrate` writes this key.";
     model_error_mm: Number(LENGTH, NOT_NEGATIVE), Or(0.0),
         "Standard deviation of the finger model's error in each marker coordinate. sigma_n includes this error. `finray calibrate` writes this key.";
 }
 
 tables! {
     BASE = "base": BaseKeys, Optional,
-        "A base that moves between images; requires markers with shade. If this table has standard deviations, `finray sense` also estimates the \
-         pose of the base.";
+        "A base that moves between images. References require markers with shade; with coloured markers, references have no effect. If this table has standard deviations, `finray sense` and `finray live` with the estimator `nonlinear` also estimate the pose of the base.";
     sigma_mm: Number(LENGTH, NOT_NEGATIVE), RequiredIf("with any other key of the table"),
         "Standard deviation of each coordinate of the base. The coordinates are relative to the references or, without references, to the camera's \
          pose.";
@@ -254,7 +250,7 @@ tables! {
          positive towards the tip.";
     friction_sigma: Number(Quantity(SIGMA, ""), Within(0.0, LARGEST_FRICTION)), Or(0.0), "Standard deviation of friction.";
     friction_range: Numbers<2>(Quantity("the least and the largest coefficient of friction", ""), Within(-LARGEST_FRICTION, LARGEST_FRICTION)),
-        Optional, "Replaces friction: limits of the coefficient of friction. All coefficients between the limits are equally likely.";
+        Optional, "Replaces friction: limits of the coefficient of friction. All angles between the two corresponding angles of friction count as equally likely.";
     friction_build_up_n: Number(FORCE, NOT_NEGATIVE), Or(0.0),
         "Force scale over which the angle from the normal grows: a force F reaches the share 1 - exp(-F / friction_build_up_n) of the full angle. \
          With 0, every force has the full angle.";
@@ -263,12 +259,10 @@ tables! {
     normal_over_mm: Number(LENGTH, NOT_NEGATIVE), Or(0.0),
         "Length of the plate over which the deformed normal is averaged.";
     pad_mm: Number(LENGTH, NOT_NEGATIVE), Or(0.0),
-        "Thickness of a pad between plate and object. Friction on the pad exerts a moment on the plate. Only estimates of forces use the pad, for \
-         instance those of `finray sense` and `finray calibrate`. Neither pad_mm nor pad_length_mm may exceed the length of the front plate.";
+        "Thickness of a pad between plate and object. Friction on the pad exerts a moment on the plate. Only estimates of forces use the pad, for instance those of `finray sense` and `finray calibrate`. A pad requires the estimator `nonlinear` and contacts without +-SD. Neither pad_mm nor pad_length_mm may exceed the length of the front plate.";
     pad_length_mm: Number(LENGTH, NOT_NEGATIVE), Or(0.0), "Length of the plate over which the pad distributes a force.";
     force_error_share: Number(Quantity("share", ""), Within(0.0, 1.0)), Or(0.0),
-        "Relative standard deviation of a sensed force due to causes that no other key describes. sigma_n includes this deviation. `finray \
-         calibrate` writes this key.";
+        "Relative standard deviation of a sensed force due to causes that no other key describes. sigma_n includes this deviation, except for contacts with +-SD. `finray calibrate` writes this key if it estimates a modulus, or if --fit names force-error.";
 }
 
 tables! {
@@ -304,11 +298,11 @@ tables! {
     friction: Number(FRICTION, Within(0.0, LARGEST_FRICTION)), Or(0.0),
         "Coefficient of Coulomb friction against fingers and support.";
     at_mm: Number(POSITION, ByOthers("on the front plate")), RequiredIf("for `finray press`, unless path_mm is given"),
-        "Position at which the line of motion meets the front plate, measured from the base. The object starts where it first touches the finger.";
+        "Position at which the line of motion meets the front plate, measured from the base. The object starts where it first meets the straight line over the rods of the undeformed front plate.";
     direction_deg: Number(ANGLE, Between(-90.0, 90.0)), Or(0.0),
         "Angle of the line of motion from the undeformed inward normal, positive towards the tip.";
     travel_mm: Number(LENGTH, Positive(LARGEST)), RequiredIf("with at_mm, unless force_n is given"),
-        "Travel of the object after it first touches the finger.";
+        "Travel of the object from its start.";
     force_n: Number(FORCE, Positive(LARGEST)), Optional,
         "Replaces travel_mm: the press ends when the force along the line of motion reaches this value. A guide keeps the object on this line.";
     path_mm: Pairs("[x, y], points of the finger frame in mm", Some(("two or more different points [x, y]", LARGEST))), Optional,
@@ -343,7 +337,7 @@ tables! {
     step_deg: Number(Quantity("motor angle", "degrees"), Positive(LARGEST)), Or(22.5),
         "Motor angle between two settled steps; not allowed with frames_per_s.";
     until_force_n: Number(FORCE, Positive(LARGEST)), Optional,
-        "Closing stops at this sensed force: the mean over both fingers of the total force on each finger.";
+        "Closing stops at this sensed force: the force on a finger across the gripper, averaged over both fingers.";
     hold: Word<2>(TRUE_FALSE), Or(1), "Whether the motor keeps the sensed force at until_force_n along the path; requires until_force_n.";
     path_mm: Pairs("[x, y], points in mm relative to the start of the gripper", Some(("points", LARGEST))), Optional,
         "Corners of the path that the gripper follows from its start.";

@@ -17,7 +17,8 @@ use nalgebra::UnitComplex;
 /// Uncertainty of the unloaded finger.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AssemblyErrors {
-    /// Standard deviation of the position of each joint between a rib and a plate, in mm. It applies along the plate and perpendicular to the plate.
+    /// Standard deviation of the position of each joint between a rib and a plate, in mm. It applies along the plate and, for joints on brackets,
+    /// perpendicular to the plate.
     pub joint_sd_mm: f64,
     /// Moment that the plates exert on each other at the tip without load, in N mm. A positive moment turns the x axis towards the y axis. One moment
     /// at the tip represents the preload of uniformly curved plates, because the end moments of neighbouring elements cancel.
@@ -212,7 +213,7 @@ impl UnloadedFinger {
         pushed: Pushed,
         found: &[f64],
     ) -> Result<Measurement, SensingError> {
-        let errors = self.independent_errors(finger.rib_count());
+        let errors = self.independent_errors(finger);
         let none = UnloadedError::none(finger.rib_count());
         let all = errors.iter().zip(found).fold(none.clone(), |all, (error, times)| all.and(*times, error));
         // If a finger with the amplitudes `found` is geometrically impossible, the effects of the errors are linearised at zero amplitude.
@@ -243,8 +244,10 @@ impl UnloadedFinger {
             .with_shared_errors(shared))
     }
 
-    /// All independent errors, each with the size of one standard deviation.
-    pub(crate) fn independent_errors(&self, ribs: usize) -> Vec<UnloadedError> {
+    /// All independent errors, each with the size of one standard deviation. A joint without a bracket lies on its plate, so its error
+    /// perpendicular to the plate is zero.
+    pub(crate) fn independent_errors(&self, finger: &Finger) -> Vec<UnloadedError> {
+        let ribs = finger.rib_count();
         let AssemblyErrors { joint_sd_mm, preload_sd_nmm, height_sd_mm, further, .. } = &self.assembly;
         let mut errors = Vec::new();
         let mut add = |change: &dyn Fn(&mut UnloadedError)| {
@@ -256,7 +259,9 @@ impl UnloadedFinger {
             for (rib, plate, way) in
                 (0..ribs).flat_map(|rib| [[0, 0], [0, 1], [1, 0], [1, 1]].map(|[p, w]| (rib, p, w)))
             {
-                add(&|error| error.joints_mm[rib][plate][way] = *joint_sd_mm);
+                if way == 0 || finger.description().ribs.bracket_mm.of(rib)[plate] > 0.0 {
+                    add(&|error| error.joints_mm[rib][plate][way] = *joint_sd_mm);
+                }
             }
         }
         if *preload_sd_nmm > 0.0 {

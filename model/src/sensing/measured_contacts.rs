@@ -8,7 +8,8 @@
 //! uncertainty of position, direction and friction that remains after the fit.
 
 use super::{
-    Contact, ContactForce, ContactPosition, LARGEST_SPAN, NonlinearEstimator, RespondingFinger, Response, SensingError,
+    Contact, ContactForce, ContactPosition, LARGEST_SPAN, NonlinearEstimator, ResidualTest, RespondingFinger, Response,
+    SensingError,
 };
 use crate::finger::Plate;
 use crate::measurement::Measurement;
@@ -59,6 +60,8 @@ pub struct MeasuredContactForces {
     pub contacts: Vec<Contact>,
     /// Covariance, N^2, of all forces along the contacts, followed by all forces across the contacts.
     pub covariance_n2: DMatrix<f64>,
+    /// The residual, if neither the noise nor the uncertainty of the contacts explains it. The standard deviations are then widened.
+    pub unexplained: Option<ResidualTest>,
 }
 
 /// Least-squares problem. The unknowns are, in this order, the forces (N), the tangents of the angles between force and normal, and the shifts (mm).
@@ -217,10 +220,15 @@ impl Problem<'_> {
             _ => 0.0,
         });
         let degrees_of_freedom = (self.coordinates as f64 - count as f64).max(1.0);
-        let chi_squared = fit.squares;
         let chance = degrees_of_freedom + UNEXPLAINED_DEVIATIONS * (2.0 * degrees_of_freedom).sqrt();
         // A residual that neither noise nor contacts explain widens the covariance.
-        let widened = if chi_squared > chance { chi_squared / degrees_of_freedom } else { 1.0 };
+        let widened = if fit.squares > chance { fit.squares / degrees_of_freedom } else { 1.0 };
+        let noise_mm = self.knowledge.noise_mm;
+        let unexplained = (widened > 1.0).then(|| ResidualTest {
+            noise_mm,
+            residual_sd_mm: noise_mm * widened.sqrt(),
+            degrees_of_freedom: degrees_of_freedom as usize,
+        });
         let covariance_n2 = &turned * covariance * turned.transpose() * widened;
         let across_n: Vec<f64> = (0..count).map(|i| forces_n[i] * tangents[i]).collect();
         // If the measured normal is wrong, a share of the friction force counts as force along the normal. The share is computed from at least the
@@ -237,6 +245,7 @@ impl Problem<'_> {
             sigmas_n: (0..count).map(|i| variance_n2(i).sqrt()).collect(),
             across_n,
             covariance_n2,
+            unexplained,
         })
     }
 }
@@ -247,6 +256,16 @@ fn inverse(jacobian: &DMatrix<f64>) -> Result<DMatrix<f64>, SensingError> {
 }
 
 impl MeasuredContactForces {
+    /// Adds an error of `share` times the forces to the standard deviations and the covariance. The error has the same dimensionless `share` for
+    /// all forces.
+    pub fn add_force_error(&mut self, share: f64) {
+        let all_n = DVector::from_iterator(2 * self.along_n.len(), self.along_n.iter().chain(&self.across_n).copied());
+        self.covariance_n2 += share.powi(2) * &all_n * all_n.transpose();
+        for (sigma_n, force_n) in self.sigmas_n.iter_mut().zip(&self.along_n) {
+            *sigma_n = sigma_n.hypot(share * force_n);
+        }
+    }
+
     /// Sum of all forces along the unit vector `along` (finger frame) and its standard deviation, both N.
     pub fn sum_along(&self, finger: &Finger, along: Vector) -> [f64; 2] {
         let count = self.along_n.len();

@@ -96,7 +96,7 @@ impl Sensor<'_> {
         };
         let model = ViewModel { elements: ELEMENTS_UNLOADED, ..ViewModel::of_scene(scene, Lean::NONE) };
         let is_from_rest = unloaded.measured_in_frame_sd_rad.is_some();
-        let errors = unloaded.independent_errors(finger.rib_count());
+        let errors = unloaded.independent_errors(finger);
         let found =
             force_in_view(finger, OneView { view: &view, is_from_rest, question: *asked }, &model, &errors, start);
         let found = match found {

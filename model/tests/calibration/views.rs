@@ -328,6 +328,26 @@ fn what_is_open_of_the_geometry_counts_as_errors_of_markers() {
     assert!(alone < 0.01 && together > 0.05, "{alone} {together}");
 }
 
+/// If all forces were measured and the modulus is known, the errors of the calibrated finger still state the uncertainty of the brackets. Such a
+/// calibration once stated no errors.
+#[test]
+fn errors_of_the_geometry_are_stated_if_all_forces_were_measured() {
+    let mut truth = truth();
+    (truth.more_height_mm, truth.base) = (0.0, Isometry2::identity());
+    let seen = views_of(&truth, true, &mut ChaCha8Rng::seed_from_u64(5));
+    let brackets = sought(&[Quantity::Bracket(Plate::Front), Quantity::Bracket(Plate::Back)], None);
+    let geometry = [&brackets[..], &sought(&ribs(), Some(0.2))].concat();
+    let mut stated = truth.stated.description().clone();
+    stated.front.youngs_modulus_mpa *= truth.modulus_factor;
+    stated.back.youngs_modulus_mpa *= truth.modulus_factor;
+    let stated = Finger::new(stated).expect("a possible finger");
+    let found = views(&stated, &seen, &geometry, &model(Lean::NONE)).expect("identifiable");
+    for (plate, bracket) in found.quantities[..2].iter().enumerate() {
+        let variance: f64 = found.unloaded_errors.iter().map(|error| error.joints_mm[0][plate][1].powi(2)).sum();
+        assert!((variance.sqrt() / bracket.sigma - 1.0).abs() < 1e-9, "{variance} {bracket:?}");
+    }
+}
+
 /// A small force near the base moves markers by less than their errors. Markers that hardly determine a force cannot contradict its measured value.
 /// Markers that determine a force contradict a wrong measured value.
 #[test]

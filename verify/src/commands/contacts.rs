@@ -39,22 +39,29 @@ impl Contacts {
 impl Args for Contacts {
     fn augment_args(command: Command) -> Command {
         let list = |name| Arg::new(name).long(name).num_args(1..).action(ArgAction::Append);
+        // Networks are trained for known contacts, and a stream has no measured forces.
+        let [node, place] = match command.get_name() {
+            "train" => ["NODE[@ANGLE_DEG]", "S_MM[@ANGLE_DEG]"],
+            "live" => [
+                "NODE[@ANGLE_DEG[+-SD]|normal|friction|object|auto]",
+                "S_MM[+-SD]|auto[@ANGLE_DEG[+-SD]|normal|friction|object|auto]",
+            ],
+            _ => [
+                "NODE[@ANGLE_DEG[+-SD]|normal|friction|object|measured|auto]",
+                "S_MM[+-SD]|auto[@ANGLE_DEG[+-SD]|normal|friction|object|measured|auto]",
+            ],
+        };
         command
             .arg(
                 list(AT_NODES)
-                    .value_name("NODE[@ANGLE_DEG[+-SD]|normal|friction|object|measured|auto]")
+                    .value_name(node)
                     .value_parser(AskedContact::at_node)
                     .help("Contact at a node of the front plate, tip included"),
             )
-            .arg(
-                list(AT_POSITIONS)
-                    .value_name("S_MM[+-SD]|auto[@ANGLE_DEG[+-SD]|normal|friction|object|measured|auto]")
-                    .value_parser(AskedContact::at_position)
-                    .help(
-                        "Contact at a position along the front plate, mm from its base; auto if the position is \
+            .arg(list(AT_POSITIONS).value_name(place).value_parser(AskedContact::at_position).help(
+                "Contact at a position along the front plate, mm from its base; auto if the position is \
                         unknown",
-                    ),
-            )
+            ))
     }
 
     fn augment_args_for_update(command: Command) -> Command {

@@ -30,10 +30,10 @@ pub struct GridArguments {
     /// Seed of the noise
     #[arg(long, help_heading = "Cells", value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// Approximate number of contact positions along the front plate
+    /// Approximate number of contact positions along the front plate; not used with --truth mujoco or continuum
     #[arg(long, help_heading = "Cells", value_name = "N", default_value_t = 48, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     places: u32,
-    /// Step between force directions from -80 to 80 degrees; a step of 90 gives only the normal direction
+    /// Step between force directions from -80 to 80 degrees; a step of 90 gives only the normal direction; not used with --truth mujoco or continuum
     #[arg(long, help_heading = "Cells", value_name = "D", default_value_t = 5.0, value_parser = degrees_between)]
     step_deg: f64,
     /// Compute only shard I of N; `finray merge` joins the shards

@@ -53,7 +53,7 @@ pub struct Arguments {
     /// Evaluate every frame, not only the newest
     #[arg(long, help_heading = "Input")]
     every_frame: bool,
-    /// Take the first N frames (unloaded finger) as reference
+    /// Take the first N evaluated frames (unloaded finger) as reference
     #[arg(long, help_heading = "Input", value_name = "N", default_value_t = 0)]
     rest_frames: usize,
     /// Standard deviation of the noise in one coordinate, mm [default: the scene's value; without one, the value stated for each marker]

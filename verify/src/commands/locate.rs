@@ -33,7 +33,7 @@ pub struct Arguments {
     /// Images of the finger (PNG, JPEG), in the order in which they were taken; - for standard input
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     image: Vec<PathBuf>,
-    /// Image of the unloaded finger: determines the pose, and is the reference for displacements
+    /// Image of the unloaded finger: reference for displacements; with coloured markers, it also determines the pose
     #[arg(long, value_name = "FILE")]
     rest: Option<PathBuf>,
     /// Result file; - for standard output
@@ -192,7 +192,7 @@ fn warn_of_base(path: &Path, finger: &Finger, seen: &Observation) {
     }
     if let Some(doubt) = doubt_of_pose(finger, seen) {
         print_message(format_args!(
-            "warning: {}: {doubt}; --rest finds the pose in an image of the unloaded finger",
+            "warning: {}: {doubt}; for coloured markers, --rest finds the pose in an image of the unloaded finger",
             path.display()
         ));
     }

@@ -35,7 +35,7 @@ pub struct Arguments {
     /// Also write the displacements of the last step to FILE, in the format of `finray solve`
     #[arg(long, value_name = "FILE")]
     shape: Option<PathBuf>,
-    /// Result file; - for standard output
+    /// Result file; a figure is also written, with suffix .svg; - for standard output
     #[arg(long, value_name = "FILE", default_value = "-")]
     out: PathBuf,
 }

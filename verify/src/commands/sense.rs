@@ -38,7 +38,7 @@ pub struct Arguments {
     /// Standard deviation of the noise in one coordinate, mm [default: value in the scene, else in the file, else estimated from the residual]
     #[arg(long, help_heading = "Input", value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
-    /// Friction coefficient; limits directions that are given with a standard deviation (+-SD)
+    /// Upper bound of the friction coefficient; only for contacts with a standard deviation (+-SD), whose directions are then those of the surface normals
     #[arg(long, help_heading = "Question", value_name = "MU", value_parser = not_negative, default_value_t = 0.0)]
     friction: f64,
     /// Name of the image to evaluate, if the file has several images
@@ -180,9 +180,12 @@ fn all_images(question: &ImageQuestion, table: &ObservationTable) -> Result<Vec<
             continue;
         }
         let seen = table.observation(Some(image))?;
-        match question.sensor(&seen)?.sense(&seen) {
+        let sensor = question.sensor(&seen)?;
+        match sensor.sense(&seen) {
             Ok(sensed) => {
                 warn(&format!("{image}: "), &sensed.warnings);
+                let doubts = sensor.validity_warnings(&sensed);
+                doubts.iter().for_each(|doubt| print_message(format_args!("warning: {image}: {doubt}")));
                 all.extend(rows(finger, &sensed).into_iter().map(|row| of_image(row, "")));
             }
             // An invalid cell of the file ends the command. A refusal for any reason other than an invalid cell affects only the rows of the refused

@@ -161,6 +161,10 @@ fn options_of_images_are_refused_beside_measurements() {
         let message = finray(&["calibrate", PAPER, "--measurements", &weights, option, "modulus"]).refused();
         assert_says(&message, &["--measurements", option, "cannot be used with"]);
     }
+    for option in [&["--zones=1"][..], &["--kinematics", "linear"], &["--noise-mm", "0.1"]] {
+        let located = [&["calibrate", PAPER, "--located", "located.csv", "--fit", "modulus"], option].concat();
+        assert_says(&finray(&located).refused(), &["--located", "cannot be used with"]);
+    }
     // Without measurements and without located images, the message names both ways to calibrate.
     assert_says(&finray(&["calibrate", PAPER]).refused(), &["--measurements", "--located", "--fit"]);
 }

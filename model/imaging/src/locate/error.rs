@@ -64,7 +64,7 @@ pub enum LocateError {
     Flipped(&'static str),
     /// The finger is not where the scene's camera pose puts it. The field contains the finger's placement.
     #[error(
-        "the finger is not at the pose of the scene's camera: {0}; check whether the image is turned, mirrored or resized, or find the pose with \
+        "the finger is not at the pose of the scene's camera: {0}; check whether the image is turned, mirrored or resized, or, for coloured markers, find the pose with \
          --rest, an image of the unloaded finger"
     )]
     Elsewhere(FingerPlacement),

@@ -76,7 +76,7 @@ pub(super) struct Problem<'p> {
     /// Whether displacements refer to an image of the unloaded finger, not to the scene's finger.
     pub is_from_rest: bool,
     pub model: &'p ViewModel,
-    /// Errors of the markers relative to their stated noise.
+    /// Factor on the stated noise of the markers, and the model error that adds to this noise.
     pub errors: MarkerErrors,
     /// Relative standard deviation of measured forces, dimensionless. `None` if they are exact.
     pub scatter: Option<f64>,
@@ -174,7 +174,8 @@ impl Problem<'_> {
         self.pressed_from(None, candidate, view, own)
     }
 
-    /// Equilibrium under the force of a view. The search starts from `near`, the equilibrium of almost the same finger and force.
+    /// Equilibrium under the force of a view. The search starts from `near`, the equilibrium of almost the same finger and force, unless a changed
+    /// length gives the fingers different frames: for instance, two ribs at one junction may move apart.
     fn pressed_from(
         &self,
         near: Option<&Pressed>,
@@ -183,6 +184,7 @@ impl Problem<'_> {
         own: &ViewUnknowns,
     ) -> Option<Pressed> {
         let finger = candidate.mesh.finger();
+        let near = near.filter(|near| near.motion.fits(candidate.mesh.frame()));
         let over_mm = match self.model.lean.from {
             Normal::Deformed { over_mm } => over_mm,
             Normal::Undeformed | Normal::Object => 0.0,

@@ -13,7 +13,7 @@ const LEAST_SHARE: f64 = 1e-4;
 impl Problem<'_> {
     /// Independent errors of the sought quantities, each with the size of one standard deviation, linearised at a fit. An error counts only if it
     /// changes the estimated force of at least one view without a measured force. The effect of an error on the force is tested twice: with an
-    /// unknown and with a known direction of the force.
+    /// unknown and with a known direction of the force. If no force is estimated, because all forces were measured, every error counts.
     pub(super) fn unloaded_errors(&self, fitted: &Fit<Point>, base: &Isometry2<f64>) -> Vec<UnloadedError> {
         let shared = self.sought.len();
         if shared == 0 {
@@ -36,12 +36,12 @@ impl Problem<'_> {
                 }));
             }
         }
-        if changes.is_empty() {
-            return Vec::new();
-        }
         let own = covariance.view((0, 0), (shared, shared)).clone_owned().symmetric_eigen();
         let spread =
             &own.eigenvectors * DMatrix::from_diagonal(&own.eigenvalues.map(|variance| variance.max(0.0).sqrt()));
+        if changes.is_empty() {
+            return spread.column_iter().map(|error| self.unloaded_error(error.as_slice(), base)).collect();
+        }
         let found = (DMatrix::from_rows(&changes) * &spread).svd(false, true);
         let Some(combinations) = found.v_t else { return Vec::new() };
         let counts =

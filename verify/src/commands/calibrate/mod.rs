@@ -15,7 +15,7 @@ use nalgebra::DMatrix;
 
 /// Help text below the options.
 const AFTER_HELP: &str = "\
-NAMES for --fit, separated by commas, each optionally with a prior standard deviation (ribs=0.2):
+NAMES for --fit, separated by commas, each except base-compliance optionally with a standard deviation (ribs=0.2): of the prior or, for friction, friction-build-up and force-error, of the scatter between objects:
 modulus, front-modulus, back-modulus, bracket, brackets, clip, front-clip, back-clip, ribs, height,
 base, base-compliance, preload, friction, friction-build-up, force-error.
 
@@ -38,12 +38,12 @@ pub struct Arguments {
     #[arg(long, help_heading = "From weights", value_name = "FILE", conflicts_with_all = ["fit", "forces", "calibrated", "images"])]
     measurements: Option<PathBuf>,
     /// Markers in images of the pressed finger (file from `finray locate`)
-    #[arg(long, help_heading = "From images", value_name = "FILE", conflicts_with = "measurements", requires = "fit")]
+    #[arg(long, help_heading = "From images", value_name = "FILE", conflicts_with_all = ["measurements", "zones", "kinematics", "noise_mm"], requires = "fit")]
     located: Option<PathBuf>,
     /// Parameters to estimate, separated by commas, for instance modulus,ribs=0.2; NAMES are listed below
     #[arg(long, help_heading = "From images", value_name = "NAMES", requires = "located")]
     fit: Option<String>,
-    /// Forces measured in some images (CSV: image,fx_n,fy_n and optionally object)
+    /// Forces measured in some images, in the frame in which the scene states the camera's pose (CSV: image,fx_n,fy_n and optionally object)
     #[arg(long, help_heading = "From images", value_name = "FILE", requires = "located")]
     forces: Option<PathBuf>,
     /// Write the calibrated scene (TOML) to FILE
@@ -61,7 +61,7 @@ pub struct Arguments {
     /// Standard deviation of the noise in one coordinate, mm [default: the scene's value, else estimated from the residual]
     #[arg(long, help_heading = "From weights", value_name = "S", requires = "measurements", value_parser = not_negative)]
     noise_mm: Option<f64>,
-    /// Write the correlations of the results (CSV) to FILE
+    /// Write the correlations of the results (CSV) to FILE; requires --zones or --located
     #[arg(long, value_name = "FILE", requires = "several")]
     correlations: Option<PathBuf>,
     /// Result file; - for standard output

@@ -188,3 +188,48 @@ fn shipped_networks_sense_the_paper_finger() {
     );
     assert_says(&steel.refused(), &["no network ships for this finger", "finray train"]);
 }
+
+/// Errors of joints widen the interval on fingers whose ribs have no brackets, also if ribs share a junction. Such fingers once ended in a panic.
+#[test]
+fn errors_of_joints_widen_intervals_without_brackets() {
+    let folder = Folder::new();
+    let plate = "thickness_mm = 1.5\nyoungs_modulus_mpa = 50.0\n";
+    let zigzag = format!(
+        "name = \"zigzag\"\n[finger]\nbase_width_mm = 60.0\nfront_length_mm = 120.0\nback_length_mm = 120.0\ndepth_mm = 20.0\n\
+         [finger.front]\n{plate}[finger.back]\n{plate}[finger.ribs]\njoints = \"rigid\"\n{plate}\
+         positions_mm = [[25.0, 0.0], [25.0, 42.0], [55.0, 42.0], [55.0, 80.0], [84.0, 80.0]]\n"
+    );
+    for scene in [finray_fixtures::PAPER_SCENE.to_owned(), zigzag] {
+        let exact = folder.put("exact.toml", &scene);
+        let loose = folder.put("loose.toml", scene + "\n[assembly]\njoint_sigma_mm = 0.05\n");
+        let shape = folder.path("shape.csv");
+        finray(&["solve", &exact, "--load-at", "60:1,-20", "--mesh-nodes", "400", "--out", &shape]).done();
+        let [exact, loose] = [exact, loose].map(|scene| {
+            let sense = ["sense", &scene, "--displacements", &shape, "--noise-mm", "0.02", "--contact-at", "60@-20"];
+            Csv::of(&finray(&sense).done())
+        });
+        let [narrow_n, wide_n] = [&exact, &loose].map(|sensed| sensed.numbers("sigma_n")[0]);
+        assert!(wide_n > 1.2 * narrow_n, "{narrow_n} {wide_n}");
+        assert!((loose.numbers("force_n")[0] - 1.0).abs() < 2.0 * wide_n, "{loose:?}");
+    }
+}
+
+/// For contacts with standard deviations, a residual beyond the noise is warned of, the scene's force error widens the interval, and errors of the
+/// assembly, which are not estimated here, are refused.
+#[test]
+fn contacts_with_standard_deviations_state_what_they_leave_out() {
+    let folder = Folder::new();
+    let shape = folder.path("shape.csv");
+    finray(&["solve", PAPER, "--load-at", "76.5:2,0", "--mesh-nodes", "400", "--out", &shape]).done();
+    let sense = |scene: &str, contact: &str| {
+        finray(&["sense", scene, "--displacements", &shape, "--noise-mm", "0.02", "--contact-at", contact])
+    };
+    let exact = Csv::of(&sense(PAPER, "76.5+-0.5@0+-1").done()).numbers("sigma_n")[0];
+    let (_, warnings) = sense(PAPER, "110+-0.5@0+-1").warned();
+    assert!(warnings.iter().any(|warning| warning.contains("contradicts the model")), "{warnings:?}");
+    let share = folder.put("share.toml", paper_with(&[]) + "\n[contact]\nforce_error_share = 0.2\n");
+    let sigma_n = Csv::of(&sense(&share, "76.5+-0.5@0+-1").done()).numbers("sigma_n")[0];
+    assert!(exact < 0.1 && (sigma_n - 0.4).abs() < 0.05, "{exact} {sigma_n}");
+    let loose = folder.put("loose.toml", paper_with(&[]) + "\n[assembly]\njoint_sigma_mm = 0.05\n");
+    assert_says(&sense(&loose, "76.5+-0.5@0+-1").refused(), &["a scene without the table [assembly]"]);
+}

@@ -46,6 +46,7 @@ pub fn simulated(scene: &Scene) -> Scene {
         noise_mm: None,
         marker_errors: MarkerErrors::default(),
         base: None,
+        assembly: None,
         contact: ContactDescription { rod_radius_mm: scene.contact.rod_radius_mm, ..ContactDescription::default() },
         touched: None,
         ..scene.clone()
