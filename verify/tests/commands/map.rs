@@ -278,7 +278,10 @@ fn a_continuum_answers_for_its_drawing_and_nothing_else() {
     assert!(bias_at_19(&plain) < -0.3 && bias_at_19(&with_arms).abs() < 0.05, "the beams without arms are too soft");
     assert_says(&map(PAPER, &["--force-n", "2.5"]).refused(), &["--truth continuum", "0.5, 1, 3, 5 N"]);
     let other = folder.put("scene.toml", paper_with(&[("count = 11", "count = 10")]));
-    assert_says(&map(&other, &small).refused(), &["paper, asymmetric, thick, thin, soft-zone only", "rod_arm_mm"]);
+    assert_says(
+        &map(&other, &small).refused(),
+        &["paper, asymmetric, thick, thin, soft-zone, hinged, hinged-rigid only", "rod_arm_mm"],
+    );
 }
 
 #[test]

@@ -64,6 +64,16 @@ pub const PROGRAM: Program = Program {
             scene: finray_fixtures::CONTINUUM_SOFT_ZONE_SCENE,
             csv: finray_fixtures::CONTINUUM_SOFT_ZONE,
         },
+        ExportedFinger {
+            name: "hinged",
+            scene: finray_fixtures::CONTINUUM_HINGED_SCENE,
+            csv: finray_fixtures::CONTINUUM_HINGED,
+        },
+        ExportedFinger {
+            name: "hinged-rigid",
+            scene: finray_fixtures::CONTINUUM_HINGED_RIGID_SCENE,
+            csv: finray_fixtures::CONTINUUM_HINGED_RIGID,
+        },
     ],
     is_exported: has_drawing_of,
     ignored: ". The continuum keeps the E and nu with which it was exported; in the scene, poissons_ratio, rod_arm_mm, \

@@ -17,7 +17,7 @@ pub(super) const MUJOCO: TruthRow = TruthRow {
 pub(super) const CONTINUUM: TruthRow = TruthRow {
     name: "continuum",
     label: "continuum",
-    help: "The finger as a plane continuum with stiff rods, solved by CalculiX: exported shapes of five fingers, with \
+    help: "The finger as a plane continuum with stiff rods, solved by CalculiX: exported shapes of seven fingers, with \
         the same limits as mujoco. The continuum has the material of its export (nu = 0.45); poissons_ratio, \
         rod_arm_mm, shear_correction and a common factor on all moduli of the scene do not change the continuum",
     kinematics: None,

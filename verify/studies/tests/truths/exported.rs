@@ -73,7 +73,7 @@ fn the_continuum_belongs_to_the_drawing_and_not_to_what_beams_assume() {
         "zones, without nu and arms"
     );
     assert_eq!(continuum(&finger_of(finray_fixtures::ASYMMETRIC_SCENE)), Some("asymmetric"));
-    for name in ["thick", "thin"] {
+    for name in ["thick", "thin", "hinged", "hinged-rigid"] {
         let export = calculix::PROGRAM.fingers.iter().find(|export| export.name == name).expect("a finger");
         assert_eq!(continuum(&export.finger().expect("a scene")), Some(name));
     }
