@@ -38,7 +38,7 @@ pub struct Arguments {
     /// Name and scene of each finger, if frames show several fingers
     #[arg(long, help_heading = "Input", value_name = "NAME=SCENE", value_parser = named_scene, num_args = 1.., conflicts_with = "scene")]
     finger: Vec<(String, PathBuf)>,
-    /// Video (YUV4MPEG2, raw) or marker positions (JSON lines, CSV); - for standard input
+    /// Video (YUV4MPEG2, raw) or marker positions (JSON, CSV)
     #[arg(long, help_heading = "Input", value_name = "FILE", default_value = "-")]
     input: PathBuf,
     /// Images (PNG, JPEG) instead of a stream, in order of time
@@ -70,6 +70,9 @@ pub struct Arguments {
     /// Recording for ROS 2 (MCAP): JSON lines and WrenchStamped forces
     #[arg(long, help_heading = "Output", value_name = "FILE")]
     record: Option<PathBuf>,
+    /// Also record each evaluated image (Image, rgb8)
+    #[arg(long, help_heading = "Output", requires = "record")]
+    record_images: bool,
     /// Address of a page that shows finger and forces; port 0 chooses any free port
     #[arg(long, help_heading = "Output", value_name = "ADDR:PORT", value_parser = address)]
     serve: Option<SocketAddr>,
@@ -136,6 +139,9 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         images => Source::of_images(images),
     };
     let shows_pixels = source.shows_pixels();
+    if arguments.record_images && !shows_pixels {
+        return Err(bad_input("--record-images: expected a stream of images, found positions of markers"));
+    }
     let mut watched: Vec<(WatchedFinger, Option<Observer>)> = scenes
         .iter()
         .map(|(name, scene)| {
@@ -176,7 +182,8 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         let mut text = line.to_json().map_err(not_computed)?;
         if let Some(recording) = &mut recording {
             let forces: Vec<ContactForce> = results.iter().flat_map(contact_forces).collect();
-            recording.add(frame.info.time_s, &text, &forces)?;
+            let image = frame.content.pixels().filter(|_| arguments.record_images);
+            recording.add(frame.info.time_s, image, &text, &forces)?;
         }
         newest.give_back(frame);
         text.push('\n');

@@ -4,6 +4,7 @@ mod fingers;
 mod latency;
 mod memory;
 mod page;
+mod recording;
 mod video;
 
 use crate::kit::*;

@@ -4,6 +4,7 @@ use crate::commands::prelude::*;
 use finray_files::frames::{FrameError, FrameLayout, FrameReader, VideoFrame};
 use finray_files::live::FrameInfo;
 use finray_files::positions::{FingerObservation, PositionError, PositionFrame, PositionReader};
+use finray_imaging::RgbRows;
 use image::RgbImage;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
@@ -32,6 +33,17 @@ pub enum Content {
     Markers(Vec<FingerObservation>),
     /// Reason why the frame cannot be read.
     Unreadable(String),
+}
+
+impl Content {
+    /// The pixels of an image.
+    pub fn pixels(&self) -> Option<&dyn RgbRows> {
+        match self {
+            Content::Image(image) => Some(image),
+            Content::Video(video) => Some(video),
+            Content::Markers(_) | Content::Unreadable(_) => None,
+        }
+    }
 }
 
 /// A frame of a stream.

@@ -1,5 +1,6 @@
-//! Several fingers in the same frames, and recordings for ROS 2.
+//! Several fingers in the same frames.
 
+use super::recording::{Recorded, recorded};
 use super::*;
 
 /// Names of two scenes with one finger each, and translations of their cameras; the images of the fingers do not overlap.
@@ -11,41 +12,6 @@ fn scenes_of_two_fingers(folder: &Folder) -> [String; 2] {
         assert!(scene.contains(place));
         folder.put(&format!("{name}.toml"), scene)
     })
-}
-
-/// Topic, stamp (s) and force (N) of a recorded wrench.
-type Wrench = (String, f64, [f64; 3]);
-
-/// The wrenches and the lines of JSON in a recording. The function decodes the CDR encoding of ROS 2 by its standard, without a library.
-fn recorded(bytes: &[u8], options: &[mcap::read::Options]) -> (Vec<Wrench>, Vec<Value>) {
-    let (mut wrenches, mut found) = (Vec::new(), Vec::new());
-    let messages =
-        mcap::MessageStream::new_with_options(bytes, options.iter().copied().collect()).expect("a recording");
-    for message in messages {
-        let message = message.expect("a whole message");
-        let data = &message.data[4..];
-        let whole = |at: usize| u32::from_le_bytes(data[at..at + 4].try_into().expect("four bytes"));
-        if message.channel.topic == "/finray/live" {
-            let text = std::str::from_utf8(&data[4..3 + whole(0) as usize]).expect("text");
-            found.push(serde_json::from_str(text).expect("a line of JSON"));
-            continue;
-        }
-        let schema = message.channel.schema.as_ref().expect("a schema");
-        assert_eq!((schema.name.as_str(), schema.encoding.as_str()), ("geometry_msgs/msg/WrenchStamped", "ros2msg"));
-        let [from, numbers] = [12, (12 + whole(8) as usize).div_ceil(8) * 8];
-        let name = std::str::from_utf8(&data[from..from - 1 + whole(8) as usize]).expect("text");
-        assert_eq!(message.channel.topic.replace("/finray/", "").replace('/', "_"), name);
-        let number =
-            |i: usize| f64::from_le_bytes(data[numbers + 8 * i..numbers + 8 * i + 8].try_into().expect("eight bytes"));
-        assert_eq!(data.len(), numbers + 48);
-        assert_eq!([3, 4, 5].map(number), [0.0; 3], "the torque about the contact");
-        wrenches.push((
-            message.channel.topic.clone(),
-            f64::from(whole(0)) + 1e-9 * f64::from(whole(4)),
-            [0, 1, 2].map(number),
-        ));
-    }
-    (wrenches, found)
 }
 
 /// Two fingers in one image are sensed separately. The recording contains the printed lines, and the forces as vectors in the finger frame.
@@ -70,7 +36,7 @@ fn two_fingers_in_one_image_are_distinguished_and_recorded() {
     let live = ["live", "--finger", &fingers[0], "--finger", &fingers[1], "--contact-at", "auto@-20", "--every-frame"];
     let found = lines(&finray(&[&live[..], &["--input", &stream, "--record", &record]].concat()).done());
     assert_eq!(states(&found), ["contact"; 2]);
-    let (wrenches, in_recording) = recorded(&std::fs::read(&record).expect("a recording"), &[]);
+    let Recorded { wrenches, lines: in_recording, .. } = recorded(&record, &[]);
     assert_eq!(in_recording, found);
     assert_eq!(wrenches.len(), 4);
     for (i, (true_n, s_mm)) in [(2.0, 80.0), (1.5, 60.0)].into_iter().enumerate() {
@@ -121,27 +87,4 @@ fn positions_of_several_fingers_have_names() {
     );
     let twice = ["live", "--finger", &fingers[0], &fingers[0], "--contact-at", "auto@0"];
     assert_says(&finray(&twice).refused(), &["--finger left", "once"]);
-}
-
-/// All messages up to the last line can be read from the recording of a run that was killed.
-#[test]
-fn the_recording_of_a_killed_run_is_readable() {
-    let folder = Folder::new();
-    let record = folder.path("record.mcap");
-    let mut command = command(&["live", CAMERA, "--contact-at", "auto@0", "--record", &record]);
-    command.stdin(std::process::Stdio::piped()).stdout(std::process::Stdio::piped());
-    let mut child = command.spawn().expect("finray starts");
-    let mut input = child.stdin.take().expect("an input");
-    let mut out = BufReader::new(child.stdout.take().expect("an output"));
-    let mut printed = String::new();
-    for _ in 0..3 {
-        std::io::Write::write_all(&mut input, pressed_frame().as_bytes()).expect("a frame");
-        out.read_line(&mut printed).expect("a line");
-    }
-    child.kill().expect("it still runs");
-    child.wait().expect("the end");
-    let (wrenches, found) =
-        recorded(&std::fs::read(&record).expect("a recording"), &[mcap::read::Options::IgnoreEndMagic]);
-    assert_eq!(found, lines(&printed));
-    assert_eq!(wrenches.len(), 3);
 }

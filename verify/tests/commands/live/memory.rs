@@ -29,10 +29,12 @@ fn resources(process: u32) -> Resources {
     Resources { resident_kb, descriptors }
 }
 
-/// Sends `count` frames to `live`, repeating the given frames in turn. Compares the resources of `live` after [`WARM`] frames with those after the
-/// last frame. A full study records the resources as the row `name` of `fixtures/results/memory.csv`.
+/// Sends `count` frames to `live`, repeating the given frames in turn, and records lines, forces and images. Compares the resources of `live` after
+/// [`WARM`] frames with those after the last frame. A full study records the resources as the row `name` of `fixtures/results/memory.csv`.
 fn check_flat(name: &str, scene: &str, header: &[u8], frames: &[Vec<u8>], count: usize) {
-    let mut command = command(&["live", scene, "--contact-at", "auto@0", "--every-frame", "--quiet"]);
+    let live = ["live", scene, "--contact-at", "auto@0", "--every-frame", "--quiet", "--record", "/dev/null"];
+    let more: &[&str] = if header.is_empty() { &[] } else { &["--record-images"] };
+    let mut command = command(&[&live[..], more].concat());
     let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().expect("finray starts");
     let mut input = child.stdin.take().expect("an input");
     let out = BufReader::new(child.stdout.take().expect("an output"));

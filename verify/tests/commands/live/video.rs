@@ -55,11 +55,18 @@ pub(super) fn yuv4mpeg2(
 }
 
 /// All pixels of a frame.
-fn whole(frame: &VideoFrame) -> RgbImage {
+pub(super) fn whole(frame: &VideoFrame) -> RgbImage {
     let [width, height] = frame.size_px();
     let mut buffer = Vec::new();
     let rows = (0..height as usize).flat_map(|row| frame.row(row, 0..width as usize, &mut buffer).to_vec());
     RgbImage::from_raw(width, height, rows.collect()).expect("three bytes a pixel")
+}
+
+/// The frames of a stream.
+pub(super) fn frames_of(stream: &[u8]) -> Vec<VideoFrame> {
+    let mut reader = FrameReader::yuv4mpeg2(stream).expect("a stream");
+    let mut frame = VideoFrame::new(reader.layout());
+    std::iter::from_fn(|| reader.read(&mut frame).expect("frames").then(|| frame.clone())).collect()
 }
 
 /// Reads the first frame of a stream; returns the reader and the frame.
