@@ -18,9 +18,9 @@ pub const PAPER_PLAIN: ExportedFinger = ExportedFinger {
     csv: finray_fixtures::CONTINUUM_PAPER_PLAIN,
 };
 
-/// Fingers with rods, solved under forces at a few nodes after the rule for the length of rod arms was found. These fingers only test the rule for
+/// Fingers with rods, solved at some nodes or under two forces after the rule for the length of rod arms was found. These fingers only test the rule for
 /// rod arms, and are not used as true fingers.
-pub const FURTHER: [ExportedFinger; 3] = [
+pub const FURTHER: [ExportedFinger; 4] = [
     ExportedFinger {
         name: "wide-rods",
         scene: finray_fixtures::CONTINUUM_WIDE_RODS_SCENE,
@@ -35,6 +35,11 @@ pub const FURTHER: [ExportedFinger; 3] = [
         name: "unequal",
         scene: finray_fixtures::CONTINUUM_UNEQUAL_SCENE,
         csv: finray_fixtures::CONTINUUM_UNEQUAL,
+    },
+    ExportedFinger {
+        name: "hinged-feet",
+        scene: finray_fixtures::CONTINUUM_HINGED_FEET_SCENE,
+        csv: finray_fixtures::CONTINUUM_HINGED_FEET,
     },
 ];
 

@@ -26,7 +26,7 @@ const COARSE_ROUNDING: f64 = 6e-4;
 
 /// For each finger: name, number of forces, and pairs of median and largest deviation in README. The first pair is for beams with shear and arms by
 /// the rule, the second for beams with E / (1 - nu^2) without shear and arms.
-const README: [(&str, usize, [f64; 2], [f64; 2]); 11] = [
+const README: [(&str, usize, [f64; 2], [f64; 2]); 12] = [
     ("paper", 165, [0.0068, 0.0120], [0.267, 0.353]),
     ("paper-plain", 54, [0.0156, 0.0296], [0.0465, 0.0628]),
     ("asymmetric", 54, [0.0066, 0.0123], [0.441, 0.681]),
@@ -38,6 +38,7 @@ const README: [(&str, usize, [f64; 2], [f64; 2]); 11] = [
     ("unequal", 24, [0.0048, 0.0094], [0.399, 0.707]),
     ("hinged", 45, [0.0027, 0.0059], [0.107, 0.160]),
     ("hinged-rigid", 45, [0.0036, 0.0051], [0.237, 0.334]),
+    ("hinged-feet", 24, [0.0044, 0.0072], [0.0348, 0.1094]),
 ];
 
 fn exported(name: &str) -> &'static ExportedFinger {
@@ -160,12 +161,11 @@ fn rms(errors: &[f64]) -> f64 {
 const FITTED: [&str; 2] = ["paper", "thick"];
 const TESTED: [&str; 3] = ["asymmetric", "thin", "soft-zone"];
 
-/// Fingers with ribs on hinges and brackets.
-const HINGED: [&str; 2] = ["hinged", "hinged-rigid"];
+/// Fingers with ribs on hinges and brackets, and their numbers of forces.
+const HINGED: [(&str, usize); 3] = [("hinged", 45), ("hinged-rigid", 45), ("hinged-feet", 24)];
 
-/// Forces are sensed within 1.0 % on the fingers in `TESTED`, and within 1.4 % on the fingers in `FURTHER`, and within
-/// 0.45 % on the fingers in `HINGED`. The stated error of beam theory, and its
-/// ratio of residual to force error, follow from the fingers in `FITTED`.
+/// Forces are sensed within 1.0 % on the fingers in `TESTED`, within 1.4 % on the fingers in `FURTHER`, and within 0.6 % on the fingers in `HINGED`.
+/// The stated error of beam theory, and its ratio of residual to force error, follow from the fingers in `FITTED`.
 #[test]
 fn sensed_forces_on_continua_are_as_near_as_stated() {
     for name in TESTED {
@@ -177,10 +177,10 @@ fn sensed_forces_on_continua_are_as_near_as_stated() {
         let (forces, _) = errors_of_beams(exported);
         assert!(forces.iter().all(|error| error.abs() < 0.0145), "{}: {forces:?}", exported.name);
     }
-    for name in HINGED {
+    for (name, count) in HINGED {
         let (forces, _) = errors_of_beams(exported(name));
-        assert_eq!(forces.len(), 45);
-        assert!(forces.iter().all(|error| error.abs() < 0.0045), "{name}: {forces:?}");
+        assert_eq!(forces.len(), count);
+        assert!(forces.iter().all(|error| error.abs() < 0.006), "{name}: {forces:?}");
     }
     let [forces, residuals] = {
         let fitted = FITTED.map(|name| errors_of_beams(exported(name)));
