@@ -177,7 +177,16 @@ impl Finger {
             _ => clip_mm,
         };
         let second = if member == self.rib_count() { tip_mm } else { clip_mm };
-        [first, second].map(|arm_mm| arm_mm.max(self.description.rod_arm_mm))
+        let FingerDescription { rod_arm_mm, clamp_arm_mm, .. } = self.description;
+        let at_clamp_mm = clamp_arm_mm.filter(|_| from_mm == 0.0).unwrap_or(rod_arm_mm);
+        [first.max(at_clamp_mm), second.max(rod_arm_mm)]
+    }
+
+    /// Lengths of the rigid arms at the front and the back end of a rib, mm; ribs are numbered from 0 at the base.
+    pub fn rib_arms_mm(&self, index: usize) -> [f64; 2] {
+        let FingerDescription { rod_arm_mm, rib_arm_mm, clamp_arm_mm, .. } = self.description;
+        let arm_mm = rib_arm_mm.unwrap_or(rod_arm_mm);
+        self.rib_nodes(index).map(|node| clamp_arm_mm.filter(|_| self.is_clamped(node)).unwrap_or(arm_mm))
     }
 
     /// Position of the clamped end of a plate, mm, finger frame.

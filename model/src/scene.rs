@@ -140,6 +140,8 @@ fn read_finger(table: &TableReader, markers_on: MarkerPoints) -> Result<FingerDe
         back_length_mm: table.get(&FINGER.back_length_mm)?,
         depth_mm: table.get(&FINGER.depth_mm)?,
         rod_arm_mm: table.get(&FINGER.rod_arm_mm)?,
+        rib_arm_mm: table.optional(&FINGER.rib_arm_mm)?,
+        clamp_arm_mm: table.optional(&FINGER.clamp_arm_mm)?,
         poissons_ratio: table.get(&FINGER.poissons_ratio)?,
         shear_correction: table.get(&FINGER.shear_correction)?,
         front: front.0,

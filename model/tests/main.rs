@@ -25,6 +25,7 @@ mod sensing {
 }
 mod statics {
     mod arc_length;
+    mod arms;
     mod batch;
     mod examples;
     mod fine_meshes;

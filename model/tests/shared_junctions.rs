@@ -110,6 +110,7 @@ fn refined_zigzags_are_in_equilibrium_with_their_supports() {
         for joints in ["rigid", "hinged"] {
             let mut description = finger_with(ribs, joints, 1.0).description().clone();
             (description.rod_arm_mm, description.ribs.clip_mm) = (0.5, [2.0, 1.0]);
+            (description.rib_arm_mm, description.clamp_arm_mm) = (Some(0.8), Some(0.2));
             let finger = Finger::new(description).expect("room for clips");
             let mesh = Mesh::with_elements_per_member(&finger, 3);
             assert_eq!(mesh.node_count() - 2, mesh.frame().node_count(), "the base line has two inner nodes");

@@ -51,6 +51,9 @@ fn built(fingers: impl Strategy<Value = Finger>) -> impl Strategy<Value = Finger
         |(finger, (brackets, clips, ends, markers_on))| {
             let mut description = FingerDescription { markers_on, ..finger.description().clone() };
             let (base_mm, front_mm) = (description.base_width_mm, description.front_length_mm);
+            // Fingers with clips or rigid ends also differ in the arms of ribs, and in the arms at the clamp.
+            description.rib_arm_mm = (clips != [0.0; 2]).then_some(0.7 * description.rod_arm_mm);
+            description.clamp_arm_mm = (ends[0].tip_mm > 0.0).then_some(0.3 * description.rod_arm_mm);
             description.ribs.bracket_mm = BracketLengths::Alike(brackets.map(|share| share * base_mm));
             description.ribs.clip_mm = clips.map(|share| share * front_mm);
             description.rigid_ends = ends.map(|RigidEnds { base_mm, tip_mm }| RigidEnds {
@@ -85,6 +88,8 @@ pub fn finger() -> impl Strategy<Value = Finger> {
                 back_length_mm,
                 depth_mm,
                 rod_arm_mm: extras.0 * front_length_mm,
+                rib_arm_mm: None,
+                clamp_arm_mm: None,
                 poissons_ratio: extras.1,
                 shear_correction: 0.0,
                 front,

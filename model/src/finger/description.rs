@@ -114,8 +114,12 @@ pub struct FingerDescription {
     pub back_length_mm: f64,
     /// Depth out of the plane, mm.
     pub depth_mm: f64,
-    /// Length of the rigid arms at both ends of every member, mm. The arms model the rods at the key nodes.
+    /// Length of the rigid arms at both ends of every member, mm. The arms model the rods at the key nodes, or junctions without rods.
     pub rod_arm_mm: f64,
+    /// Length of the rigid arms at both ends of every rib, mm; `None` for `rod_arm_mm`.
+    pub rib_arm_mm: Option<f64>,
+    /// Length of the rigid arms of plates and ribs at clamped nodes, mm; `None` for the arm of the member's other nodes.
+    pub clamp_arm_mm: Option<f64>,
     /// Poisson's ratio, dimensionless. Strips are wide compared with their thickness, so their effective modulus is E / (1 - nu^2).
     pub poissons_ratio: f64,
     /// Shear correction factor kappa of plates and ribs, dimensionless: the shear rigidity is kappa G A. Zero for members without shear deformation.

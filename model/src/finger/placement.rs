@@ -28,6 +28,8 @@ pub(super) fn check_sizes(d: &FingerDescription) -> Result<(), ImpossibleFinger>
     check(&FINGER.back_length_mm, &d.back_length_mm)?;
     check(&FINGER.depth_mm, &d.depth_mm)?;
     check(&FINGER.rod_arm_mm, &d.rod_arm_mm)?;
+    d.rib_arm_mm.map_or(Ok(()), |arm_mm| check(&FINGER.rib_arm_mm, &arm_mm))?;
+    d.clamp_arm_mm.map_or(Ok(()), |arm_mm| check(&FINGER.clamp_arm_mm, &arm_mm))?;
     check(&FINGER.poissons_ratio, &d.poissons_ratio)?;
     check(&FINGER.shear_correction, &d.shear_correction)?;
     for (keys, strip, ends) in [(&FRONT, d.front, d.rigid_ends[0]), (&BACK, d.back, d.rigid_ends[1])] {
@@ -166,15 +168,10 @@ pub(super) fn check_room(finger: &Finger) -> Result<(), ImpossibleFinger> {
             format!("expected one thickness for each of {} ribs, found {} values", finger.rib_count(), each_mm.len())
         })?;
     }
-    let ribs = (0..finger.rib_count()).map(|rib| finger.rib_length_mm(rib));
+    check_rod_arms(finger)?;
     let plates = [Plate::Front, Plate::Back];
     let members =
         plates.map(|plate| finger.plate_positions_mm(plate).windows(2).map(|w| w[1] - w[0]).collect::<Vec<_>>());
-    let with_length = members.iter().flatten().copied().filter(|length_mm| *length_mm > 0.0);
-    let shortest = with_length.chain(ribs).fold(f64::INFINITY, f64::min);
-    require(2.0 * d.rod_arm_mm < shortest * (1.0 - SMALLEST_SPACING), &FINGER.rod_arm_mm.path(), || {
-        format!("expected less than half of the shortest member, {shortest:?} mm, found {:?}", d.rod_arm_mm)
-    })?;
     for (((plate, name), keys), lengths_mm) in
         plates.into_iter().zip(["front", "back"]).zip([&FRONT, &BACK]).zip(&members)
     {
@@ -196,6 +193,44 @@ pub(super) fn check_room(finger: &Finger) -> Result<(), ImpossibleFinger> {
     if d.shear_correction > 0.0 { check_shear(finger) } else { Ok(()) }
 }
 
+/// Checks that the arms of rods leave an elastic part of each member.
+fn check_rod_arms(finger: &Finger) -> Result<(), ImpossibleFinger> {
+    let d = &finger.description;
+    let rod_arm = (FINGER.rod_arm_mm.path(), d.rod_arm_mm, "member");
+    let rib_arm = d.rib_arm_mm.map_or(rod_arm.clone(), |arm_mm| (FINGER.rib_arm_mm.path(), arm_mm, "rib"));
+    let ribs = (0..finger.rib_count()).map(|rib| (&rib_arm, finger.rib_length_mm(rib), finger.rib_nodes(rib)));
+    let of_plate = |plate: Plate| {
+        let (nodes, positions_mm) = (finger.plate_nodes(plate), finger.plate_positions_mm(plate));
+        let member = |i: usize| (&rod_arm, positions_mm[i + 1] - positions_mm[i], [nodes[i], nodes[i + 1]]);
+        (0..=finger.rib_count()).map(member).collect::<Vec<_>>()
+    };
+    let members = [Plate::Front, Plate::Back].into_iter().flat_map(of_plate).chain(ribs);
+    let mut members: Vec<_> = members.filter(|(_, length_mm, _)| *length_mm > 0.0).collect();
+    members.sort_by(|a, b| a.1.total_cmp(&b.1));
+    for (arm, length_mm, nodes) in members {
+        let &(ref key, arm_mm, name) = arm;
+        let room_mm = length_mm * (1.0 - SMALLEST_SPACING);
+        let is_clamped = nodes.iter().any(|node| finger.is_clamped(*node));
+        match d.clamp_arm_mm.filter(|_| is_clamped) {
+            None => require(2.0 * arm_mm < room_mm, key, || {
+                format!("expected less than half of the shortest {name}, {length_mm:?} mm, found {arm_mm:?}")
+            })?,
+            Some(clamp_arm_mm) => {
+                require(arm_mm < room_mm, key, || {
+                    format!("expected less than the {name} at the clamp, {length_mm:?} mm, found {arm_mm:?}")
+                })?;
+                require(arm_mm + clamp_arm_mm < room_mm, &FINGER.clamp_arm_mm.path(), || {
+                    let left_mm = length_mm - arm_mm;
+                    format!(
+                        "expected less than {left_mm:?} mm, which {key} leaves of a {name} at the clamp, found {clamp_arm_mm:?}"
+                    )
+                })?;
+            }
+        }
+    }
+    Ok(())
+}
+
 /// Checks that no member is so thick for its length that shear deformation leaves it without stiffness against sway.
 fn check_shear(finger: &Finger) -> Result<(), ImpossibleFinger> {
     let d = &finger.description;
@@ -211,7 +246,8 @@ fn check_shear(finger: &Finger) -> Result<(), ImpossibleFinger> {
     };
     let of_rib = |rib: usize| {
         let thickness_mm = d.ribs.strip.map_or(0.0, |strip| strip.thickness_mm);
-        thickness_mm / (finger.rib_length_mm(rib) - 2.0 * d.rod_arm_mm)
+        let arms_mm = finger.rib_arms_mm(rib);
+        thickness_mm / (finger.rib_length_mm(rib) - arms_mm[0] - arms_mm[1])
     };
     let ratios = [Plate::Front, Plate::Back].into_iter().flat_map(of_plate).chain((0..finger.rib_count()).map(of_rib));
     let most = finger.shear_flexibility() * ratios.fold(0.0, f64::max).powi(2);

@@ -105,6 +105,9 @@ tables! {
     depth_mm: Number(LENGTH, POSITIVE), Required, "Depth of plates and ribs, perpendicular to the plane of the finger frame.";
     rod_arm_mm: Number(LENGTH, NOT_NEGATIVE), Or(0.0),
         "Length of the rigid arm at each end of each member. Members are the ribs and the segments of plates between nodes.";
+    rib_arm_mm: Number(LENGTH, NOT_NEGATIVE), Optional, "Length of the rigid arm at each end of each rib. Default: rod_arm_mm.";
+    clamp_arm_mm: Number(LENGTH, NOT_NEGATIVE), Optional,
+        "Length of the rigid arm of each member at a clamped node. Default: the arm at the member's other end.";
     poissons_ratio: Number(Quantity("ratio", ""), Above(-1.0, 0.5)), Or(0.0),
         "Poisson's ratio nu. The effective modulus is E / (1 - nu^2), which holds for plates and ribs of a depth much larger than their thickness.";
     shear_correction: Number(Quantity("factor", ""), Within(0.0, 1.0)), Or(0.0),

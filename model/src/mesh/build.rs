@@ -98,9 +98,9 @@ impl Mesh {
             return;
         };
         let along = (self.frame.position(front) - self.frame.position(back)).normalize();
-        let arm = along * self.finger.description().rod_arm_mm;
+        let [front_mm, back_mm] = self.finger.rib_arms_mm(rib);
         let hinged = self.finger.description().ribs.joints == Joints::Hinged;
-        let ends = [(back, arm), (front, -arm)].map(|(node, arm)| {
+        let ends = [(back, along * back_mm), (front, along * -front_mm)].map(|(node, arm)| {
             let rotation = if hinged { self.frame.add_rotation() } else { self.frame.rotation_of(node) };
             BeamEnd { node, rotation, arm }
         });

@@ -63,6 +63,7 @@ fn built_by_hand(finger: &Finger, turn: Rotation2<f64>, order: &[usize]) -> (Pla
 fn without_arms(finger: &Finger) -> Finger {
     let mut description =
         FingerDescription { rod_arm_mm: 0.0, rigid_ends: Default::default(), ..finger.description().clone() };
+    (description.rib_arm_mm, description.clamp_arm_mm) = (None, None);
     description.ribs.clip_mm = [0.0; 2];
     description.zones.clear();
     Finger::new(description).expect("still possible")
@@ -163,6 +164,9 @@ fn scaled(d: &FingerDescription, length: f64, force: f64) -> Finger {
         [&mut d.base_width_mm, &mut d.front_length_mm, &mut d.back_length_mm, &mut d.depth_mm, &mut d.rod_arm_mm]
     {
         *size *= length;
+    }
+    for arm_mm in [&mut d.rib_arm_mm, &mut d.clamp_arm_mm].into_iter().flatten() {
+        *arm_mm *= length;
     }
     let strips = [Some(&mut d.front), Some(&mut d.back), d.ribs.strip.as_mut()];
     for strip in strips.into_iter().flatten() {

@@ -94,6 +94,8 @@ fn with_shear(finger: &Finger) -> Finger {
     Finger::new(FingerDescription {
         shear_correction: SHEAR_CORRECTION,
         rod_arm_mm: 1.0,
+        rib_arm_mm: Some(1.4),
+        clamp_arm_mm: Some(0.3),
         poissons_ratio: 0.45,
         ..description
     })

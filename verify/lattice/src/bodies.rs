@@ -167,9 +167,9 @@ impl Assembly {
             // An undeformable rib with rigid joints is part of its rods' common body.
             return;
         };
-        let arm = direction * finger.description().rod_arm_mm;
-        let ends = [back.moved(arm), front.moved(-arm)];
-        let borders = borders_mm([0.0, between.norm() - 2.0 * finger.description().rod_arm_mm], &[], target_mm);
+        let [front_mm, back_mm] = finger.rib_arms_mm(rib);
+        let ends = [back.moved(direction * back_mm), front.moved(direction * -front_mm)];
+        let borders = borders_mm([0.0, between.norm() - front_mm - back_mm], &[], target_mm);
         let segments = borders.len() - 1;
         let length_mm = borders[1];
         for (i, ends) in self.divide(ends, &borders).into_iter().enumerate() {
@@ -287,8 +287,8 @@ fn members_mm(finger: &Finger) -> impl Iterator<Item = f64> {
         };
         positions.windows(2).enumerate().map(free).collect::<Vec<_>>()
     });
-    let arms_mm = 2.0 * finger.description().rod_arm_mm;
-    let ribs = (0..finger.rib_count()).map(move |rib| finger.rib_length_mm(rib) - arms_mm);
+    let ribs =
+        (0..finger.rib_count()).map(|rib| finger.rib_length_mm(rib) - finger.rib_arms_mm(rib).iter().sum::<f64>());
     plates.chain(ribs)
 }
 

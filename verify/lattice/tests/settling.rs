@@ -13,6 +13,11 @@ fn with_shear(scene: &str) -> String {
     scene.replacen("[finger]\n", "[finger]\nshear_correction = 0.8\n", 1)
 }
 
+/// Ribs with shorter arms, and longer arms at the clamp.
+fn with_other_arms(scene: &str) -> String {
+    scene.replacen("[finger]\n", "[finger]\nrib_arm_mm = 0.3\nclamp_arm_mm = 3.0\n", 1)
+}
+
 /// Lattices with arms, zones, hinges, undeformable ribs or shear deformation settle at the minimum of their energy, which agrees with beams.
 #[test]
 fn other_fingers_settle_where_beams_are() {
@@ -23,6 +28,7 @@ fn other_fingers_settle_where_beams_are() {
         (finray_fixtures::HINGED_SCENE, 1.0, 1e-3),
         (finray_fixtures::HINGED_RIGID_SCENE, 1.0, 1e-3),
         (finray_fixtures::RIGID_RIBS_SCENE, 0.5, 2e-3),
+        (&with_other_arms(finray_fixtures::ARMS_SCENE), 1.0, 1e-3),
         (&with_shear(finray_fixtures::ARMS_SCENE), 1.0, 1e-3),
         (&with_shear(finray_fixtures::HINGED_SCENE), 1.0, 1e-3),
     ] {

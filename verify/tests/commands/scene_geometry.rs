@@ -42,6 +42,11 @@ fn sizes_must_be_positive_finite_numbers() {
             "rod_arm_mm",
             &["finger.rod_arm_mm: expected a length in mm, zero or more"],
         );
+        for key in ["rib_arm_mm", "clamp_arm_mm"] {
+            let arm = format!("depth_mm = 20.0\n{key} = {value}");
+            let expected = format!("finger.{key}: expected a length in mm, zero or more");
+            assert_refused("depth_mm = 20.0", &arm, key, &[&expected]);
+        }
         let camera = format!("[camera]\nnoise_mm = {value}\n[finger]");
         assert_refused("\n[finger]", &camera, "noise_mm", &["camera.noise_mm: expected a length in mm, zero or more"]);
     }
@@ -197,13 +202,25 @@ fn ribs_are_at_most_a_thousand() {
 #[test]
 fn arms_must_leave_something_of_every_member() {
     let arm = |arm: &str| format!("depth_mm = 20.0\nrod_arm_mm = {arm}");
+    let arm_with = |rods: &str, key: &str, other: &str| format!("{}\n{key} = {other}", arm(rods));
     for long in ["2.42", "3.0", "100", "1e300"] {
         let expected = ["finger.rod_arm_mm: expected less than half of the shortest member, 4.83"];
         assert_refused("depth_mm = 20.0", &arm(long), "rod_arm_mm", &expected);
+        let expected = ["finger.rib_arm_mm: expected less than half of the shortest rib, 4.83"];
+        assert_refused("depth_mm = 20.0", &format!("depth_mm = 20.0\nrib_arm_mm = {long}"), "rib_arm_mm", &expected);
     }
+    // The first members of the plates are 12.75 mm long. Their other arm is 1 mm long.
+    for long in ["11.76", "1e300"] {
+        let expected =
+            "finger.clamp_arm_mm: expected less than 11.75 mm, which finger.rod_arm_mm leaves of a member at the clamp";
+        assert_refused("depth_mm = 20.0", &arm_with("1.0", "clamp_arm_mm", long), "clamp_arm_mm", &[expected]);
+    }
+    // Ribs do not limit the arms of plates if ribs have arms of their own.
     let folder = Folder::new();
-    let scene = folder.put("scene.toml", paper_with(&[("depth_mm = 20.0", &arm("2.41"))]));
-    finray(&["solve", &scene, "--load", "19:0,-0.1"]).done();
+    for fits in [arm("2.41"), arm_with("1.0", "clamp_arm_mm", "11.74"), arm_with("5.0", "rib_arm_mm", "1.0")] {
+        let scene = folder.put("scene.toml", paper_with(&[("depth_mm = 20.0", &fits)]));
+        finray(&["solve", &scene, "--load", "19:0,-0.1", "--kinematics", "linear"]).done();
+    }
 }
 
 #[test]

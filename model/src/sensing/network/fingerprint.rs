@@ -30,7 +30,15 @@ impl Fingerprint {
                 numbers.text(&format!("node {node} {}", (coordinate_mm / step_mm).round() as i64));
             }
         }
-        numbers.number("arm_mm", finger.description().rod_arm_mm);
+        let d = finger.description();
+        numbers.number("arm_mm", d.rod_arm_mm);
+        let of_ribs_mm = d.rib_arm_mm.unwrap_or(d.rod_arm_mm);
+        if of_ribs_mm != d.rod_arm_mm {
+            numbers.number("rib arm_mm", of_ribs_mm);
+        }
+        for arm_mm in d.clamp_arm_mm.iter().filter(|arm_mm| [d.rod_arm_mm, of_ribs_mm] != [**arm_mm; 2]) {
+            numbers.number("clamp arm_mm", *arm_mm);
+        }
         if finger.shear_flexibility() > 0.0 {
             numbers.number("shear_flexibility", finger.shear_flexibility());
         }
@@ -43,7 +51,6 @@ impl Fingerprint {
                 Joints::Hinged => "joints hinged",
             });
         }
-        let d = finger.description();
         for (name, plate, strip) in [("front", Plate::Front, d.front), ("back", Plate::Back, d.back)] {
             for thickness_mm in strip.tip_thickness_mm.iter().filter(|_| finger.tapers(plate)) {
                 numbers.number(&format!("{name} tip_thickness_mm"), *thickness_mm);

@@ -34,6 +34,11 @@ fn a_fingerprint_is_that_of_the_numbers() {
         d.ribs.strip.as_mut().into_iter().for_each(softer);
     });
     assert_eq!(plane_strain, fingerprint);
+    // Arms equal to their defaults.
+    let arms = |rib_arm_mm, clamp_arm_mm| {
+        changed(|d| (d.rod_arm_mm, d.rib_arm_mm, d.clamp_arm_mm) = (0.5, rib_arm_mm, clamp_arm_mm))
+    };
+    assert_eq!(arms(Some(0.5), Some(0.5)), arms(None, None));
 }
 
 #[test]
@@ -54,6 +59,10 @@ fn every_number_counts_in_a_fingerprint() {
         changed(|d| d.back_length_mm *= a_bit),
         changed(|d| d.depth_mm *= a_bit),
         changed(|d| d.rod_arm_mm = 1e-3),
+        changed(|d| d.rib_arm_mm = Some(1e-3)),
+        changed(|d| d.clamp_arm_mm = Some(1e-3)),
+        changed(|d| (d.rod_arm_mm, d.rib_arm_mm) = (1e-3, Some(0.0))),
+        changed(|d| (d.rod_arm_mm, d.clamp_arm_mm) = (1e-3, Some(0.0))),
         changed(|d| d.poissons_ratio = 1e-3),
         changed(|d| d.shear_correction = 0.8),
         changed(|d| d.shear_correction = 0.8 * a_bit),

@@ -66,10 +66,21 @@ impl Constants {
     pub fn of(self, finger: &Finger) -> Result<Finger, ProblemError> {
         let all = finger.description().clone();
         let description = match self {
-            Constants::Modulus => {
-                FingerDescription { poissons_ratio: 0.0, rod_arm_mm: 0.0, shear_correction: 0.0, ..all }
-            }
-            Constants::PlaneStrain => FingerDescription { rod_arm_mm: 0.0, shear_correction: 0.0, ..all },
+            Constants::Modulus => FingerDescription {
+                poissons_ratio: 0.0,
+                rod_arm_mm: 0.0,
+                rib_arm_mm: None,
+                clamp_arm_mm: None,
+                shear_correction: 0.0,
+                ..all
+            },
+            Constants::PlaneStrain => FingerDescription {
+                rod_arm_mm: 0.0,
+                rib_arm_mm: None,
+                clamp_arm_mm: None,
+                shear_correction: 0.0,
+                ..all
+            },
             Constants::ArmsAndShear => all,
         };
         Finger::new(description).map_err(|error| ProblemError::Reference(error.to_string()))

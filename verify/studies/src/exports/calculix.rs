@@ -81,7 +81,7 @@ pub const PROGRAM: Program = Program {
         },
     ],
     is_exported: has_drawing_of,
-    ignored: ". The continuum keeps the E and nu with which it was exported; in the scene, poissons_ratio, rod_arm_mm, \
+    ignored: ". The continuum keeps the E and nu with which it was exported; in the scene, poissons_ratio, rod_arm_mm, rib_arm_mm, clamp_arm_mm, \
         shear_correction and a common factor on all moduli may differ",
 };
 
@@ -107,7 +107,14 @@ fn moduli_mpa(description: &FingerDescription) -> Vec<f64> {
 
 fn without_material(finger: &Finger) -> FingerDescription {
     let drawn = finger.description().clone();
-    let mut description = FingerDescription { poissons_ratio: 0.0, rod_arm_mm: 0.0, shear_correction: 0.0, ..drawn };
+    let mut description = FingerDescription {
+        poissons_ratio: 0.0,
+        rod_arm_mm: 0.0,
+        rib_arm_mm: None,
+        clamp_arm_mm: None,
+        shear_correction: 0.0,
+        ..drawn
+    };
     for strip in [Some(&mut description.front), Some(&mut description.back), description.ribs.strip.as_mut()]
         .into_iter()
         .flatten()
