@@ -18,9 +18,9 @@ pub const PAPER_PLAIN: ExportedFinger = ExportedFinger {
     csv: finray_fixtures::CONTINUUM_PAPER_PLAIN,
 };
 
-/// Fingers with rods, solved at some nodes or under two forces after the rule for the length of rod arms was found. These fingers only test the rule for
-/// rod arms, and are not used as true fingers.
-pub const FURTHER: [ExportedFinger; 4] = [
+/// Further fingers with and without rods, solved at some nodes or under two forces. They are not used as true fingers. `thick-plain` determined the
+/// rule for arms without rods; the others only test the rules for arms.
+pub const FURTHER: [ExportedFinger; 8] = [
     ExportedFinger {
         name: "wide-rods",
         scene: finray_fixtures::CONTINUUM_WIDE_RODS_SCENE,
@@ -40,6 +40,26 @@ pub const FURTHER: [ExportedFinger; 4] = [
         name: "hinged-feet",
         scene: finray_fixtures::CONTINUUM_HINGED_FEET_SCENE,
         csv: finray_fixtures::CONTINUUM_HINGED_FEET,
+    },
+    ExportedFinger {
+        name: "blunt",
+        scene: finray_fixtures::CONTINUUM_BLUNT_SCENE,
+        csv: finray_fixtures::CONTINUUM_BLUNT,
+    },
+    ExportedFinger {
+        name: "thick-plain",
+        scene: finray_fixtures::CONTINUUM_THICK_PLAIN_SCENE,
+        csv: finray_fixtures::CONTINUUM_THICK_PLAIN,
+    },
+    ExportedFinger {
+        name: "short-plain",
+        scene: finray_fixtures::CONTINUUM_SHORT_PLAIN_SCENE,
+        csv: finray_fixtures::CONTINUUM_SHORT_PLAIN,
+    },
+    ExportedFinger {
+        name: "stout-plain",
+        scene: finray_fixtures::CONTINUUM_STOUT_PLAIN_SCENE,
+        csv: finray_fixtures::CONTINUUM_STOUT_PLAIN,
     },
 ];
 

@@ -1,10 +1,8 @@
 //! Deviations of beams from plane continua agree with the figures that `fixtures/calculix/README.md` states.
 
-use finray_model::estimators::EstimatorId;
-use finray_model::estimators::network::Networks;
 use finray_model::measurement::Measurement;
 use finray_model::observation::{Observation, ObservedMarker};
-use finray_model::sensing::{Contact, NonlinearEstimator};
+use finray_model::sensing::{Contact, ContactQuestion, Direction, NonlinearEstimator};
 use finray_model::sensor::{Sensor, SensorContacts, SensorOptions};
 use finray_model::{Mesh, Scene, Vector};
 use finray_studies::claims::criteria::MOST_OF;
@@ -26,16 +24,20 @@ const COARSE_ROUNDING: f64 = 6e-4;
 
 /// For each finger: name, number of forces, and pairs of median and largest deviation in README. The first pair is for beams with shear and arms by
 /// the rule, the second for beams with E / (1 - nu^2) without shear and arms.
-const README: [(&str, usize, [f64; 2], [f64; 2]); 12] = [
-    ("paper", 165, [0.0068, 0.0120], [0.267, 0.353]),
-    ("paper-plain", 54, [0.0156, 0.0296], [0.0465, 0.0628]),
-    ("asymmetric", 54, [0.0066, 0.0123], [0.441, 0.681]),
-    ("thick", 54, [0.0055, 0.0233], [0.258, 0.316]),
-    ("thin", 53, [0.0030, 0.0109], [0.229, 0.465]),
-    ("soft-zone", 54, [0.0046, 0.0160], [0.358, 0.470]),
-    ("wide-rods", 24, [0.0055, 0.0102], [0.852, 1.240]),
-    ("thin-ribs", 24, [0.0101, 0.0173], [0.151, 0.207]),
-    ("unequal", 24, [0.0048, 0.0094], [0.399, 0.707]),
+const README: [(&str, usize, [f64; 2], [f64; 2]); 16] = [
+    ("paper", 165, [0.0062, 0.0081], [0.267, 0.353]),
+    ("paper-plain", 54, [0.0062, 0.0095], [0.0465, 0.0628]),
+    ("asymmetric", 54, [0.0019, 0.0077], [0.441, 0.681]),
+    ("thick", 54, [0.0055, 0.0084], [0.258, 0.317]),
+    ("thin", 53, [0.0026, 0.0113], [0.228, 0.465]),
+    ("soft-zone", 54, [0.0041, 0.0116], [0.358, 0.470]),
+    ("wide-rods", 24, [0.0067, 0.0091], [0.852, 1.240]),
+    ("thin-ribs", 24, [0.0032, 0.0055], [0.1509, 0.2071]),
+    ("unequal", 24, [0.0035, 0.0084], [0.399, 0.707]),
+    ("blunt", 24, [0.0067, 0.0083], [0.316, 0.384]),
+    ("thick-plain", 24, [0.0098, 0.0116], [0.0648, 0.0882]),
+    ("short-plain", 23, [0.0039, 0.0070], [0.0583, 0.1045]),
+    ("stout-plain", 12, [0.0035, 0.0060], [0.0487, 0.0778]),
     ("hinged", 45, [0.0027, 0.0059], [0.107, 0.160]),
     ("hinged-rigid", 45, [0.0036, 0.0051], [0.237, 0.334]),
     ("hinged-feet", 24, [0.0044, 0.0072], [0.0348, 0.1094]),
@@ -79,9 +81,7 @@ fn beams_with_arms_and_shear_are_as_near_to_continua_as_stated() {
         for (ours, stated) in ours.iter().zip(with_arms) {
             assert!((ours - stated).abs() < ROUNDING, "{name}: {ours}, not {stated}");
         }
-        // The limit `LARGEST_DEVIATION` applies only to fingers to which the rule was not fitted.
-        let is_fitted = FITTED.contains(&name) || name == PAPER_PLAIN.name;
-        assert!(is_fitted || ours[1] < LARGEST_DEVIATION, "{name}: {ours:?}");
+        assert!(ours[1] < LARGEST_DEVIATION, "{name}: {ours:?}");
     }
 }
 
@@ -121,7 +121,7 @@ fn the_continuum_does_not_explain_the_papers_errors_at_tip_and_base() {
 
 /// Relative error of beam theory in sensed forces, which a test below states in its scenes. It is the rounded root mean square over the forces on
 /// `paper` and `thick`.
-const MODEL_ERROR: f64 = 0.008;
+const MODEL_ERROR: f64 = 0.004;
 
 /// Results on one finger without noise, under forces up to 3 N on nodes other than the tip. They are the relative errors of the sensed forces, and
 /// the root mean square residuals relative to the largest displacement.
@@ -143,6 +143,12 @@ fn scene_text(name: &str) -> &'static str {
         "asymmetric" => finray_fixtures::CONTINUUM_ASYMMETRIC_SCENE,
         "thin" => finray_fixtures::CONTINUUM_THIN_SCENE,
         "soft-zone" => finray_fixtures::CONTINUUM_SOFT_ZONE_SCENE,
+        "wide-rods" => finray_fixtures::CONTINUUM_WIDE_RODS_SCENE,
+        "thin-ribs" => finray_fixtures::CONTINUUM_THIN_RIBS_SCENE,
+        "unequal" => finray_fixtures::CONTINUUM_UNEQUAL_SCENE,
+        "blunt" => finray_fixtures::CONTINUUM_BLUNT_SCENE,
+        "short-plain" => finray_fixtures::CONTINUUM_SHORT_PLAIN_SCENE,
+        "stout-plain" => finray_fixtures::CONTINUUM_STOUT_PLAIN_SCENE,
         other => panic!("no scene of {other}"),
     }
 }
@@ -157,25 +163,23 @@ fn rms(errors: &[f64]) -> f64 {
     (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt()
 }
 
-/// Names of the fingers to which the rule of arms and the error of beam theory are fitted; `TESTED` names the fingers on which both are tested.
+/// Names of the fingers from which the error of beam theory follows.
 const FITTED: [&str; 2] = ["paper", "thick"];
-const TESTED: [&str; 3] = ["asymmetric", "thin", "soft-zone"];
+/// Names of the fingers that determined neither the rules of arms nor the error of beam theory.
+const TESTED: [&str; 9] =
+    ["asymmetric", "thin", "soft-zone", "wide-rods", "thin-ribs", "unequal", "blunt", "short-plain", "stout-plain"];
 
 /// Fingers with ribs on hinges and brackets, and their numbers of forces.
 const HINGED: [(&str, usize); 3] = [("hinged", 45), ("hinged-rigid", 45), ("hinged-feet", 24)];
 
-/// Forces are sensed within 1.0 % on the fingers in `TESTED`, within 1.4 % on the fingers in `FURTHER`, and within 0.6 % on the fingers in `HINGED`.
-/// The stated error of beam theory, and its ratio of residual to force error, follow from the fingers in `FITTED`.
+/// Forces on all fingers are sensed within 0.9 %, on the fingers in `HINGED` within 0.6 %. The stated error of beam theory, and its ratio of residual to
+/// force error, follow from the fingers in `FITTED`.
 #[test]
 fn sensed_forces_on_continua_are_as_near_as_stated() {
-    for name in TESTED {
+    for (name, ..) in README {
         let (forces, _) = errors_of_beams(exported(name));
-        assert!(forces.len() > 50);
-        assert!(forces.iter().all(|error| error.abs() < 0.0105), "{name}: {forces:?}");
-    }
-    for exported in &FURTHER {
-        let (forces, _) = errors_of_beams(exported);
-        assert!(forces.iter().all(|error| error.abs() < 0.0145), "{}: {forces:?}", exported.name);
+        assert!(forces.len() >= 12);
+        assert!(forces.iter().all(|error| error.abs() < 0.0095), "{name}: {forces:?}");
     }
     for (name, count) in HINGED {
         let (forces, _) = errors_of_beams(exported(name));
@@ -189,59 +193,98 @@ fn sensed_forces_on_continua_are_as_near_as_stated() {
     };
     assert!((forces - MODEL_ERROR).abs() < 0.0005, "{forces}");
     // `MODEL_ERROR_OF_MARKERS` in the sensor.
-    assert!((residuals / forces - 0.23).abs() < 0.005, "{}", residuals / forces);
+    assert!((residuals / forces - 0.34).abs() < 0.01, "{}", residuals / forces);
 }
 
-/// With the stated error of beam theory and the paper's noise, the 95 % intervals on the tested continua contain the force in 90 to 98 % of all
-/// samples. With less noise, the share is above 90 %. Refusals count as misses. If the error of beam theory is not stated, the intervals contain the
-/// force less often.
-#[test]
-fn intervals_with_a_model_error_hold_on_continua() {
-    let mut figures = Vec::new();
-    for model_error in [MODEL_ERROR, 0.0] {
-        for noise_mm in [0.067, 0.02] {
-            let (mut samples, mut held, mut widths, mut number) = (0.0, 0.0, 0.0, 0);
-            for name in TESTED {
-                let text = scene_text(name).to_owned();
-                let text = text.replacen("[finger]\n", &format!("[finger]\nmodel_error = {model_error:?}\n"), 1);
-                let scene = Scene::from_toml(&text).expect("a scene");
-                assert_eq!(scene.model_error, model_error);
-                let networks = Networks::read(&finray_fixtures::NETWORKS).expect("networks");
-                for case in cases(exported(name)) {
-                    number += 1;
-                    let contact = Contact { angle_deg: case.angle_deg, ..Contact::at_node(case.node) };
-                    let options = SensorOptions {
-                        estimator: EstimatorId::Nonlinear,
-                        networks: &networks,
-                        noise_mm: Some(noise_mm),
-                        mesh_nodes: None,
-                    };
-                    let sensor =
-                        Sensor::new(&scene, SensorContacts::Asked(vec![contact.into()]), options).expect("one contact");
-                    let chance = &mut random_stream(4800, number);
-                    for _ in 0..finray_tests::case_count(3, 40) {
-                        let mut seen = Observation::default();
-                        for node in scene.finger.marked_nodes() {
-                            let noise: [f64; 2] =
-                                [0, 1].map(|_| noise_mm * Distribution::<f64>::sample(&StandardNormal, chance));
-                            let displacement = case.shape.motion(node).displacement + Vector::from(noise);
-                            seen.markers.push(ObservedMarker::displaced(node, displacement));
-                        }
-                        samples += 1.0;
-                        let Ok(sensed) = sensor.sense(&seen) else { continue };
-                        let [low, high] = sensed.interval_n(0);
-                        held += f64::from(u8::from((low..=high).contains(&case.force_n)));
-                        widths += (high - low) / case.force_n;
-                    }
+/// Known and unknown properties of the contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Unknown {
+    Nothing,
+    Direction,
+    Position,
+}
+
+/// Figures of the intervals on all tested fingers.
+#[derive(Debug, Default, Clone, Copy)]
+struct Intervals {
+    samples: f64,
+    answered: f64,
+    held: f64,
+    widths: f64,
+}
+
+impl Intervals {
+    /// Share of the answered samples whose interval contains the force, and share of all samples that are answered.
+    fn shares(&self) -> [f64; 2] {
+        [self.held / self.answered, self.answered / self.samples]
+    }
+}
+
+fn intervals(model_error: f64, noise_mm: f64, unknown: Unknown, samples: usize) -> Intervals {
+    let (mut found, mut number) = (Intervals::default(), 0);
+    for name in TESTED {
+        let stated = format!("[finger]\nmodel_error = {model_error:?}\n");
+        let scene = Scene::from_toml(&scene_text(name).replacen("[finger]\n", &stated, 1)).expect("a scene");
+        assert_eq!(scene.model_error, model_error);
+        for case in cases(exported(name)) {
+            number += 1;
+            let known: ContactQuestion = Contact { angle_deg: case.angle_deg, ..Contact::at_node(case.node) }.into();
+            let question = match unknown {
+                Unknown::Nothing => known,
+                Unknown::Direction => ContactQuestion { direction: Direction::Auto, ..known },
+                Unknown::Position => ContactQuestion { position: None, ..known },
+            };
+            let options = SensorOptions { noise_mm: Some(noise_mm), ..SensorOptions::default() };
+            let sensor = Sensor::new(&scene, SensorContacts::Asked(vec![question]), options).expect("one contact");
+            let chance = &mut random_stream(4800, number);
+            for _ in 0..samples {
+                let mut seen = Observation::default();
+                for node in scene.finger.marked_nodes() {
+                    let noise: [f64; 2] =
+                        [0, 1].map(|_| noise_mm * Distribution::<f64>::sample(&StandardNormal, chance));
+                    let displacement = case.shape.motion(node).displacement + Vector::from(noise);
+                    seen.markers.push(ObservedMarker::displaced(node, displacement));
                 }
+                found.samples += 1.0;
+                let Ok(sensed) = sensor.sense(&seen) else { continue };
+                let [low, high] = sensed.interval_n(0);
+                found.answered += 1.0;
+                found.held += f64::from(u8::from((low..=high).contains(&case.force_n)));
+                found.widths += (high - low) / case.force_n;
             }
-            figures.push((model_error, noise_mm, held / samples, widths / samples));
         }
     }
-    println!("model error, noise (mm), share that holds, mean width relative to the force: {figures:?}");
-    let held: Vec<f64> = figures.iter().map(|(_, _, held, _)| *held).collect();
-    assert!((0.90..0.98).contains(&held[0]), "with the paper's noise: {figures:?}");
-    // With less noise the errors of beam theory dominate. On all tested continua, these errors are within two stated standard deviations.
-    assert!(held[1] > 0.90, "with little noise: {figures:?}");
-    assert!(held[2] < 0.9 && held[3] < 0.6, "without the model error: {figures:?}");
+    let [held, answered] = found.shares();
+    let width = found.widths / found.answered;
+    println!(
+        "model error {model_error}, noise {noise_mm} mm, unknown: {unknown:?}: {held:.4} of the intervals hold, width {width:.4}, {answered:.4} answered"
+    );
+    found
+}
+
+/// With the stated error of beam theory, the 95 % intervals on the tested continua contain the force in 90 to 98 % of all samples, with the paper's
+/// noise and with less. Without the stated error, they contain the force less often.
+#[test]
+fn intervals_with_a_model_error_hold_on_continua() {
+    let samples = finray_tests::case_count(3, 40);
+    for (noise_mm, most_without) in [(0.067, 0.94), (0.02, 0.8)] {
+        let [held, answered] = intervals(MODEL_ERROR, noise_mm, Unknown::Nothing, samples).shares();
+        assert!((0.90..0.98).contains(&held) && answered == 1.0, "{noise_mm} mm: {held}, {answered}");
+        let [without, _] = intervals(0.0, noise_mm, Unknown::Nothing, samples).shares();
+        assert!(without < most_without, "{noise_mm} mm, without the model error: {without}");
+    }
+}
+
+/// The same with an unknown direction or position. Some samples with an unknown direction are refused, because no force is identifiable.
+#[test]
+fn intervals_of_unknown_contacts_hold_on_continua() {
+    let samples = finray_tests::case_count(1, 20);
+    for (unknown, least_answered) in [(Unknown::Direction, [0.75, 0.9]), (Unknown::Position, [0.99, 0.99])] {
+        for (noise_mm, least_answered) in [0.067, 0.02].into_iter().zip(least_answered) {
+            let [held, answered] = intervals(MODEL_ERROR, noise_mm, unknown, samples).shares();
+            assert!((0.90..0.98).contains(&held), "{unknown:?}, {noise_mm} mm: {held}");
+            assert!(answered > least_answered, "{unknown:?}, {noise_mm} mm: {answered}");
+            intervals(0.0, noise_mm, unknown, samples);
+        }
+    }
 }

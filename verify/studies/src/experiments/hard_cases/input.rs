@@ -43,7 +43,8 @@ const NOTHING_MM: f64 = 1e-300;
 /// Invalid values for any number. The next constant contains invalid values for any size.
 const NO_NUMBERS: [&str; 4] = ["nan", "inf", "-inf", "1e999"];
 const NO_SIZES: [&str; 3] = ["5e-324", "-5e-324", "-1.0"];
-/// Optional keys for the paper's scene, inserted before `[finger.front]`. The next const OPTIONAL_SIZES: &str =
+/// Optional keys for the paper's scene, inserted before `[finger.front]`. The next constant is appended to the scene.
+const OPTIONAL_SIZES: &str =
     "rod_arm_mm = 0.5\nrib_arm_mm = 0.7\nclamp_arm_mm = 0.3\npoissons_ratio = 0.3\nshear_correction = 0.8\n";
 const ZONE: &str = "[[finger.zone]]\nplate = \"front\"\nfrom_mm = 60.0\nto_mm = 95.0\nmodulus_factor = 0.5\n[camera]\nnoise_mm = 0.1\n";
 const EXTREME_VALUES: [&str; 6] = ["1e-100", "1e-30", "1e-10", "1e10", "1e30", "1e100"];
