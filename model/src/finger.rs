@@ -11,8 +11,8 @@ use placement::{check_room, check_sizes, check_zones, place_ribs, place_tip};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Number of a key node. Key nodes are the ends of the plates and of the ribs. As in Xu et al. (2021), they are counted from 1 at the back base along the back
-/// plate to the tip, then along the front plate to the front base.
+/// Number of a key node. Key nodes are the ends of the plates and of the ribs. As in Xu et al. (2021), key nodes are numbered from 1: from the back
+/// base along the back plate to the tip, then along the front plate to the front base.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct NodeId(pub usize);
 
@@ -44,8 +44,9 @@ impl Finger {
     /// Checks a description and computes the positions of the key nodes.
     ///
     /// # Errors
-    /// [`ImpossibleFinger`] with the offending key. Causes are sizes out of range, plates that form no triangle, brackets without room for ribs, and rigid
-    /// arms longer than the members. Other causes are zones or ribs off the plates, and ribs that cross or coincide.
+    /// [`ImpossibleFinger`] with the offending key. Possible causes of the error are sizes out of range, plates that form no triangle, brackets
+    /// without room for ribs, and rigid arms longer than the members. Other causes of the error are zones or ribs off the plates, and ribs that cross
+    /// or coincide.
     pub fn new(description: FingerDescription) -> Result<Finger, ImpossibleFinger> {
         let d = &description;
         check_sizes(d)?;
@@ -87,8 +88,9 @@ impl Finger {
         self.clamped_nodes().contains(&self.junction(node))
     }
 
-    /// The node that represents all key nodes at the point of `node`. These key nodes move and rotate together. The result is the base node if the
-    /// base is at this point, otherwise the node of the rib nearest to the base. Returns `node` if no other key node is at this point.
+    /// The node that represents all key nodes at the point of `node`. All key nodes at one point move and rotate together. The representative node is
+    /// the base node if the base is at the point, otherwise the node of the rib nearest to the base. Returns `node` if no other key node is at this
+    /// point.
     pub fn junction(&self, node: NodeId) -> NodeId {
         let last = self.key_node_count();
         if !(1..=last).contains(&node.0) {
@@ -254,7 +256,7 @@ impl Finger {
         (front - back).norm()
     }
 
-    /// Undeformed vector from a key node to its marker, mm; it rotates with the plate.
+    /// Vector from a key node to its marker in the undeformed finger, mm; the vector rotates with the plate.
     pub fn marker_offset(&self, node: NodeId) -> Vector {
         match self.description.markers_on {
             MarkerPoints::Junctions => Vector::zeros(),

@@ -29,8 +29,8 @@ use crate::validity::{Doubt, Validity};
 
 /// Half the width of a two-sided 95 % interval of a normal distribution, in standard deviations.
 pub const TWO_SIDED_95: f64 = 1.96;
-/// Beam elements per member for measured contacts. Objects bend the finger more than single forces of the same size. With four elements, the error of the mesh
-/// would be 0.1 % of the force.
+/// Beam elements per member for measured contacts. Objects bend the finger more than single forces of the same size. With four elements per member,
+/// the error of the mesh would be 0.1 % of the force.
 const ELEMENTS_UNDER_OBJECTS: usize = 8;
 
 /// Contacts whose forces are estimated.
@@ -56,7 +56,7 @@ pub struct SensorOptions<'n> {
     pub networks: &'n Networks,
     /// Standard deviation of one displacement coordinate, mm. Overrides the noise of the scene and of the observations.
     pub noise_mm: Option<f64>,
-    /// Number of mesh nodes, for estimators whose mesh can be chosen. If it is `None`, the estimator chooses.
+    /// Number of mesh nodes, for estimators whose mesh can be chosen. If the number is `None`, the estimator chooses it.
     pub mesh_nodes: Option<usize>,
 }
 
@@ -118,8 +118,9 @@ pub struct SensedForces {
     measured: Option<MeasuredContactForces>,
 }
 
-/// Error of beam theory in a marker coordinate, relative to the largest displacement, as a multiple of the relative error of the sensed force. Fitted to
-/// plane continua of two fingers, `paper` and `thick` in `fixtures/calculix`: the residual is 0.13 % (root mean square) if the force is wrong by 0.38 %.
+/// Ratio of two errors of beam theory: the error of a marker coordinate as a share of the largest displacement, and the relative error of the sensed
+/// force. Fitted to plane continua of two fingers, `paper` and `thick` in `fixtures/calculix`: the residual is 0.13 % (root mean square) if the force
+/// is wrong by 0.38 %.
 const MODEL_ERROR_OF_MARKERS: f64 = 0.34;
 
 /// Without a stated noise, a residual causes a warning if it exceeds both limits: a share of the displacements, and a share of the front plate's length. With
@@ -254,8 +255,8 @@ impl<'s> Sensor<'s> {
     }
 
     /// Estimates the forces of one observation like [`sense`](Sensor::sense). `near` contains the forces of an earlier observation. The search starts
-    /// from these forces if the observation has enough markers for a unique minimum near the forces. If this minimum explains the observation, no
-    /// other minimum is sought.
+    /// from these forces if the observation has enough markers for a unique minimum near the forces. If the minimum near these forces explains the
+    /// observation, no other minimum is sought.
     ///
     /// # Errors
     /// [`Refusal`] as for `sense`.
@@ -263,7 +264,7 @@ impl<'s> Sensor<'s> {
         self.sense_keeping(seen, near, None)
     }
 
-    /// What the estimator keeps from one observation of a stream to the next. `None` for estimators that keep nothing.
+    /// Meshes and shapes that the estimator keeps from one observation of a stream to the next. `None` for estimators that keep nothing.
     fn refinement(&self) -> Option<Refinement<'s>> {
         let SensorContacts::Asked(questions) = &self.contacts else { return None };
         let keeps = self.options.estimator == EstimatorId::Nonlinear
@@ -282,7 +283,8 @@ impl<'s> Sensor<'s> {
         let (scene, SensorOptions { estimator, noise_mm, .. }) = (self.scene, self.options);
         let noise_mm = noise_mm.or(scene.noise_mm);
         let found = seen.for_sensing(scene, estimator.searches(), noise_mm)?;
-        // A stated noise applies equally to all nodes, and networks are trained on equally accurate nodes.
+        // Weights are equal if the noise is stated, because it applies to all nodes, and for networks, because they are trained on equally accurate
+        // nodes.
         let stated_mm = noise_mm.map(|noise_mm| scene.marker_errors.sd_mm(noise_mm));
         let is_uniform = stated_mm.is_some() || estimator == EstimatorId::Network;
         let ObservedMeasurement { measurement, noise_mm, frame } = found;
@@ -399,7 +401,7 @@ impl<'s> Sensor<'s> {
         })
     }
 
-    /// Assumptions of the beam model that fail under the sensed forces: small strains, thin members.
+    /// Assumptions of the beam model that fail under the sensed forces, such as small strains or negligible shear.
     ///
     /// # Errors
     /// [`StaticsError`] if the finger has no equilibrium under the forces.
@@ -427,7 +429,7 @@ impl SensedForces {
     }
 
     /// Sum of all forces along the unit vector `along` (finger frame) and its standard deviation, both N. Unless the contacts were measured, the
-    /// deviation is an upper bound that holds for any correlation of the forces.
+    /// standard deviation is an upper bound that holds for any correlation of the forces.
     pub fn sum_along(&self, finger: &Finger, along: Vector) -> [f64; 2] {
         if let Some(measured) = &self.measured {
             return measured.sum_along(finger, along);

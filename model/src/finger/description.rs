@@ -36,7 +36,7 @@ pub enum Joints {
 /// Positions of the ribs along both plates.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RibPositions {
-    /// Number of evenly spaced ribs. Rib i of 1..=count lies at i / (count + 1) of the length of both plates.
+    /// Number of evenly spaced ribs. For i from 1 to the number of ribs, rib i lies at the fraction i / (count + 1) of the length of each plate.
     Count(usize),
     /// Position of each rib on the front and on the back plate, mm from the base; ordered from base to tip.
     Positions(Vec<[f64; 2]>),
@@ -56,8 +56,8 @@ pub struct RibDescription {
     pub clip_mm: [f64; 2],
     /// Thickness and modulus; `None` if the ribs are undeformable or the finger has no ribs.
     pub strip: Option<Strip>,
-    /// Thickness of each rib, mm, from base to tip, if the ribs differ. These values replace the thickness of `strip`, which is then the largest of
-    /// these values.
+    /// Thickness of each rib, mm, from base to tip, if the ribs differ. These values replace the thickness of `strip`; in this case, `strip` stores
+    /// the largest of the values.
     pub thicknesses_mm: Option<Vec<f64>>,
 }
 
@@ -139,7 +139,8 @@ pub struct FingerDescription {
 }
 
 impl FingerDescription {
-    /// Moves the end of rib `rib`, counted from 0, by `by_mm` along a plate away from the base. `finger` is the finger of this description.
+    /// Moves one end of a rib by `by_mm` along a plate, away from the base; `rib` is the number of the rib, from 0. `finger` must be the finger with
+    /// this description.
     pub(crate) fn move_rib(&mut self, finger: &Finger, plate: Plate, rib: usize, by_mm: f64) {
         if let RibPositions::Count(_) = self.ribs.positions {
             let [front_mm, back_mm] = [Plate::Front, Plate::Back].map(|plate| finger.plate_positions_mm(plate));

@@ -4,12 +4,12 @@ use super::{BracketLengths, Finger, FingerDescription, ImpossibleFinger, OfRibs,
 use crate::Vector;
 use crate::keys::{BACK, FINGER, FRONT, Key, Kind, RIBS, ZONE};
 
-/// Smallest distance between neighbouring nodes that do not share a point, and between nodes and plate ends, as a share of the plate's length. The
-/// other checks of geometry use this share as a relative margin.
+/// Smallest valid distance between neighbouring nodes that do not share a point, and between nodes and plate ends, as a share of the plate's length.
+/// The other checks of the geometry use `SMALLEST_SPACING` as a relative margin.
 pub(super) const SMALLEST_SPACING: f64 = 1e-9;
 
-/// Largest shear parameter 12 EI / (kappa G A L^2) of a member, dimensionless: a member some hundred times as thick as long. Stiffness matrices lose the
-/// stiffness against sway to rounding as this parameter grows; at this limit, ten digits remain.
+/// Largest shear parameter 12 EI / (kappa G A L^2) of a member, dimensionless. At this limit, a member is several hundred times as thick as it is
+/// long. The larger the shear parameter, the more digits of the stiffness against sway are lost to rounding; at this limit, ten digits remain.
 const LARGEST_SHEAR_PARAMETER: f64 = 1e6;
 
 fn require(holds: bool, key: &str, reason: impl FnOnce() -> String) -> Result<(), ImpossibleFinger> {
@@ -231,7 +231,7 @@ fn check_rod_arms(finger: &Finger) -> Result<(), ImpossibleFinger> {
     Ok(())
 }
 
-/// Checks that no member is so thick for its length that shear deformation leaves it without stiffness against sway.
+/// Rejects members with too large a shear parameter: a very thick, short member would lose its stiffness against sway to rounding.
 fn check_shear(finger: &Finger) -> Result<(), ImpossibleFinger> {
     let d = &finger.description;
     let of_plate = |plate: Plate| {
@@ -258,8 +258,8 @@ fn check_shear(finger: &Finger) -> Result<(), ImpossibleFinger> {
     })
 }
 
-/// Checks for each rib that the joint on one plate is farther from the other plate than the bracket on the other plate reaches. Each rib then has a
-/// positive length, and ribs do not cross.
+/// For each rib and plate, checks that the bracket is shorter than the distance from the plate to the rib's joint on the other plate. This check
+/// ensures that each rib has a positive length, and that ribs do not cross.
 fn check_brackets(finger: &Finger) -> Result<(), ImpossibleFinger> {
     let key = RIBS.bracket_mm.path();
     if let BracketLengths::Each(lengths_mm) = &finger.description.ribs.bracket_mm {

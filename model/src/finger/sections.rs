@@ -46,8 +46,8 @@ impl Finger {
         Section { shear_flexibility: self.shear_flexibility(), ..section }
     }
 
-    /// Ratio EA / (kappa G A) of all sections, dimensionless: EA / (1 - nu^2) is the axial rigidity and G = E / (2 (1 + nu)), so the ratio is
-    /// 2 / (kappa (1 - nu)). Zero without shear deformation.
+    /// Ratio of axial to shear rigidity of all sections, dimensionless. The axial rigidity is E A / (1 - nu^2) and the shear rigidity kappa G A, with
+    /// G = E / (2 (1 + nu)), so the ratio is 2 / (kappa (1 - nu)). Zero without shear deformation.
     pub(crate) fn shear_flexibility(&self) -> f64 {
         let FingerDescription { shear_correction, poissons_ratio, .. } = self.description;
         if shear_correction > 0.0 { 2.0 / (shear_correction * (1.0 - poissons_ratio)) } else { 0.0 }

@@ -23,11 +23,11 @@ impl Mesh {
                 frame.add_node(finger.hinge(node));
             }
         }
-        // Links must be added before the members, because they determine the rotation slot of each node.
+        // Rigid links must be added before the members, because the links determine the rotation slot of each node.
         for rib in 0..finger.rib_count() {
             link_rib(&mut frame, finger, rib);
         }
-        // A plate member between ribs that share a junction has no length to divide.
+        // A plate member between two ribs that share a junction has zero length, so its number of elements is set to 1.
         let one_of_none = |(elements, length_mm)| if length_mm > 0.0 { elements } else { 1 };
         let elements: Vec<usize> = elements.iter().copied().zip(line_lengths(finger)).map(one_of_none).collect();
         let mut mesh = Mesh {
@@ -147,14 +147,15 @@ pub(super) fn hinge_node(finger: &Finger, node: NodeId) -> NodeIndex {
     let key_nodes = finger.key_node_count();
     let has_rib = node.0 > 1 && node.0 < key_nodes && node != finger.tip();
     match finger.has_brackets() && has_rib {
-        // Joints are numbered as [`Mesh::build`] adds them: for each rib from base to tip, front then back.
+        // Joints are numbered in the order in which [`Mesh::build`] adds them: rib by rib from base to tip, for each rib first the front joint, then
+        // the back joint.
         true if node < finger.tip() => key_nodes + 2 * (node.0 - 2) + 1,
         true => key_nodes + 2 * (key_nodes - 1 - node.0),
         false => node.0 - 1,
     }
 }
 
-/// Adds the rigid links at the ends of a rib: its brackets, and the rib itself if it does not deform.
+/// Adds the rigid links of a rib: its brackets, if it has any, and the rib itself, if it does not deform.
 fn link_rib(frame: &mut PlaneFrame, finger: &Finger, rib: usize) {
     let [front, back] = finger.rib_nodes(rib).map(|node| node.0 - 1);
     let [front_hinge, back_hinge] = finger.rib_nodes(rib).map(|node| hinge_node(finger, node));
@@ -178,7 +179,8 @@ fn link_rib(frame: &mut PlaneFrame, finger: &Finger, rib: usize) {
     }
 }
 
-/// Lengths of the lines, mm: members of the back plate, members of the front plate, ribs, then the base line. Each group runs from base to tip.
+/// Lengths of the lines, mm: members of the back plate, members of the front plate, ribs, then the base line. The members of each plate and the ribs
+/// are listed from base to tip.
 pub(super) fn line_lengths(finger: &Finger) -> Vec<f64> {
     let plates = [Plate::Back, Plate::Front].into_iter().flat_map(|plate| {
         let positions = finger.plate_positions_mm(plate);

@@ -12,13 +12,14 @@ use crate::statics::StaticsError;
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 
-/// A measurement is attributed to a linear finger if the linear finger has a smaller sum of squared residuals than the co-rotational finger, by more
-/// than this number of noise variances. Nine variances correspond to three standard deviations.
+/// A measurement is attributed to a linear finger if the linear finger's sum of squared residuals is clearly smaller than the co-rotational finger's.
+/// The difference must exceed this number of noise variances. Nine variances correspond to three standard deviations.
 const FAVOURED: f64 = 9.0;
 
-/// Without a stated noise, the linear finger explains a measurement whose residual is at most this share of the displacements. The limit applies only
-/// if no forces on the co-rotational finger reproduce the linear estimate. Displacements are then so large that camera noise is below this share. For
-/// displacements of a co-rotational finger, the residual of the linear finger would be about ten times this share.
+/// Without a stated noise, the linear finger is assumed to explain a measurement if the residual is at most this share of the displacements. The
+/// limit applies only if no forces on the co-rotational finger reproduce the linear estimate. If this limit applies, the displacements are so large
+/// that the camera noise is below this share of them. If a co-rotational finger caused the displacements, the residual of the linear finger would be
+/// about ten times this share.
 const EXPLAINED_SHARE: f64 = 0.01;
 
 /// Prior distribution of the forces.
@@ -42,12 +43,13 @@ impl Prior {
 /// Weighted linear least squares on the linear finger, for contacts of known position and direction.
 ///
 /// # Requirements
-/// At least as many measured coordinates as contacts. The ratio of the largest to the smallest singular value is at most [`LARGEST_SPAN`].
+/// There must be at least as many measured coordinates as contacts. The ratio of the largest to the smallest singular value must be at most
+/// [`LARGEST_SPAN`].
 ///
 /// # Reference
 /// Minimises |W (u - C f)|^2 with the measured displacements u and the weights W. C is the compliance of eq. (5) of Xu et al. (2021) at the markers
-/// and contacts. A prior of standard deviation p adds |f|^2 s^2 / p^2 for a noise s (Hoerl and Kennard 1970). With a prior, the standard deviations
-/// refer to the posterior distribution.
+/// and contacts. A prior of standard deviation p adds the term |f|^2 s^2 / p^2, where s is the noise (Hoerl and Kennard 1970). With a prior, the
+/// standard deviations refer to the posterior distribution.
 #[derive(Debug, Clone)]
 pub struct LinearEstimator {
     /// Weighted compliance W C, mm/N: two rows (x, y) per marker, one column per contact.
@@ -104,7 +106,7 @@ impl LinearEstimator {
         &self.singular_values
     }
 
-    /// Least-squares inverse. It maps displacements to forces, and the noise to standard deviations of the forces.
+    /// Least-squares inverse. The inverse maps displacements to forces, and the noise to standard deviations of the forces.
     pub fn inverse(&self) -> &Inverse {
         &self.least_squares
     }
@@ -156,7 +158,8 @@ impl LinearEstimator {
         let noise_mm2 = stated_mm.map_or(linear_mm2 / degrees_of_freedom.max(1) as f64, |noise_mm| noise_mm.powi(2));
         let favoured_mm2 = FAVOURED * noise_mm2;
         if degrees_of_freedom > 0 && linear_mm2 + favoured_mm2 < error.sum_of_squares_mm2 {
-            // If neither finger explains the measurement, the finger may have buckled: the error is then unknown and can exceed the force.
+            // If neither the linear nor the co-rotational finger explains the measurement, the finger may have buckled. The error of the force is
+            // then unknown and can exceed the force.
             estimate.widen_for_misfit();
             return Ok(estimate);
         }
@@ -184,7 +187,7 @@ impl LinearEstimator {
             (0..coordinates).map(|row| (displacements[row] - explained(row)).powi(2)).sum::<f64>()
         };
         let unbiased = &self.least_squares.gain * &displacements;
-        // The test uses the residual without the prior, because the least-squares forces have the smallest residual of all forces.
+        // The test uses the residual of the least-squares forces, without the prior, because no other forces have a smaller residual.
         let least_mm2 = sum_of_squares(&unbiased);
         let test = ResidualTest::new(noise_mm, least_mm2, degrees_of_freedom);
         let noise_mm = noise_of(test, noise_mm, least_mm2, degrees_of_freedom);
@@ -224,7 +227,7 @@ impl Inverse {
     pub(super) fn of(compliance: &DMatrix<f64>, ridge: f64) -> Inverse {
         let (rows, columns) = compliance.shape();
         if columns == 1 {
-            // For a single column, Q of the QR factors is the column's unit vector, and R is its length.
+            // For a single column, the QR factor Q is the unit vector along the column, and R is the column's length.
             let norm = compliance.norm();
             let length = norm.hypot(ridge);
             return Inverse {
@@ -259,7 +262,7 @@ impl Inverse {
 /// finger, the largest singular value is 363 times the smallest.
 fn identifiable(compliance: &DMatrix<f64>) -> Result<Vec<f64>, SensingError> {
     if compliance.ncols() == 1 {
-        // The singular value of a single column is its length.
+        // A matrix with a single column has one singular value: the length of the column.
         let length = compliance.norm();
         return match length > 0.0 && length.is_finite() {
             true => Ok(vec![length]),
@@ -271,7 +274,7 @@ fn identifiable(compliance: &DMatrix<f64>) -> Result<Vec<f64>, SensingError> {
     if span <= LARGEST_SPAN {
         return Ok(parts.descending());
     }
-    // If a force moves no marker, the ratio is infinite.
+    // If a force moves no marker, the ratio of the singular values is infinite.
     let span = if span.is_nan() { f64::INFINITY } else { span };
     Err(SensingError::IllConditioned { span, limit: LARGEST_SPAN, weakest: parts.weakest().iamax() + 1 })
 }
