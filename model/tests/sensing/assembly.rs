@@ -170,7 +170,10 @@ fn intervals_hold_on_fingers_that_were_assembled_anew() {
         figures.push(Figure {
             row: if with_rest { "with an image of the unloaded finger" } else { "`[assembly]` alone, no image" }
                 .to_owned(),
-            question: format!("direction {}, noise {noise_mm} mm", if knows_direction { "known" } else { "unknown" }),
+            question: format!(
+                "{}, noise {noise_mm} mm",
+                if knows_direction { "direction known" } else { "friction unknown" }
+            ),
             cases,
             refused: cases - errors.len(),
             mean_error: mean,

@@ -51,6 +51,10 @@ impl Args for Contacts {
                 "S_MM[+-SD]|auto[@ANGLE_DEG[+-SD]|normal|friction|object|measured|auto]",
             ],
         };
+        let place_help = match command.get_name() {
+            "train" => "Contact at a position along the front plate, mm from its base",
+            _ => "Contact at a position along the front plate, mm from its base; auto if unknown",
+        };
         command
             .arg(
                 list(AT_NODES)
@@ -58,10 +62,7 @@ impl Args for Contacts {
                     .value_parser(AskedContact::at_node)
                     .help("Contact at a node of the front plate, tip included"),
             )
-            .arg(list(AT_POSITIONS).value_name(place).value_parser(AskedContact::at_position).help(
-                "Contact at a position along the front plate, mm from its base; auto if the position is \
-                        unknown",
-            ))
+            .arg(list(AT_POSITIONS).value_name(place).value_parser(AskedContact::at_position).help(place_help))
     }
 
     fn augment_args_for_update(command: Command) -> Command {

@@ -53,7 +53,7 @@ pub struct Arguments {
     /// Evaluate every frame, not only the newest
     #[arg(long, help_heading = "Input")]
     every_frame: bool,
-    /// Take the first N evaluated frames (unloaded finger) as reference
+    /// Take the first N evaluated frames as reference
     #[arg(long, help_heading = "Input", value_name = "N", default_value_t = 0)]
     rest_frames: usize,
     /// Standard deviation of the noise in one coordinate, mm [default: the scene's value; without one, the value stated for each marker]
@@ -73,7 +73,7 @@ pub struct Arguments {
     /// Also record each evaluated image (Image, rgb8)
     #[arg(long, help_heading = "Output", requires = "record")]
     record_images: bool,
-    /// Address of a page that shows finger and forces; port 0 chooses any free port
+    /// Address of a page that shows the forces; port 0 chooses a free port
     #[arg(long, help_heading = "Output", value_name = "ADDR:PORT", value_parser = address)]
     serve: Option<SocketAddr>,
 }

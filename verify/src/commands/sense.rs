@@ -24,7 +24,7 @@ Guide: finray guide sense";
 pub struct Arguments {
     /// Scene file (TOML); - for standard input
     scene: PathBuf,
-    /// Displacements (CSV: node,ux_mm,uy_mm, or output of `finray locate`); - for standard input
+    /// CSV with node,ux_mm,uy_mm, or from `locate`; - for standard input
     #[arg(long, help_heading = "Input", value_name = "FILE")]
     displacements: PathBuf,
     #[command(flatten, next_help_heading = "Question")]
@@ -38,7 +38,7 @@ pub struct Arguments {
     /// Standard deviation of the noise in one coordinate, mm [default: value in the scene, else in the file, else estimated from the residual]
     #[arg(long, help_heading = "Input", value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
-    /// Upper bound of the friction coefficient; only for contacts with a standard deviation (+-SD), whose directions are then those of the surface normals
+    /// Upper bound of the friction coefficient; only for contacts with +-SD, whose directions are surface normals
     #[arg(long, help_heading = "Question", value_name = "MU", value_parser = not_negative, default_value_t = 0.0)]
     friction: f64,
     /// Name of the image to evaluate, if the file has several images

@@ -25,10 +25,10 @@ pub struct Arguments {
     scene: PathBuf,
     #[command(flatten, next_help_heading = "Contacts")]
     contacts: Contacts,
-    /// Train one network for every subset of the contacts; `finray sense --contact` names the loaded contacts
+    /// Train one network for all subsets of the contacts; `sense --contact` names the subset
     #[arg(long, help_heading = "Contacts", conflicts_with = "plain")]
     any_of: bool,
-    /// Model of the true finger: corotational or linear
+    /// True finger: corotational or linear
     #[arg(long, help_heading = "Cases", value_name = "TRUTH", default_value_t = TruthId::Corotational, value_parser = own_beams)]
     truth: TruthId,
     /// Number of training cases [default: 20000; 100000 with --any-of]
@@ -55,7 +55,7 @@ pub struct Arguments {
     /// Widths of the hidden layers [default: 32,32; 128,128 with --any-of]
     #[arg(long, help_heading = "Network", value_name = "WIDTHS", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=4096))]
     hidden_layers: Vec<u16>,
-    /// Use displacement coordinates as inputs and no linear branch, as in the paper; true finger, noise and layers follow the other options
+    /// Use displacements as inputs, and no linear branch, as in the paper
     #[arg(long, help_heading = "Network")]
     plain: bool,
     /// Largest number of epochs [default: 100; 60 with --any-of or --plain]

@@ -61,7 +61,7 @@ pub struct Arguments {
     /// Standard deviation of the noise in one coordinate, mm [default: the scene's value, else estimated from the residual]
     #[arg(long, help_heading = "From weights", value_name = "S", requires = "measurements", value_parser = not_negative)]
     noise_mm: Option<f64>,
-    /// Write the correlations of the results (CSV) to FILE; requires --zones or --located
+    /// Correlations of the results (CSV), with --zones or --located
     #[arg(long, value_name = "FILE", requires = "several")]
     correlations: Option<PathBuf>,
     /// Result file; - for standard output
