@@ -138,7 +138,7 @@ fn fingers_that_touch_each_other_are_named() {
     let thin = [("radius_mm = 15.0", "radius_mm = 1.0"), ("motor_deg = [0.0, -495.0]", "motor_deg = [0.0, -900.0]")];
     let scene = folder.put("disc.toml", with(DISC, &thin));
     let message = finray(&["grasp", &scene, "--fineness", "1", "--out", &folder.path("out")]).failed();
-    assert_says(&message, &["the fingers touch each other; the steps until then are in"]);
+    assert_says(&message, &["the fingers touch each other; the steps before the failure are in"]);
     assert!(Csv::of(&folder.read("out/object.csv")).texts("step").len() > 5);
     assert_eq!(summary(&folder, "out")["ended"], "the fingers touch each other");
 }
@@ -151,7 +151,7 @@ fn bad_scenes_are_refused() {
         (&[("mass_g = 60.0", "mass_g = -5.0")], "object.mass_g: expected a mass in g above zero"),
         (&[("friction = 0.4", "friction = nan")], "object.friction: expected a coefficient of friction"),
         (&[("centre_mm = [3.0, 110.0]", "centre_mm = [30.0, 110.0]")], "the object overlaps the right finger by"),
-        (&[("centre_mm = [3.0, 110.0]", "centre_mm = [50.0, 110.0]")], "the object lies across the right finger"),
+        (&[("centre_mm = [3.0, 110.0]", "centre_mm = [50.0, 110.0]")], "the object overlaps the right finger"),
         (
             &[("radius_mm = 15.0", "radius_mm = 5.0"), ("centre_mm = [3.0, 110.0]", "centre_mm = [-45.0, 110.0]")],
             "the object lies across the left finger",

@@ -280,7 +280,7 @@ fn a_continuum_answers_for_its_drawing_and_nothing_else() {
     let other = folder.put("scene.toml", paper_with(&[("count = 11", "count = 10")]));
     assert_says(
         &map(&other, &small).refused(),
-        &["paper, asymmetric, thick, thin, soft-zone, hinged, hinged-rigid only", "rod_arm_mm"],
+        &["paper, asymmetric, thick, thin, soft-zone, hinged, hinged-rigid", "rod_arm_mm"],
     );
 }
 

@@ -162,12 +162,18 @@ fn ribs_must_lie_on_the_plates_in_order() {
         ("[[50.0, 60.0], [40.0, 70.0]]", "on the front plate, rib 2 at 40.0 mm must lie beyond"),
         ("[[50.0, 60.0], [50.0, 60.0]]", "rib 2 at [50.0, 60.0] mm lies on the previous rib"),
         ("[[70.0, 70.0], [50.0, 50.0]]", "expected ribs in order from base to tip that do not cross"),
-        ("[[50.0, 60.0], [154.0, 70.0]]", "expected rib 2 on the front plate from 0 to below 153.0 mm, found 154.0"),
-        ("[[50.0, 60.0], [70.0, 153.0]]", "expected rib 2 on the back plate from 0 to below 153.0 mm, found 153.0"),
+        (
+            "[[50.0, 60.0], [154.0, 70.0]]",
+            "expected the position of rib 2 on the front plate from 0 to below 153.0 mm, found 154.0",
+        ),
+        (
+            "[[50.0, 60.0], [70.0, 153.0]]",
+            "expected the position of rib 2 on the back plate from 0 to below 153.0 mm, found 153.0",
+        ),
         ("[[0.0, 0.0]]", "rib 1 at [0.0, 0.0] mm lies on the base line"),
         ("[[-0.1, 60.0]]", "expected rib 1 on the front plate"),
         ("[[50.0, -60.0]]", "expected rib 1 on the back plate"),
-        ("[[nan, 60.0]]", "expected rib 1 on the front plate from 0 to below 153.0 mm, found NaN"),
+        ("[[nan, 60.0]]", "expected the position of rib 1 on the front plate from 0 to below 153.0 mm, found NaN"),
         ("[[50.0, inf]]", "found inf"),
         ("[[1e-310, 50.0]]", "found 1e-310"),
     ] {

@@ -53,7 +53,7 @@ fn a_trained_network_senses() {
 fn training_says_how_well_it_went() {
     let folder = Folder::new();
     let answer = train(&["--contact", "19"], &[], &folder.path("network"));
-    assert_says(&answer.err, &["contact 19@0: ", "N root mean square error with 0.067 mm of noise", "80 fresh cases"]);
+    assert_says(&answer.err, &["contact 19@0: ", "N root mean square error with 0.067 mm of noise", "80 test cases"]);
 }
 
 #[test]

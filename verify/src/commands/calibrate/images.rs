@@ -158,7 +158,7 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<String, F
         None if measured == seen.len() => Lean { from: scene.contact.normal, ..Lean::NONE },
         None => {
             return Err(bad_input(
-                "images without a measured force: expected friction or friction_range in the scene's table contact",
+                "images without a measured force: expected friction or friction_range in the scene's table [contact]",
             ));
         }
     };

@@ -43,7 +43,7 @@ fn weights_that_bend_far_lead_to_the_true_modulus() {
     // For shapes of a linear finger, a warning states that the linear finger is closer to the shapes.
     let (_, warnings) =
         finray_reading(measured(&truth).as_bytes(), &["calibrate", PAPER, "--measurements", "-"]).warned();
-    assert_says(&warnings.concat(), &["the linear finger is closer", "modulus_factor 0.9000"]);
+    assert_says(&warnings.concat(), &["the linear finger is closer", "modulus_factor is 0.9000"]);
     // A wrongly assigned marker is named in a warning, and hardly changes the result.
     let row = text.lines().find(|row| row.starts_with("21,21,") && row.split(',').nth(4) == Some("5")).expect("node 5");
     let (answer, warnings) = finray_reading(

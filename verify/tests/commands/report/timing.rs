@@ -66,7 +66,7 @@ fn times_say_who_took_them() {
         page[page.find("id=\"speed-error\"").expect("the section")..].split("</section>").next().unwrap_or_default();
     for said in [
         "The times of 2 of ",
-        "1 of the files there are not in criterion",
+        "1 of the files there are not in the format of the benchmark library criterion",
         "on this machine: a desk, one core",
         ">criterion<",
         ">OpenSees 3.7.1.2<",

@@ -69,7 +69,7 @@ fn objects_that_cannot_be_are_refused() {
     assert_says(&refused(OBJECT, &[]), &["noise of the displacements must be known"]);
     assert_says(&refused(OBJECT, &["--estimator", "ridge"]), &["`object` or `auto` needs --estimator nonlinear"]);
     for (from, to, expected) in [
-        ("[75.45, 29.45]", "[75.45, 31.45]", "mm, outside the finger"),
+        ("[75.45, 29.45]", "[75.45, 31.45]", "so the outline lies outside the finger"),
         ("[75.45, 29.45]", "[75.45, 27.45]", "inside the finger"),
         ("radius_mm = 20.0", "", "contact.object.radius_mm is missing"),
         ("radius_mm", "radius", "line 30: unknown key `contact.object.radius`"),

@@ -141,7 +141,7 @@ fn two_runs_do_not_write_one_file() {
     let out = folder.path("out.csv");
     let held = std::fs::File::create(folder.path("out.csv.partial")).expect("a file");
     held.lock().expect("a lock");
-    assert_says(&finray(&with(&SWEEP, &["--out", &out])).refused(), &["another run is writing it"]);
+    assert_says(&finray(&with(&SWEEP, &["--out", &out])).refused(), &["another run is writing this file"]);
     held.unlock().expect("no lock");
     finray(&with(&SWEEP, &["--out", &out])).done();
     assert_eq!(folder.names(), ["out.csv"]);
