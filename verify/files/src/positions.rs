@@ -80,13 +80,14 @@ pub struct PositionReader<R> {
     columns: Option<Columns>,
     /// Number of the last line read, from 1.
     line: usize,
-    /// First row of the next frame of a table.
-    next: Option<Row>,
+    /// The last line read, as in the stream.
     bytes: Vec<u8>,
+    /// Whether the last line is the first row of the next frame of a table.
+    is_next: bool,
 }
 
 /// Name of a row's frame, name of the row's finger, and the row's marker; the marker is `None` if it is hidden.
-type Row = (String, Result<(String, Option<ObservedMarker>), String>);
+type Row<'t> = (&'t str, Result<(&'t str, Option<ObservedMarker>), String>);
 
 #[derive(Clone, Copy)]
 struct Columns {
@@ -105,10 +106,11 @@ impl<R: BufRead> PositionReader<R> {
     /// [`PositionError`] if the stream cannot be read, or its header lacks a column.
     pub fn new(mut source: R) -> Result<PositionReader<R>, PositionError> {
         let is_json = source.fill_buf()?.first() == Some(&b'{');
-        let mut reader = PositionReader { source, columns: None, line: 0, next: None, bytes: Vec::new() };
+        let mut reader = PositionReader { source, columns: None, line: 0, bytes: Vec::new(), is_next: false };
         if !is_json {
-            let header = reader.read_line()?.unwrap_or(Ok(String::new())).map_err(PositionError::Form)?;
-            reader.columns = Some(Columns::of(&header).map_err(PositionError::Form)?);
+            reader.next_line()?;
+            let header = reader.text().map_err(PositionError::Form)?;
+            reader.columns = Some(Columns::of(header).map_err(PositionError::Form)?);
         }
         Ok(reader)
     }
@@ -125,8 +127,8 @@ impl<R: BufRead> PositionReader<R> {
         }
     }
 
-    /// The next line that is not blank, or the reason why the line is invalid. `None` at the end of the stream.
-    fn read_line(&mut self) -> Result<Option<Result<String, String>>, PositionError> {
+    /// Reads the next line that is not blank. Returns false at the end of the stream.
+    fn next_line(&mut self) -> Result<bool, PositionError> {
         loop {
             self.bytes.clear();
             self.line += 1;
@@ -135,20 +137,25 @@ impl<R: BufRead> PositionReader<R> {
             if count as u64 == LONGEST_LINE && !self.bytes.ends_with(b"\n") {
                 return Err(PositionError::Form(format!("line {line}: expected at most {LONGEST_LINE} bytes")));
             }
-            match std::str::from_utf8(&self.bytes) {
-                _ if count == 0 => return Ok(None),
-                Ok(text) if text.trim().is_empty() => {}
-                Ok(text) => return Ok(Some(Ok(text.trim_end().to_owned()))),
-                Err(_) => return Ok(Some(Err(format!("line {line}: expected text in UTF-8")))),
+            if count == 0 || !self.text().is_ok_and(str::is_empty) {
+                return Ok(count > 0);
             }
         }
     }
 
+    /// The last line without its end, or the reason why the line is invalid.
+    fn text(&self) -> Result<&str, String> {
+        let text = std::str::from_utf8(&self.bytes).map(str::trim_end);
+        text.map_err(|_| format!("line {}: expected text in UTF-8", self.line))
+    }
+
     fn read_json(&mut self) -> Result<Option<PositionFrame>, PositionError> {
-        let Some(text) = self.read_line()? else { return Ok(None) };
+        if !self.next_line()? {
+            return Ok(None);
+        }
         let line = self.line;
-        let of_text = |text: String| serde_json::from_str(&text).map_err(|error| format!("line {line}: {error}"));
-        let frame: Result<FrameLine, String> = text.and_then(of_text);
+        let of_text = |text| serde_json::from_str(text).map_err(|error| format!("line {line}: {error}"));
+        let frame: Result<FrameLine, String> = self.text().and_then(of_text);
         let frame = frame.and_then(|frame| match frame.t_s {
             Some(time_s) if !is_time(&time_s) => {
                 Err(format!("line {line}: t_s: expected a time in s of 0 or more, found {time_s}"))
@@ -172,17 +179,16 @@ impl<R: BufRead> PositionReader<R> {
         let mut seen: Result<Fingers, String> = Ok(Fingers::default());
         let mut rows = 0;
         loop {
-            let (of, marker) = match self.next.take() {
-                Some(row) => row,
-                None => match self.read_line()? {
-                    None => break,
-                    Some(Ok(text)) => columns.row(&text, self.line),
-                    // A line that is not UTF-8 counts as part of the current frame.
-                    Some(Err(reason)) => (name.clone().unwrap_or_default(), Err(reason)),
-                },
+            if !std::mem::take(&mut self.is_next) && !self.next_line()? {
+                break;
+            }
+            let (of, marker) = match self.text() {
+                Ok(text) => columns.row(text, self.line),
+                // A line that is not UTF-8 counts as part of the current frame.
+                Err(reason) => (name.as_deref().unwrap_or_default(), Err(reason)),
             };
-            if name.as_ref().is_some_and(|name| *name != of) {
-                self.next = Some((of, marker));
+            if name.as_ref().is_some_and(|name| name != of) {
+                self.is_next = true;
                 break;
             }
             rows += 1;
@@ -191,15 +197,17 @@ impl<R: BufRead> PositionReader<R> {
                     format!("line {}: expected a row with another t_s or image within {MOST_ROWS} rows", self.line);
                 return Err(PositionError::Form(message));
             }
-            name = Some(of);
             match (marker, &mut seen) {
                 (Ok((finger, marker)), Ok(fingers)) => {
-                    if let Err(reason) = fingers.add(&finger, marker) {
+                    if let Err(reason) = fingers.add(finger, marker) {
                         seen = Err(format!("line {}: {reason}", self.line));
                     }
                 }
                 (Err(reason), Ok(_)) => seen = Err(reason),
                 (_, Err(_)) => {}
+            }
+            if name.is_none() {
+                name = Some(of.to_owned());
             }
         }
         let Some(name) = name else { return Ok(None) };
@@ -263,32 +271,43 @@ impl Columns {
         })
     }
 
-    fn row(&self, text: &str, line: usize) -> Row {
-        let cells: Vec<&str> = text.split(',').map(str::trim).collect();
-        let name = cells.get(self.frame).copied().unwrap_or_default().to_owned();
-        let finger = self.finger.and_then(|column| cells.get(column)).copied().unwrap_or_default();
-        let marker = self.marker(&cells).map(|marker| (finger.to_owned(), marker));
-        (name, marker.map_err(|reason| format!("line {line}: {reason}")))
+    fn row<'t>(&self, text: &'t str, line: usize) -> Row<'t> {
+        let Columns { frame, is_time: _, finger, node, at, sigma } = *self;
+        let columns = [Some(frame), finger, Some(node), Some(at[0]), Some(at[1]), sigma];
+        let mut cells = [None; 6];
+        for (index, cell) in text.split(',').enumerate() {
+            for (found, column) in cells.iter_mut().zip(columns) {
+                if column == Some(index) {
+                    *found = Some(cell.trim());
+                }
+            }
+        }
+        let [frame, finger, ..] = cells.map(Option::unwrap_or_default);
+        let marker = self.marker(cells).map(|marker| (finger, marker));
+        (frame, marker.map_err(|reason| format!("line {line}: {reason}")))
     }
 
-    /// Marker of a row; `None` for a row without coordinates, whose marker is hidden.
-    fn marker(&self, cells: &[&str]) -> Result<Option<ObservedMarker>, String> {
-        let cell = |column: usize| cells.get(column).copied().ok_or_else(|| format!("expected {} cells", column + 1));
-        let number = |column: usize, name: &str| -> Result<f64, String> {
-            let text = cell(column)?;
+    /// Marker of a row with cells for frame, finger, node, two coordinates and standard deviation; `None` for a row without coordinates, whose marker
+    /// is hidden.
+    fn marker(&self, [_, _, node, x, y, sigma]: [Option<&str>; 6]) -> Result<Option<ObservedMarker>, String> {
+        let number = |text: &str, name: &str| -> Result<f64, String> {
             let number = text.parse().ok().filter(|number: &f64| number.is_finite());
             number.ok_or_else(|| format!("{name}: expected a number, found {text:?}"))
         };
-        let text = cell(self.node)?;
-        let node = NodeId(text.parse().map_err(|_| format!("node: expected a number of a node, found {text:?}"))?);
-        if self.at.iter().all(|column| cells.get(*column) == Some(&"")) {
+        let node = needed(node, self.node)?;
+        let node = NodeId(node.parse().map_err(|_| format!("node: expected a number of a node, found {node:?}"))?);
+        if (x, y) == (Some(""), Some("")) {
             return Ok(None);
         }
-        let at = Vector::new(number(self.at[0], "x_mm")?, number(self.at[1], "y_mm")?);
-        let sigma = self.sigma.filter(|column| cells.get(*column).is_some_and(|cell| !cell.is_empty()));
-        let sigma_mm = sigma.map(|column| number(column, "sigma_mm")).transpose()?;
+        let at = Vector::new(number(needed(x, self.at[0])?, "x_mm")?, number(needed(y, self.at[1])?, "y_mm")?);
+        let sigma_mm = sigma.filter(|sigma| !sigma.is_empty()).map(|sigma| number(sigma, "sigma_mm")).transpose()?;
         Ok(Some(marker(node, at, sigma_mm)))
     }
+}
+
+/// The cell of a column, or the message that the row is too short.
+fn needed(cell: Option<&str>, column: usize) -> Result<&str, String> {
+    cell.ok_or_else(|| format!("expected {} cells", column + 1))
 }
 
 fn marker(node: NodeId, position: Vector, sd_mm: Option<f64>) -> ObservedMarker {
