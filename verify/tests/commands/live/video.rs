@@ -110,6 +110,51 @@ fn forces_are_found_in_every_form_of_video() {
     }
 }
 
+/// Covered markers and a jump of the exposure to half or a quarter change no force by more than the interval allows. After them, the finger is found as
+/// before: the same image gives the same force within 1e-3 standard deviations. If all markers are covered, the finger is lost in this frame alone.
+#[test]
+fn forces_hold_through_covered_markers_and_jumps_of_exposure() {
+    let folder = Folder::new();
+    let plain = images(&folder, &[2.0]).remove(0);
+    let path = folder.path("covered.png");
+    let covered = |nodes: &[String]| {
+        let hide: Vec<&str> = ["--hide"].into_iter().chain(nodes.iter().map(String::as_str)).collect();
+        let render =
+            ["render", CAMERA, "--load-at", "80:2,-20", "--grey-noise", "2", "--blur-px", "0.8", "--out", &path];
+        finray(&[&render[..], &hide].concat()).done();
+        image::open(&path).expect("an image").to_rgb8()
+    };
+    let [some, all] = [
+        covered(&["4", "15", "16", "17", "18"].map(str::to_owned)),
+        covered(&(1..=25).map(|node| node.to_string()).collect::<Vec<_>>()),
+    ];
+    let exposed = |share: f64| {
+        let mut image = plain.clone();
+        image.iter_mut().for_each(|value| *value = (f64::from(*value) * share).round() as u8);
+        image
+    };
+    let (half, quarter) = (exposed(0.5), exposed(0.25));
+    let frames = [&plain, &plain, &some, &plain, &half, &half, &plain, &quarter, &plain, &all, &plain, &plain];
+    let stream = folder.put("stream", yuv4mpeg2(&frames.map(RgbImage::clone), "444", [1, 1], false));
+    let live = ["live", CAMERA, "--contact-at", "auto@-20", "--every-frame", "--input", &stream];
+    let found = lines(&finray(&live).done());
+    let markers: Vec<u64> = found.iter().map(|line| line["markers"].as_u64().expect("a number")).collect();
+    assert_eq!(markers, [25, 25, 20, 25, 25, 25, 25, 25, 25, 0, 25, 25]);
+    for (i, line) in found.iter().enumerate() {
+        if i == 9 {
+            assert_eq!(line["state"], "lost");
+            continue;
+        }
+        assert_eq!(line["state"], "contact", "frame {i}");
+        let [force, sigma] = ["force_n", "sigma_n"].map(|key| line["contacts"][0][key].as_f64().expect("a number"));
+        // The rendered image is exact, so the error is that of locating markers.
+        assert!((force - 2.0).abs() < 3.0 * sigma, "frame {i}: {line}");
+        if [3, 6, 8, 11].contains(&i) {
+            assert!((force - force_n(&found[1])).abs() < 1e-3 * sigma, "frame {i}: {line}");
+        }
+    }
+}
+
 /// Decoded frames have the colours that were encoded, within rounding. Pixels that share chroma have the same colour.
 #[test]
 fn decoded_colours_are_those_that_were_encoded() {
