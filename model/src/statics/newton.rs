@@ -42,6 +42,18 @@ impl<'m> Statics<Ladder<'m>> {
     pub fn ladder(mesh: &'m Mesh, kinematics: Kinematics) -> Self {
         Statics::new(Ladder::new(mesh, kinematics))
     }
+
+    /// Makes one Newton correction to the last linearised motion, to the equilibrium under the loads `after`. `before` are the loads of the linearisation.
+    /// Returns the largest rotation of a node by the correction, rad, or `None` if the correction is not finite.
+    pub fn corrected_under(
+        &mut self,
+        motion: &mut FrameMotion,
+        before: &[FrameLoad],
+        after: &[FrameLoad],
+    ) -> Option<f64> {
+        self.equations.change_loads(motion, before, after);
+        self.turned_by_correction(motion)
+    }
 }
 
 impl<E: EquilibriumEquations> Statics<E> {
@@ -70,6 +82,11 @@ impl<E: EquilibriumEquations> Statics<E> {
         if !self.equations.linearise(motion, loads, 1.0) {
             return None;
         }
+        self.turned_by_correction(motion)
+    }
+
+    /// Adds Newton's correction to the linearised motion. Returns the largest rotation of a node, rad, or `None` if the correction is not finite.
+    fn turned_by_correction(&mut self, motion: &mut FrameMotion) -> Option<f64> {
         self.predicted.clone_from(&motion.rotations);
         let work = self.equations.correct(motion);
         work.is_finite().then(|| largest_difference(&motion.rotations, &self.predicted))

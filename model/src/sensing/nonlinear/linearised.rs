@@ -28,6 +28,8 @@ pub(super) struct Linearised {
     rates: Vec<Vector>,
     /// Buffer for displacements of all key nodes.
     across: Vec<Vector>,
+    /// Displacements of all key nodes by a correction of the shape that follows, mm. Zero if the shape is in equilibrium.
+    ahead: Vec<Vector>,
     /// Robust factor on the weight of each marker: 1, or less for an outlier.
     weights: Vec<f64>,
     /// The priors. `prior_rows` contains the rows of the priors in the least-squares problem at the linearised state.
@@ -103,6 +105,7 @@ impl Linearised {
             marker_points: (1..=key_nodes).map(|node| point(NodeId(node))).collect(),
             rates: vec![Vector::zeros(); key_nodes * unknowns],
             across: vec![Vector::zeros(); key_nodes],
+            ahead: vec![Vector::zeros(); key_nodes],
             weights: vec![1.0; key_nodes],
             prior_rows: Vec::with_capacity(priors.count()),
             misses_mm: Vec::new(),
@@ -154,15 +157,23 @@ impl Linearised {
     pub(super) fn weigh(&mut self, shape: Posed, measurement: &Measurement, noise_mm: Option<f64>) {
         let markers = measurement.markers();
         self.distances.clear();
-        self.distances.extend(markers.iter().map(|marker| distance(&self.marker_points, marker, shape).norm()));
+        let distance = |marker: &Marker| {
+            distance(&self.marker_points, marker, shape) - self.ahead[marker.node.0 - 1] * marker.weight
+        };
+        self.distances.extend(markers.iter().map(|marker| distance(marker).norm()));
         let middle = self.distances.len() / 2;
         let median = *self.distances.select_nth_unstable_by(middle, f64::total_cmp).1;
         // Unlike the noise, the median includes the error of the model.
         let limit = OUTLIER_SIGMAS * noise_mm.unwrap_or(0.0).max(median / RAYLEIGH_MEDIAN);
         for marker in markers {
-            let off = distance(&self.marker_points, marker, shape).norm();
+            let off = distance(marker).norm();
             self.weights[marker.node.0 - 1] = if off > limit && limit > 0.0 { limit / off } else { 1.0 };
         }
+    }
+
+    /// States that the shape is in equilibrium.
+    pub(super) fn is_in_equilibrium(&mut self) {
+        self.ahead.fill(Vector::zeros());
     }
 
     /// Misfit of a shape, mm^2: sum of the squared weighted differences from the measurement and the squared deviations from the priors.
@@ -222,8 +233,9 @@ impl Linearised {
         }
         let right = self.problem.column_mut(unknowns);
         for (marker, row) in measurement.markers().iter().zip(right.chunks_exact_mut(2)) {
-            let difference = distance(&self.marker_points, marker, shape) * self.weights[marker.node.0 - 1];
-            row.copy_from_slice(difference.as_slice());
+            let node = marker.node.0 - 1;
+            let difference = distance(&self.marker_points, marker, shape) - self.ahead[node] * marker.weight;
+            row.copy_from_slice((difference * self.weights[node]).as_slice());
         }
         for (value, row) in right[coordinates..].iter_mut().zip(&self.prior_rows) {
             *value = row.left_mm;
@@ -301,6 +313,20 @@ impl Linearised {
 }
 
 impl NonlinearEstimator<'_> {
+    /// Linearises a shape that is near an equilibrium under its loads. Residuals are those after Newton's correction of the shape, which is left to
+    /// [`corrected_under`](crate::statics::Statics::corrected_under). `None` if the tangent is not positive definite.
+    pub(super) fn look_ahead(&mut self, state: &mut State) -> Option<()> {
+        self.statics.linearise(&state.motion, &state.loads).then_some(())?;
+        self.differentiate(state).ok()?;
+        let State { motion, nuisances, linearised, .. } = state;
+        self.statics.equations().corrected_markers(motion, &mut linearised.ahead);
+        let turn = nuisances.base.rotation;
+        if turn != UnitComplex::identity() {
+            linearised.ahead.iter_mut().for_each(|ahead| *ahead = turn * *ahead);
+        }
+        Some(())
+    }
+
     /// Computes the derivatives of the shape with respect to the unknowns from the factored tangent.
     pub(super) fn differentiate(&mut self, state: &mut State) -> Result<(), SensingError> {
         let finger = self.finger();

@@ -281,11 +281,12 @@ impl<'m> NonlinearEstimator<'m> {
         self.estimate(measurement, noise_mm)
     }
 
-    /// The minimum near a state of an earlier estimate. `None` if no minimum is near the given state, or if the state has other unknowns.
+    /// The minimum near a state of an earlier estimate, so near that the rest is negligible compared with the noise. [`estimate`](Self::estimate) then
+    /// corrects forces and contacts further if needed. `None` if there is no minimum, or if the state has other unknowns.
     fn at_minimum(&mut self, mut state: State, measurement: &Measurement, noise_mm: Option<f64>) -> Option<State> {
         (state.linearised.scales.len() == self.unknowns.len()).then_some(())?;
         state.linearised.priors.clone_from(&self.priors);
-        self.correct(&mut state, measurement, noise_mm)?;
+        self.correct_below_noise(&mut state, measurement, noise_mm)?;
         Some(state)
     }
 

@@ -1,10 +1,11 @@
 //! Simultaneous correction of forces and shape, for a starting point near a minimum.
 //!
-//! Each step factors the tangent once. Each step corrects the shape by Newton's method, then the forces by the Gauss-Newton method with derivatives
-//! from the same tangent. The derivatives lag one correction behind the shape, but Newton's method and the Gauss-Newton method still converge
-//! quadratically. For a frame of a stream, three or four linearisations suffice, and no equilibrium is computed for each trial of the forces.
+//! Each step factors the tangent once. From this tangent follow the correction of the shape by Newton's method, the derivatives, and the change of the
+//! forces by the Gauss-Newton method, which allows for the correction. Shape and forces are then corrected together, so both converge quadratically
+//! if the residuals are small. For a frame of a stream, two or three linearisations replace an equilibrium for every trial.
 
 use super::{NonlinearEstimator, SETTLED_ANGLE_DEG, State};
+use crate::finger::Plate;
 use crate::measurement::Measurement;
 
 /// The correction fails after this number of steps. From one camera frame to the next, the correction needs three or four steps.
@@ -16,42 +17,111 @@ const LARGEST_TURN: f64 = 0.3;
 const LATER_TURNS: f64 = 0.5;
 /// Negligible angle, rad, by which later corrections may always turn nodes.
 const TURN_NOISE: f64 = 1e-4;
-/// The unknowns have converged if the last step changes each unknown by at most this share of its scale. The derivatives lag one correction behind
-/// the shape, so the step has a relative error of about 1 %.
+/// The unknowns have converged if the last step changes each unknown by at most this share of its scale.
 const SETTLED_STEP: f64 = 1e-8;
 /// The shape has converged if the rotation in its last correction is at most this share of the largest rotation. After the last correction, the error
 /// of the shape is of second order, but the derivatives do not include this correction.
 const SETTLED_TURN: f64 = 1e-5;
+/// A correction that may stop below the noise stops if the next step is expected to move the markers by at most this many standard deviations. Shape and
+/// unknowns converge quadratically, so their error is smaller still.
+const NEGLIGIBLE_SIGMAS: f64 = 5e-3;
+/// The derivatives then lag by at most this share of the largest rotation, and standard deviations have a relative error of this order.
+const LARGEST_LAG: f64 = 1e-4;
+
+/// Changes of shape and unknowns in the steps of a correction.
+#[derive(Default)]
+struct Progress {
+    /// Largest rotation of a node in the first correction of the shape and in the last, rad, and the sum over all but the first.
+    first_turn: f64,
+    last_turn: f64,
+    later_turns: f64,
+    /// First-order motion of the markers in the last step, mm.
+    last_moved_mm: f64,
+    /// The last motion and the last turn, each as a share of the one before; 1 after the first step.
+    moved_share: f64,
+    turn_share: f64,
+}
+
+impl Progress {
+    /// Adds a step, and returns whether the minimum may still be near.
+    fn is_near_after(&mut self, moved_mm: f64, turn: f64) -> bool {
+        match self.last_turn == 0.0 {
+            true => self.first_turn = turn,
+            false => self.later_turns += turn,
+        }
+        self.moved_share = (moved_mm / self.last_moved_mm).min(1.0);
+        self.turn_share = (turn / self.last_turn).min(1.0);
+        (self.last_moved_mm, self.last_turn) = (moved_mm, turn);
+        self.first_turn <= LARGEST_TURN && self.later_turns <= LATER_TURNS * self.first_turn + TURN_NOISE
+    }
+
+    /// Whether the next step is expected to move the markers of a finger of length `length_mm` by at most `negligible_mm`, if steps shrink further by
+    /// the same factor.
+    fn is_negligible_after(&self, length_mm: f64, negligible_mm: f64) -> bool {
+        let next_mm = (self.last_moved_mm * self.moved_share).max(self.last_turn * self.turn_share * length_mm);
+        next_mm <= negligible_mm
+    }
+}
 
 impl NonlinearEstimator<'_> {
-    /// Corrects a state with known derivatives, and returns the number of steps. If the minimum is not near, returns `None`, and the state is
-    /// unusable.
+    /// Corrects a state in equilibrium with known derivatives, and returns the number of steps. If the minimum is not near, returns `None`, and the state
+    /// is unusable.
     pub(super) fn correct(
         &mut self,
         state: &mut State,
         measurement: &Measurement,
         noise_mm: Option<f64>,
     ) -> Option<usize> {
-        let (mut first_turn, mut later_turns) = (0.0, 0.0);
-        // The given state is in equilibrium.
-        let mut turn = 0.0;
+        self.corrected(state, measurement, noise_mm, 0.0)
+    }
+
+    /// Corrects a state like [`correct`](Self::correct), but only until the next step is expected to be negligible compared with the noise.
+    pub(super) fn correct_below_noise(
+        &mut self,
+        state: &mut State,
+        measurement: &Measurement,
+        noise_mm: Option<f64>,
+    ) -> Option<usize> {
+        self.corrected(state, measurement, noise_mm, NEGLIGIBLE_SIGMAS * noise_mm.unwrap_or(0.0))
+    }
+
+    fn corrected(
+        &mut self,
+        state: &mut State,
+        measurement: &Measurement,
+        noise_mm: Option<f64>,
+        negligible_mm: f64,
+    ) -> Option<usize> {
+        let (mut progress, mut before) = (Progress::default(), Vec::new());
+        let length_mm = self.finger().plate_length_mm(Plate::Front);
+        let follows_shape = self.follows_plate() || !self.pad.is_none();
         for steps in 1..=MAX_STEPS {
-            state.solve(measurement, 0.0).ok()?;
+            let moved_mm = state.solve(measurement, 0.0).ok()?.decrease.max(0.0).sqrt();
             let change = self.relative_change(state);
+            before.clone_from(&state.loads);
             let normal_turn_deg = self.advance(state).ok()?;
-            let shape_settled = turn <= SETTLED_TURN * state.motion.largest_rotation();
-            if change <= SETTLED_STEP && shape_settled && normal_turn_deg <= SETTLED_ANGLE_DEG {
+            if steps == 1 && change <= SETTLED_STEP && normal_turn_deg <= SETTLED_ANGLE_DEG {
                 return Some(steps);
             }
-            turn = self.statics.corrected(&mut state.motion, &state.loads)?;
-            match steps {
-                1 => first_turn = turn,
-                _ => later_turns += turn,
+            // In the first step, nothing is factored yet.
+            let turn = match steps == 1 || self.object.is_some() {
+                true => self.statics.corrected(&mut state.motion, &state.loads)?,
+                false => self.statics.corrected_under(&mut state.motion, &before, &state.loads)?,
+            };
+            progress.is_near_after(moved_mm, turn).then_some(())?;
+            // Directions follow the shape before its correction.
+            let direction_turn_deg = normal_turn_deg.max(if follows_shape { turn.to_degrees() } else { 0.0 });
+            let lags_by = |share: f64| turn <= share * state.motion.largest_rotation();
+            let is_settled = change <= SETTLED_STEP && lags_by(SETTLED_TURN)
+                || progress.is_negligible_after(length_mm, negligible_mm) && lags_by(LARGEST_LAG);
+            if is_settled && direction_turn_deg <= SETTLED_ANGLE_DEG {
+                state.linearised.is_in_equilibrium();
+                return Some(steps);
             }
-            if first_turn > LARGEST_TURN || later_turns > LATER_TURNS * first_turn + TURN_NOISE {
-                return None;
+            match self.object {
+                None => self.look_ahead(state)?,
+                Some(_) => self.differentiate(state).ok()?,
             }
-            self.differentiate(state).ok()?;
             state.weigh(measurement, noise_mm);
         }
         None

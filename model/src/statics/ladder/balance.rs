@@ -24,9 +24,9 @@ pub(in crate::statics) struct Balance<'m, R: Number = f64> {
     /// Forward substitution y = L^-1 g of each joint (elimination of one element of a chain).
     pub(super) ys: Vec<[R; 3]>,
     /// Forward substitution y = L^-1 g of each rung (pair of key nodes joined by a rib).
-    rung_ys: Vec<Ends<R>>,
+    pub(super) rung_ys: Vec<Ends<R>>,
     /// Forward substitution y = L^-1 g of the tip.
-    tip_y: [R; 3],
+    pub(super) tip_y: [R; 3],
     /// Elastic energy of all lines (plate members and ribs), N mm.
     pub(in crate::statics) energy: R,
     /// Work of the residual on the correction, N mm.

@@ -200,24 +200,49 @@ impl<R: Number> Chain<R> {
         }
     }
 
-    /// Gradient with respect to the motions of the chain's two ends, or of the key nodes if the chain has brackets. The result replaces the gradients
-    /// `on_element` of the elements, which refer to the motions of each element's two nodes.
-    pub(super) fn condensed_gradient(&self, joints: &[Joint<R>], on_element: impl Fn(usize) -> Ends<R>) -> Ends<R> {
+    /// Gradient with respect to the motions of the chain's two ends, or of the key nodes if the chain has brackets. This gradient is equivalent to
+    /// the gradients `on_element` with respect to the motions of each element's nodes. `passed` receives the index of each joint and the forward
+    /// substitution y = L^-1 g of the joint. Also returns the forward substitution of pinned rotations.
+    fn carried_gradient(
+        &self,
+        joints: &[Joint<R>],
+        on_element: impl Fn(usize) -> Ends<R>,
+        mut passed: impl FnMut(usize, [R; 3]),
+    ) -> (Ends<R>, Option<[R; 2]>) {
         let mut gradient = on_element(0);
         if !joints.is_empty() {
             let mut carried = Forces::on(&gradient, self.first_lever);
             for (i, joint) in joints.iter().enumerate() {
-                carried.extend(joint, &Forces::on(&on_element(i + 1), joint.lever));
+                passed(i, carried.extend(joint, &Forces::on(&on_element(i + 1), joint.lever)));
             }
             gradient = carried.on_ends();
         }
-        if let Some(block) = &self.pins {
-            pass_pins(block, &mut gradient);
-        }
+        let pins_y = self.pins.as_ref().map(|block| pass_pins(block, &mut gradient));
         if let Some(brackets) = &self.brackets {
             brackets.carry_gradient(&mut gradient);
         }
-        gradient
+        (gradient, pins_y)
+    }
+
+    /// Gradient at the chain's ends that is equivalent to the gradients `on_element` with respect to the motions of each element's nodes.
+    pub(super) fn condensed_gradient(&self, joints: &[Joint<R>], on_element: impl Fn(usize) -> Ends<R>) -> Ends<R> {
+        self.carried_gradient(joints, on_element, |_, _| {}).0
+    }
+
+    /// Adds the gradients `on_element` to condensed forces, with the stored stiffness. The work of the forces remains that of the other gradients.
+    pub(super) fn add_load(
+        &self,
+        joints: &[Joint<R>],
+        forces: &mut ChainForces<R>,
+        ys: &mut [[R; 3]],
+        on_element: impl Fn(usize) -> Ends<R>,
+    ) {
+        let add = |sum: &mut [R], parts: &[R]| sum.iter_mut().zip(parts).for_each(|(sum, part)| *sum += *part);
+        let (gradient, pins_y) = self.carried_gradient(joints, on_element, |i, y| add(&mut ys[i], &y));
+        add(&mut forces.gradient, &gradient);
+        if let Some(pins_y) = pins_y {
+            add(&mut forces.pins_y, &pins_y);
+        }
     }
 
     /// Corrections of the chain's two ends, computed from the corrections of the key nodes.

@@ -127,4 +127,20 @@ impl Balance<'_> {
             chain.load(&stiffness.joints[inner], forces, ys, gradients);
         }
     }
+
+    /// Adds the applied loads between the ends of lines to the lines' condensed gradients.
+    pub(super) fn add_to_lines(&mut self, stiffness: &Factor) {
+        let applied = &self.applied;
+        for (index, (chain, line)) in stiffness.chains.iter().zip(self.mesh.lines()).enumerate() {
+            if !applied.on_any_member(&line.members) {
+                continue;
+            }
+            let inner = joints_of(line);
+            let on_element = |element: usize| {
+                applied.on_member(line.members.start + element).map_or([0.0; 6], |load| numbers(&load.gradient))
+            };
+            let (forces, ys) = (&mut self.forces[index], &mut self.ys[inner.clone()]);
+            chain.add_load(&stiffness.joints[inner], forces, ys, on_element);
+        }
+    }
 }

@@ -4,7 +4,7 @@ use super::chain::joints_of;
 use super::ends::{Ends, joined, numbers};
 use super::factor::Factor;
 use super::loads::place;
-use super::{Ladder, Location};
+use super::{Ladder, Location, dispatched};
 use crate::Vector;
 use crate::element::quarter_turn;
 use crate::frame::{FrameLoad, FrameMotion};
@@ -70,6 +70,26 @@ impl Ladder<'_> {
             self.put_on(index, &on_ends, tip)
         });
         self.respond(motion, &tip, out);
+    }
+
+    /// Writes to `out` the markers' first-order displacements by Newton's correction at the last linearised `motion`, mm. `out` is indexed by key node
+    /// from 0.
+    pub fn corrected_markers(&self, motion: &FrameMotion, out: &mut [Vector]) {
+        self.moved_markers(motion, &self.balance.rung_ys, &self.balance.tip_y, out);
+    }
+
+    /// Changes the loads of the last linearisation at `motion`, without a new tangent. Newton's correction then leads to first order to the equilibrium
+    /// under the loads `after`.
+    pub fn change_loads(&mut self, motion: &FrameMotion, before: &[FrameLoad], after: &[FrameLoad]) {
+        let stiffness = Factor::chosen(self.mesh, &self.own, self.rests);
+        self.balance.take_off_loads();
+        self.balance.apply_loads(0, motion, before, -1.0);
+        self.balance.apply_loads(0, motion, after, 1.0);
+        self.balance.add_to_lines(stiffness);
+        // The gradients of lines are sums now; those of key nodes are taken from the loads.
+        self.balance.take_off_loads();
+        self.balance.apply_loads(0, motion, after, 1.0);
+        dispatched::eliminate_gradient(&mut self.balance, stiffness);
     }
 
     /// Assigns the gradient of a load to the loaded element, or to an element that ends at the loaded node.
@@ -146,18 +166,24 @@ impl Ladder<'_> {
             }
             self.waiting[at] = stiffness.rungs[at].forward(&gradient);
         }
+        self.moved_markers(motion, &self.waiting, &tip_y, out);
+    }
+
+    /// Writes to `out` the markers' first-order displacements by back substitution from the forward substitutions y of rungs and tip.
+    fn moved_markers(&self, motion: &FrameMotion, rung_ys: &[Ends], tip_y: &[f64; 3], out: &mut [Vector]) {
+        let stiffness = self.factor();
         out.fill(Vector::zeros());
         let finger = self.mesh.finger();
         let mut below = [0.0; 6];
-        for (at, (rung, waiting)) in stiffness.rungs.iter().zip(&self.waiting).enumerate() {
-            (below, _) = rung.motion(waiting, &below);
+        for (at, (rung, y)) in stiffness.rungs.iter().zip(rung_ys).enumerate() {
+            (below, _) = rung.motion(y, &below);
             for (node, row) in finger.rib_nodes(at).into_iter().zip([3, 0]) {
                 let marker = self.mesh.marker_lever(node, motion, self.linear());
                 let moved = Vector::new(below[row], below[row + 1]) + quarter_turn(marker) * below[row + 2];
                 out[self.mesh.frame_node(node)] = moved;
             }
         }
-        let [x, y, _] = stiffness.tip.motion(&tip_y, &below);
+        let [x, y, _] = stiffness.tip.motion(tip_y, &below);
         out[self.mesh.frame_node(finger.tip())] = Vector::new(x, y);
     }
 }
