@@ -14,7 +14,7 @@ pub use watched::{FingerResult, FrameState, WatchedFinger};
 
 use crate::Vector;
 use crate::estimators::network::Networks;
-use crate::estimators::{EstimatorError, EstimatorId, Question};
+use crate::estimators::{BeamTheoryError, EstimatorError, EstimatorId, Question};
 use crate::finger::{Finger, Plate};
 use crate::measurement::{BaseUncertainty, Measurement};
 use crate::mesh::Mesh;
@@ -117,11 +117,6 @@ pub struct SensedForces {
     /// Forces along and across the direction of each contact. `None` unless the contacts were measured.
     measured: Option<MeasuredContactForces>,
 }
-
-/// Ratio of two errors of beam theory: the error of a marker coordinate as a share of the largest displacement, and the relative error of the sensed
-/// force. Fitted to plane continua of two fingers, `paper` and `thick` in `fixtures/calculix`: the residual is 0.13 % (root mean square) if the force
-/// is wrong by 0.38 %.
-const MODEL_ERROR_OF_MARKERS: f64 = 0.34;
 
 /// Without a stated noise, a residual causes a warning if it exceeds both limits: a share of the displacements, and a share of the front plate's length. With
 /// correct contacts, the residual of a real finger is below the first limit. A camera's noise is below the second limit.
@@ -289,7 +284,8 @@ impl<'s> Sensor<'s> {
         let is_uniform = stated_mm.is_some() || estimator == EstimatorId::Network;
         let ObservedMeasurement { measurement, noise_mm, frame } = found;
         let measurement = if is_uniform { measurement.with_markers(|marker| marker.weight = 1.0) } else { measurement };
-        let (measurement, noise_mm) = self.with_model_error(measurement, stated_mm.or(noise_mm));
+        let error = BeamTheoryError(scene.model_error);
+        let (measurement, noise_mm) = error.in_markers(measurement, stated_mm.or(noise_mm));
         let sensed = match &self.contacts {
             SensorContacts::Asked(questions) => {
                 let object = scene.touched.as_ref().and_then(|touched| touched.seen_from(&frame));
@@ -322,18 +318,9 @@ impl<'s> Sensor<'s> {
         }
     }
 
-    /// Adds the error of beam theory to the errors of the markers. Returns the measurement, and the standard deviation (mm) of a marker of weight 1.
-    fn with_model_error(&self, measurement: Measurement, noise_mm: Option<f64>) -> (Measurement, Option<f64>) {
-        let largest_mm = measurement.markers().iter().map(|marker| marker.displacement.norm()).fold(0.0, f64::max);
-        let model_mm = MODEL_ERROR_OF_MARKERS * self.scene.model_error * largest_mm;
-        let Some(noise_mm) = noise_mm.filter(|noise_mm| model_mm > 0.0 && *noise_mm > 0.0) else {
-            return (measurement, noise_mm);
-        };
-        let both_mm = noise_mm.hypot(model_mm);
-        let weighted = measurement.with_markers(|marker| {
-            marker.weight = both_mm / (noise_mm / marker.weight).hypot(model_mm);
-        });
-        (weighted, Some(both_mm))
+    /// Relative standard deviation of a force due to scatter between images and the errors of beam theory.
+    fn force_error(&self) -> f64 {
+        self.scene.contact.force_error.hypot(self.scene.model_error)
     }
 
     fn answered(&self, question: &Question, kept: Option<&mut Refinement>) -> Result<SensedForces, Refusal> {
@@ -353,7 +340,7 @@ impl<'s> Sensor<'s> {
         if estimator.searches() {
             estimate.widen_for_misfit();
         }
-        estimate.add_force_error(self.scene.contact.force_error.hypot(self.scene.model_error));
+        estimate.add_force_error(self.force_error());
         let is_linear = estimator.is_linear();
         let of_model = estimate.warning.map(|warning| SensorWarning::Model { warning, is_linear });
         let no_residual = estimate.noise_mm.is_infinite().then_some(SensorWarning::NoResidual);
@@ -389,7 +376,7 @@ impl<'s> Sensor<'s> {
         };
         let knowledge = ContactKnowledge { noise_mm, friction, rod_radius_mm: self.scene.contact.rod_radius_mm };
         let mut measured = sense_measured_contacts(&mesh, contacts, measurement, knowledge)?;
-        measured.add_force_error(self.scene.contact.force_error.hypot(self.scene.model_error));
+        measured.add_force_error(self.force_error());
         let unexplained = measured.unexplained;
         let warning = |test| SensorWarning::Model { warning: Warning::Residual(test), is_linear: false };
         Ok(SensedForces {

@@ -12,6 +12,7 @@ mod scene_keys;
 mod shared_junctions;
 mod sensing {
     mod assembly;
+    mod beam_theory;
     mod linear;
     mod misfit;
     mod near;

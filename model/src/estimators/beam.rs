@@ -111,6 +111,7 @@ impl PreparedEstimator for Linear<'_> {
             None => self.estimator.estimate(measurement, noise_mm, self.prior),
         };
         let sum_sigma_n = self.sum.sigma_n(estimate.noise_mm, self.prior);
+        let sum_sigma_n = sum_sigma_n.map(|sigma_n| estimate.misfit_factor * sigma_n);
         let sum_error_n: f64 = estimate.model_error_n.iter().sum();
         Ok(Sensed {
             sum_sigma_n: sum_sigma_n.map(|sigma| sigma.hypot(sum_error_n)),

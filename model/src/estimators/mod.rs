@@ -4,11 +4,13 @@
 //! earlier measurements.
 
 mod beam;
+mod beam_theory;
 mod linear;
 pub mod network;
 mod nonlinear;
 
 pub use beam::BeamEstimator;
+pub use beam_theory::{BeamTheoryError, WithBeamTheoryError};
 
 use crate::measurement::Measurement;
 use crate::mesh::MeshSizeError;

@@ -114,7 +114,8 @@ tables! {
         "Shear correction factor kappa: plates and ribs have the shear rigidity kappa A E / (2 (1 + nu)). Use 5/6 for rectangular sections; 0 \
          means no shear deformation.";
     model_error: Number(Quantity("share", ""), Within(0.0, 1.0)), Or(0.0),
-        "Relative standard deviation of a sensed force due to the errors of beam theory. sigma_n of `finray sense` and `finray live` includes this deviation, except for contacts with +-SD; maps do not. `finray guide accuracy` states values.";
+        "Relative standard deviation of a sensed force due to the errors of beam theory. Every stated sigma_n includes this deviation, also in maps \
+         and sweeps; their errors do not, because these follow from the true finger. `finray guide accuracy` states values.";
 }
 
 tables! {
@@ -162,7 +163,7 @@ tables! {
 tables! {
     ASSEMBLY = "assembly": AssemblyKeys, Optional,
         "Deviations of the unloaded finger from its description in the scene, caused by assembly or mounting. \
-            With the estimator `nonlinear`, `finray sense` and `finray live` estimate the deviations together with the force, and include them in sigma_n. Other estimators refuse this table; contacts with +-SD ignore it. `finray calibrate --located` uses preload_nmm and can estimate it. `finray solve` ignores this table.";
+            With the estimator `nonlinear`, `finray sense` and `finray live` estimate the deviations together with the force, and include them in sigma_n. Other estimators and contacts with +-SD refuse this table. `finray calibrate --located` uses preload_nmm and can estimate it. `finray solve` ignores this table.";
     joint_sigma_mm: Number(Quantity(SIGMA, "mm"), Within(0.0, LARGEST_JOINT_SIGMA_MM)), Or(0.0),
         "Standard deviation of the position of each rib joint: along the joint's plate, and for joints on brackets also perpendicular to the plate.";
     preload_nmm: Number(Quantity("moment", "N mm"), Finite), Or(0.0),
@@ -265,7 +266,7 @@ tables! {
         "Thickness of a pad between plate and object. Friction on the pad exerts a moment on the plate. Only estimates of forces use the pad, for instance those of `finray sense` and `finray calibrate`. A pad requires the estimator `nonlinear` and contacts without +-SD. Neither pad_mm nor pad_length_mm may exceed the length of the front plate.";
     pad_length_mm: Number(LENGTH, NOT_NEGATIVE), Or(0.0), "Length of the plate over which the pad distributes a force.";
     force_error_share: Number(Quantity("share", ""), Within(0.0, 1.0)), Or(0.0),
-        "Relative standard deviation of a sensed force due to causes that no other key describes. sigma_n includes this deviation, except for contacts with +-SD. `finray calibrate` writes this key if it estimates a modulus, or if --fit names force-error.";
+        "Relative standard deviation of a sensed force due to causes that no other key describes. sigma_n includes this deviation. `finray calibrate` writes this key if it estimates a modulus, or if --fit names force-error.";
 }
 
 tables! {

@@ -59,6 +59,8 @@ pub struct Estimate {
     /// Error of each force due to linearisation, mesh, or training of a network, in N. Each standard deviation includes this model error. The error
     /// is signed if its sign is known.
     pub model_error_n: Vec<f64>,
+    /// Factor by which `sigmas_n` are wider because neither noise nor the finger explains the residual, dimensionless; 1 without such a misfit.
+    pub misfit_factor: f64,
     /// Standard deviation of one measured coordinate, mm, from which `sigmas_n` follow: the stated noise, or the residual standard deviation. Without
     /// a stated noise, the residual standard deviation is widened to account for few degrees of freedom.
     pub noise_mm: f64,
@@ -82,6 +84,7 @@ impl Estimate {
     pub(crate) fn widen_for_misfit(&mut self) {
         if let Some(Warning::Residual(test)) = self.warning {
             let wider = test.widening_of_misfit();
+            self.misfit_factor *= wider;
             self.sigmas_n.iter_mut().for_each(|sigma_n| *sigma_n *= wider);
         }
     }

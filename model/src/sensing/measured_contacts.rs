@@ -256,14 +256,15 @@ fn inverse(jacobian: &DMatrix<f64>) -> Result<DMatrix<f64>, SensingError> {
 }
 
 impl MeasuredContactForces {
-    /// Adds an error of `share` times the forces to the standard deviations and the covariance. The error has the same dimensionless `share` for
-    /// all forces.
-    pub fn add_force_error(&mut self, share: f64) {
-        let all_n = DVector::from_iterator(2 * self.along_n.len(), self.along_n.iter().chain(&self.across_n).copied());
-        self.covariance_n2 += share.powi(2) * &all_n * all_n.transpose();
+    /// Widens the standard deviations and the covariance by an error of `share` (dimensionless) of all forces. The error is a common factor of all
+    /// forces, as the error of a modulus is.
+    pub(crate) fn add_force_error(&mut self, share: f64) {
         for (sigma_n, force_n) in self.sigmas_n.iter_mut().zip(&self.along_n) {
             *sigma_n = sigma_n.hypot(share * force_n);
         }
+        let forces_n = self.along_n.iter().chain(&self.across_n).copied();
+        let errors_n = DVector::from_iterator(2 * self.along_n.len(), forces_n) * share;
+        self.covariance_n2 += &errors_n * errors_n.transpose();
     }
 
     /// Sum of all forces along the unit vector `along` (finger frame) and its standard deviation, both N.

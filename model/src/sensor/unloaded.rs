@@ -113,6 +113,7 @@ impl Sensor<'_> {
             forces_n: vec![found.force_n],
             sigmas_n: vec![found.sigma_n.hypot(model_error_n[0])],
             model_error_n,
+            misfit_factor: 1.0,
             noise_mm: found.test.map_or(noise_mm, |test| test.trusted_noise_mm()),
             warning: contradicts.map(Warning::Residual),
             residual_rms_mm: found.residual_rms_mm,

@@ -3,7 +3,7 @@
 use crate::commands::prelude::*;
 use finray_files::{open_stream, streamed};
 use finray_model::Mesh;
-use finray_model::estimators::Estimator;
+use finray_model::estimators::{BeamTheoryError, Estimator, WithBeamTheoryError};
 use finray_model::measurement::Measurement;
 use finray_model::sensing::SensingError;
 use finray_report::{map_figure_svg, standalone};
@@ -60,7 +60,9 @@ pub fn run(
     let truths = truth_ids.iter().zip(&truth_meshes).map(|(id, mesh)| id.on(mesh));
     let truths = truths.collect::<Result<Vec<_>, _>>()?;
     let meshes: Vec<Mesh> = estimator_ids.iter().map(|id| id.mesh(finger)).collect();
-    let estimators: Vec<_> = estimator_ids.iter().zip(&meshes).map(|(id, mesh)| id.on(mesh, &networks)).collect();
+    let error = BeamTheoryError(scene.model_error);
+    let estimators = estimator_ids.iter().zip(&meshes).map(|(id, mesh)| id.on(mesh, &networks));
+    let estimators: Vec<_> = estimators.map(|estimator| WithBeamTheoryError::around(estimator, error)).collect();
     let grid = grid(arguments, noise_mm, &scene, &truths)?;
     for estimator in &estimators {
         require_an_answer(finger, &**estimator, &grid)?;

@@ -115,7 +115,10 @@ fn damaged_scenes() {
 fn damaged_scenes_with_every_key() {
     let zone = "[[finger.zone]]\nplate = \"front\"\nfrom_mm = 100\nto_mm = 153\nmodulus_factor = 0.5\n";
     let scene = paper_with(&[
-        ("depth_mm = 20.0", "depth_mm = 20.0\nrod_arm_mm = 0.5\npoissons_ratio = 0.3\nshear_correction = 0.8"),
+        (
+            "depth_mm = 20.0",
+            "depth_mm = 20.0\nrod_arm_mm = 0.5\nrib_arm_mm = 0.7\nclamp_arm_mm = 0.3\npoissons_ratio = 0.3\nshear_correction = 0.8",
+        ),
         ("count = 11", "positions_mm = [[27.0, 45.67], [54.0, 78.69], [81.0, 107.5], [108.0, 132.27]]"),
     ]);
     let scene = format!("{scene}\n{zone}[camera]\nnoise_mm = 0.1\n");

@@ -284,6 +284,28 @@ fn a_continuum_answers_for_its_drawing_and_nothing_else() {
     );
 }
 
+/// Without noise, the model error widens sigma_n of a sweep alone: errors follow from the true finger.
+#[test]
+fn sweeps_include_the_model_error() {
+    let printed =
+        std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/calculix/paper.toml")).unwrap();
+    let folder = Folder::new();
+    let with_error = printed.replacen("[finger]\n", "[finger]\nmodel_error = 0.004\n", 1);
+    let [plain, widened] = [&printed, &with_error].map(|text| {
+        let scene = folder.put("scene.toml", text);
+        let sweep =
+            ["sweep", &scene, "--truth", "continuum", "--estimator", "least-squares,nonlinear", "--noise-mm", "0"];
+        Csv::of(&finray(&sweep).done())
+    });
+    assert_eq!(plain.numbers("bias"), widened.numbers("bias"));
+    let forces_n = plain.numbers("force_n").into_iter().zip(plain.numbers("bias")).map(|(n, bias)| n * (1.0 + bias));
+    for ((before, after), force_n) in plain.numbers("sigma_n").iter().zip(widened.numbers("sigma_n")).zip(forces_n) {
+        assert_close(&[after], &[before.hypot(0.004 * force_n)], ROUNDING);
+    }
+    let held = |sweep: &Csv| sweep.numbers("covered").iter().sum::<f64>();
+    assert!(held(&widened) > held(&plain) + 40.0, "{} and {}", held(&plain), held(&widened));
+}
+
 #[test]
 fn the_twin_is_of_the_papers_finger_alone() {
     let message = finray(&["map", SPRING_STEEL, "--truth", "twin"]).refused();

@@ -167,6 +167,7 @@ impl NetworkEstimator {
             forces_n,
             sigmas_n,
             model_error_n: self.clean_rms_n.clone(),
+            misfit_factor: 1.0,
             noise_mm,
             warning,
             residual_rms_mm,

@@ -225,6 +225,7 @@ impl NonlinearEstimator<'_> {
                 forces_n: state.forces_n.clone(),
                 sigmas_n: (0..self.questions.len()).map(|i| covariance(i, i).sqrt()).collect(),
                 model_error_n: vec![0.0; self.questions.len()],
+                misfit_factor: 1.0,
                 noise_mm,
                 warning: test.filter(ResidualTest::contradicts).map(Warning::Residual),
                 residual_rms_mm,

@@ -4,6 +4,7 @@ use super::{Context, Evidence};
 use crate::prelude::*;
 use crate::sampling::map::{AccuracyMap, MapRequest, accuracy_maps};
 use crate::truths::{Truth, TruthError, TruthId};
+use finray_model::estimators::{BeamTheoryError, WithBeamTheoryError};
 
 impl Evidence for AccuracyMap {}
 
@@ -33,8 +34,10 @@ pub(crate) fn run(context: &Context) -> Result<Vec<AccuracyMap>, TruthError> {
     // Maps with the same grid and true finger are computed together, so that each true shape is computed once.
     let maps = |plans: &[Plan]| {
         let meshes: Vec<Mesh> = plans.iter().map(|plan| plan.estimator.mesh(finger)).collect();
+        let on_mesh = plans.iter().zip(&meshes).map(|(plan, mesh)| plan.estimator.on(mesh, context.networks));
+        let error = BeamTheoryError(context.given.scene.model_error);
         let estimators: Vec<Box<dyn Estimator + '_>> =
-            plans.iter().zip(&meshes).map(|(plan, mesh)| plan.estimator.on(mesh, context.networks)).collect();
+            on_mesh.map(|estimator| WithBeamTheoryError::around(estimator, error)).collect();
         let estimators: Vec<&dyn Estimator> = estimators.iter().map(AsRef::as_ref).collect();
         let Plan { truth, request, .. } = &plans[0];
         let truth = truths.iter().find(|candidate| candidate.id() == *truth);
