@@ -272,7 +272,7 @@ fn what_cannot_share_a_junction_is_refused_by_its_key() {
         (&[[30.0, 40.0], [20.0, 60.0]][..], "do not cross"),
         (&[[30.0, 40.0], [30.0, 40.0]], "rib 2 at [30.0, 40.0] mm lies on the previous rib"),
         (&[[0.0, 0.0], [30.0, 40.0]], "lies on the base line"),
-        (&[[30.0, 40.0], [30.0 + 1e-9, 60.0]], "nor at the same position"),
+        (&[[30.0, 40.0], [30.0 + 1e-9, 60.0]], "or exactly at the same position"),
         (&[[-1.0, 40.0]], "from 0 to below 120.0 mm"),
         (&[[120.0, 40.0]], "from 0 to below 120.0 mm"),
     ] {

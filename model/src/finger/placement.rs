@@ -111,7 +111,7 @@ pub(super) fn place_ribs(d: &FingerDescription) -> Result<Vec<[f64; 2]>, Impossi
             require(position == before || position > before + gap, &key, || {
                 format!(
                     "expected ribs in order from base to tip that do not cross: on the {plate} plate, rib {} at \
-                        {position:?} mm must lie beyond the previous rib at {before:?} mm or at the same position",
+                        {position:?} mm must lie clearly beyond the previous rib at {before:?} mm or exactly at the same position",
                     i + 1
                 )
             })?;

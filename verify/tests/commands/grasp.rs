@@ -154,7 +154,7 @@ fn bad_scenes_are_refused() {
         (&[("centre_mm = [3.0, 110.0]", "centre_mm = [50.0, 110.0]")], "the object overlaps the right finger"),
         (
             &[("radius_mm = 15.0", "radius_mm = 5.0"), ("centre_mm = [3.0, 110.0]", "centre_mm = [-45.0, 110.0]")],
-            "the object lies across the left finger",
+            "the object overlaps the left finger",
         ),
         (
             &[("path_steps = 12", "step_deg = 9.0\nframes_per_s = 5.0")],

@@ -157,9 +157,9 @@ fn ribs_must_lie_on_the_plates_in_order() {
     for (positions, expected) in [
         (
             "[[50.0, 60.0], [70.0, 55.0]]",
-            "on the back plate, rib 2 at 55.0 mm must lie beyond the previous rib at 60.0 mm or at the same position",
+            "on the back plate, rib 2 at 55.0 mm must lie clearly beyond the previous rib at 60.0 mm or exactly at the same position",
         ),
-        ("[[50.0, 60.0], [40.0, 70.0]]", "on the front plate, rib 2 at 40.0 mm must lie beyond"),
+        ("[[50.0, 60.0], [40.0, 70.0]]", "on the front plate, rib 2 at 40.0 mm must lie clearly beyond"),
         ("[[50.0, 60.0], [50.0, 60.0]]", "rib 2 at [50.0, 60.0] mm lies on the previous rib"),
         ("[[70.0, 70.0], [50.0, 50.0]]", "expected ribs in order from base to tip that do not cross"),
         (
