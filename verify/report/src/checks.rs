@@ -89,7 +89,7 @@ fn in_words(study: &Study) -> String {
     let about = |against: Against| match against {
         Against::OtherPrograms => "external checks (OpenSees, MuJoCo)",
         Against::SettledLattice => "external checks against our lattice (settled by rapier2d)",
-        Against::Literature => "analytical ones (closed forms, literature)",
+        Against::Literature => "analytical checks (closed forms, literature)",
         Against::Ourselves => "internal checks (our second formulation, a balance or a bound)",
     };
     let counted = counted(study);

@@ -172,7 +172,7 @@ fn ribs_must_lie_on_the_plates_in_order() {
         ),
         ("[[0.0, 0.0]]", "rib 1 at [0.0, 0.0] mm lies on the base line"),
         ("[[-0.1, 60.0]]", "expected the position of rib 1 on the front plate"),
-        ("[[50.0, -60.0]]", "expected rib 1 on the back plate"),
+        ("[[50.0, -60.0]]", "expected the position of rib 1 on the back plate"),
         ("[[nan, 60.0]]", "expected the position of rib 1 on the front plate from 0 to below 153.0 mm, found NaN"),
         ("[[50.0, inf]]", "found inf"),
         ("[[1e-310, 50.0]]", "found 1e-310"),

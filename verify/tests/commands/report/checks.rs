@@ -45,7 +45,7 @@ fn checks_are_counted_by_whose_figures_they_are_against() {
             (
                 of_kind("analytical", false),
                 "against closed forms and literature",
-                "analytical ones (closed forms, literature)",
+                "analytical checks (closed forms, literature)",
             ),
             (
                 of_kind("internal", false),
