@@ -284,6 +284,21 @@ fn a_continuum_answers_for_its_drawing_and_nothing_else() {
     );
 }
 
+/// CalculiX found an equilibrium of the finger `thin` under 3 N on node 22 at -40 degrees, but the export omits its uncertain shape. The sweep once
+/// stated that the finger had no equilibrium.
+#[test]
+fn a_shape_that_was_not_exported_is_no_lack_of_equilibrium() {
+    let thin = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/calculix/thin.toml");
+    let sweep =
+        ["sweep", thin, "--truth", "continuum", "--estimator", "least-squares", "--force-n", "3", "--noise-mm", "0"];
+    let sweep = Csv::of(&finray(&sweep).done());
+    let omitted: Vec<_> = sweep.texts("refusal").into_iter().filter(|refusal| !refusal.is_empty()).collect();
+    assert!(
+        !omitted.is_empty() && omitted.iter().all(|reason| reason.contains("no shape was exported")),
+        "{omitted:?}"
+    );
+}
+
 /// Without noise, the model error widens sigma_n of a sweep alone: errors follow from the true finger.
 #[test]
 fn sweeps_include_the_model_error() {

@@ -107,6 +107,10 @@ impl Truth for ExportedTruth {
         self.id
     }
 
+    fn no_shape(&self) -> &'static str {
+        "no shape was exported: the exporting program found no equilibrium under this force, or its shape is too uncertain"
+    }
+
     /// Exported positions and directions, both ascending. A request for a force that was not exported is an error.
     fn positions(&self, forces_n: &[f64]) -> Result<Option<Positions>, TruthError> {
         for &force_n in forces_n {

@@ -111,4 +111,9 @@ pub trait Truth: Sync {
     ///
     /// The list ends before the first force that the finger cannot carry.
     fn shapes(&self, contact: &Contact, forces_n: &[f64]) -> Vec<FingerShape>;
+
+    /// Reason why a shape is missing in [`shapes`](Truth::shapes).
+    fn no_shape(&self) -> &'static str {
+        "the true finger has no equilibrium under this force"
+    }
 }

@@ -106,7 +106,7 @@ impl<'s> Sweep<'s> {
                         bias: None,
                         spread: None,
                         sigma_n: None,
-                        refusal: Some("the true finger has no equilibrium under this force".to_owned()),
+                        refusal: Some(truth.no_shape().to_owned()),
                         warned: None,
                         covered: None,
                         covered_warned: None,
