@@ -27,5 +27,5 @@ fn findings_are_made_from_the_numbers() {
     study.rows[1].errors = vec![4e-4, 1e-4];
     study.sensing.difference.largest = 0.1;
     let said = findings(&study).join("\n");
-    assert!(said.contains("something else remains") && said.contains("lattice DOES NOT AGREE"), "{said}");
+    assert!(said.contains("another difference remains") && said.contains("lattice DOES NOT AGREE"), "{said}");
 }
