@@ -245,7 +245,7 @@ impl UnloadedFinger {
     }
 
     /// All independent errors, each with the size of one standard deviation. A joint without a bracket lies on its plate, so its error
-    /// perpendicular to the plate is zero.
+    /// perpendicular to the plate is zero. Ribs with a common junction move together, and a joint in a corner of the base does not move.
     pub(crate) fn independent_errors(&self, finger: &Finger) -> Vec<UnloadedError> {
         let ribs = finger.rib_count();
         let AssemblyErrors { joint_sd_mm, preload_sd_nmm, height_sd_mm, further, .. } = &self.assembly;
@@ -259,8 +259,17 @@ impl UnloadedFinger {
             for (rib, plate, way) in
                 (0..ribs).flat_map(|rib| [[0, 0], [0, 1], [1, 0], [1, 1]].map(|[p, w]| (rib, p, w)))
             {
-                if way == 0 || finger.description().ribs.bracket_mm.of(rib)[plate] > 0.0 {
-                    add(&|error| error.joints_mm[rib][plate][way] = *joint_sd_mm);
+                let at_mm = finger.plate_positions_mm(if plate == 0 { Plate::Front } else { Plate::Back });
+                let (before_mm, joint_mm) = (at_mm[rib], at_mm[rib + 1]);
+                match way {
+                    0 if joint_mm > before_mm => add(&|error| {
+                        let together = (rib..ribs).filter(|other| at_mm[other + 1] == joint_mm);
+                        together.for_each(|other| error.joints_mm[other][plate][way] = *joint_sd_mm);
+                    }),
+                    1 if finger.description().ribs.bracket_mm.of(rib)[plate] > 0.0 => {
+                        add(&|error| error.joints_mm[rib][plate][way] = *joint_sd_mm)
+                    }
+                    _ => {}
                 }
             }
         }

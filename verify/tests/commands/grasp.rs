@@ -160,7 +160,7 @@ fn bad_scenes_are_refused() {
             &[("path_steps = 12", "step_deg = 9.0\nframes_per_s = 5.0")],
             "grasp.step_deg: expected either step_deg or frames_per_s, found both",
         ),
-        (&[("[60.0, 0.0]]", "[60.0, 5.0]]")], "grasp.path_mm: point 3 leads through the support, 5.000 mm deep"),
+        (&[("[60.0, 0.0]]", "[60.0, 5.0]]")], "grasp.path_mm: point 3 leads 5.000 mm below the surface of the support"),
         (&[("link_mm = [25.0, 40.0]", "link_mm = [5.0, 10.0]")], "gripper.link_mm: "),
         (
             &[("motor_deg = [0.0, -495.0]", "motor_deg = [0.0, 99999.0]")],
