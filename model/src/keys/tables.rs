@@ -165,7 +165,7 @@ tables! {
         "Deviations of the unloaded finger from its description in the scene, caused by assembly or mounting. \
             With the estimator `nonlinear`, `finray sense` and `finray live` estimate the deviations together with the force, and include them in sigma_n. Other estimators and contacts with +-SD refuse this table. `finray calibrate --located` uses preload_nmm and can estimate it. `finray solve` ignores this table.";
     joint_sigma_mm: Number(Quantity(SIGMA, "mm"), Within(0.0, LARGEST_JOINT_SIGMA_MM)), Or(0.0),
-        "Standard deviation of the position of each rib joint: along the joint's plate, and for joints on brackets also perpendicular to the plate.";
+        "Standard deviation of the position of each rib joint: along the joint's plate, and for joints on brackets also perpendicular to the plate. Ribs with a common junction move together.";
     preload_nmm: Number(Quantity("moment", "N mm"), Finite), Or(0.0),
         "Moment that the plates of the unloaded finger exert on each other at the tip, positive from x to y. Curved plates, for instance, cause \
          such a moment. `finray calibrate` writes this key.";

@@ -1,5 +1,5 @@
-//! Fingers as plane continua in plane strain, solved by CalculiX: plates and ribs with their thickness, and rods as stiff discs. Poisson's ratio is
-//! 0.45, for one finger 0.35. `fixtures/calculix/README.md` describes the export and its accuracy.
+//! Fingers as plane continua in plane strain, solved by CalculiX: plates and ribs with their thickness, and rods, if any, as stiff discs.
+//! Poisson's ratio is 0.45, for `unequal` 0.35, for `short-plain` 0.4. `fixtures/calculix/README.md` describes the export and its accuracy.
 
 use super::{ExportedFinger, Program};
 use finray_model::finger::{Finger, FingerDescription};

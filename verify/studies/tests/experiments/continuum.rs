@@ -17,8 +17,6 @@ use rand_distr::{Distribution, StandardNormal};
 /// The deviations in README are rounded to 0.01 %. README uses exact arms; the scenes round arms to 0.001 mm. A change of an arm by 0.25 mm changes
 /// displacements by 5 %, so the rounding error of 0.0005 mm changes them by 0.01 %. The rounded shear correction changes less.
 const ROUNDING: f64 = 2e-4;
-/// Largest deviation of beams on fingers to which the rule of arms was not fitted.
-const LARGEST_DEVIATION: f64 = 0.02;
 /// README rounds deviations above 20 % to 0.1 %.
 const COARSE_ROUNDING: f64 = 6e-4;
 
@@ -81,7 +79,6 @@ fn beams_with_arms_and_shear_are_as_near_to_continua_as_stated() {
         for (ours, stated) in ours.iter().zip(with_arms) {
             assert!((ours - stated).abs() < ROUNDING, "{name}: {ours}, not {stated}");
         }
-        assert!(ours[1] < LARGEST_DEVIATION, "{name}: {ours:?}");
     }
 }
 
@@ -172,7 +169,7 @@ const TESTED: [&str; 9] =
 /// Fingers with ribs on hinges and brackets, and their numbers of forces.
 const HINGED: [(&str, usize); 3] = [("hinged", 45), ("hinged-rigid", 45), ("hinged-feet", 24)];
 
-/// Forces on all fingers are sensed within 0.9 %, on the fingers in `HINGED` within 0.6 %. The stated error of beam theory, and its ratio of residual to
+/// Forces on all fingers are sensed within 0.9 %, on the fingers in `HINGED` within 0.58 %; the limits below are half a digit larger. The stated error of beam theory, and its ratio of residual to
 /// force error, follow from the fingers in `FITTED`.
 #[test]
 fn sensed_forces_on_continua_are_as_near_as_stated() {
@@ -184,7 +181,7 @@ fn sensed_forces_on_continua_are_as_near_as_stated() {
     for (name, count) in HINGED {
         let (forces, _) = errors_of_beams(exported(name));
         assert_eq!(forces.len(), count);
-        assert!(forces.iter().all(|error| error.abs() < 0.006), "{name}: {forces:?}");
+        assert!(forces.iter().all(|error| error.abs() < 0.00585), "{name}: {forces:?}");
     }
     let [forces, residuals] = {
         let fitted = FITTED.map(|name| errors_of_beams(exported(name)));
@@ -284,7 +281,8 @@ fn intervals_of_unknown_contacts_hold_on_continua() {
             let [held, answered] = intervals(MODEL_ERROR, noise_mm, unknown, samples).shares();
             assert!((0.90..0.98).contains(&held), "{unknown:?}, {noise_mm} mm: {held}");
             assert!(answered > least_answered, "{unknown:?}, {noise_mm} mm: {answered}");
-            intervals(0.0, noise_mm, unknown, samples);
+            let [without, _] = intervals(0.0, noise_mm, unknown, samples).shares();
+            assert!(without < held, "{unknown:?}, {noise_mm} mm, without the model error: {without}");
         }
     }
 }
