@@ -61,7 +61,7 @@ fn reasons(study: &Study, situations: &[Situation]) -> Option<String> {
     let assumed = assumed.and_then(|of| of.failed_by_direction(study));
     let assumed = assumed.map(|share| {
         format!(
-            "With a wrong contact, the main cause is its direction in {} of the failing cells, and its position in the \
+            " With a wrong contact, the main cause is its direction in {} of the failing cells, and its position in the \
             other failing cells.",
             percent(share)
         )

@@ -87,7 +87,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 fn about(study: &Study) -> String {
     let fitted = match study.causes.iter().any(|map| map.truth == FITTED) {
         true => {
-            "The softer ends of the simulated finger are an assumption, so their appearance among the causes is no \
+            " The softer ends of the simulated finger are an assumption, so their appearance among the causes is no \
             finding."
         }
         false => "",

@@ -101,7 +101,7 @@ fn says(tables: &[TableOne]) -> String {
     ];
     let rest = match parts {
         [_, None, None] => "",
-        _ => "The causes of the remaining errors are not determined here.",
+        _ => " The causes of the remaining errors are not determined here.",
     };
     let parts = list(parts.into_iter().flatten(), "; ");
     format!("In simulation, over the assumed directions, geometric nonlinearity alone accounts for {parts}.{rest}")

@@ -71,16 +71,39 @@ const FIRST_PAGE: [usize; 2] = [1_000_000, 1800];
 /// Largest number of visible words of all pages.
 const WORDS: usize = 6000;
 
-/// Number of words that a reader sees before opening closed parts, without drawings and scripts.
-fn visible_words(page: &str) -> usize {
+/// Text of a page without tags and without the elements `hidden`.
+fn text_without(page: &str, hidden: &[&str]) -> String {
     let without = |text: &str, open: &str, close: &str| -> String {
         let mut parts = text.split(open);
         let first = parts.next().unwrap_or_default().to_owned();
         parts.fold(first, |kept, part| kept + part.split_once(close).map_or("", |(_, rest)| rest))
     };
-    let marks = [("<script", "</script>"), ("<style", "</style>"), ("<svg", "</svg>"), ("<details", "</details>")];
-    let text = marks.iter().fold(page.to_owned(), |text, (open, close)| without(&text, open, close));
-    without(&text, "<", ">").split_whitespace().count()
+    let text = hidden
+        .iter()
+        .fold(page.to_owned(), |text, element| without(&text, &format!("<{element}"), &format!("</{element}>")));
+    without(&text, "<", ">")
+}
+
+/// Number of words that a reader sees before opening closed parts, without drawings and scripts.
+fn visible_words(page: &str) -> usize {
+    text_without(page, &["script", "style", "svg", "details"]).split_whitespace().count()
+}
+
+/// Sentences that a page joins from parts have a space between them.
+#[test]
+fn sentences_are_separated() {
+    for report in [&*PAPERS, &*SPRING_STEELS] {
+        for name in report.page_names() {
+            let text = text_without(&report.read(name), &["script", "style", "svg"]);
+            let letters: Vec<char> = text.chars().collect();
+            let glued = letters.windows(3).position(|three| {
+                (three[0].is_lowercase() || ")%".contains(three[0])) && three[1] == '.' && three[2].is_uppercase()
+            });
+            let around =
+                |at: usize| letters[at.saturating_sub(40)..(at + 40).min(letters.len())].iter().collect::<String>();
+            assert!(glued.is_none(), "{name}: {:?}", glued.map(around));
+        }
+    }
 }
 
 #[test]
