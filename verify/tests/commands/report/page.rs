@@ -94,7 +94,7 @@ fn visible_words(page: &str) -> usize {
 fn sentences_are_separated() {
     for report in [&*PAPERS, &*SPRING_STEELS] {
         for name in report.page_names() {
-            let text = text_without(&report.read(name), &["script", "style", "svg"]);
+            let text = text_without(&report.read(&name), &["script", "style", "svg"]);
             let letters: Vec<char> = text.chars().collect();
             let glued = letters.windows(3).position(|three| {
                 (three[0].is_lowercase() || ")%".contains(three[0])) && three[1] == '.' && three[2].is_uppercase()
