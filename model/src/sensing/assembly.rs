@@ -256,13 +256,15 @@ impl UnloadedFinger {
             errors.push(error);
         };
         if *joint_sd_mm > 0.0 {
+            let positions_mm = [Plate::Front, Plate::Back].map(|plate| finger.plate_positions_mm(plate));
             for (rib, plate, way) in
                 (0..ribs).flat_map(|rib| [[0, 0], [0, 1], [1, 0], [1, 1]].map(|[p, w]| (rib, p, w)))
             {
-                let at_mm = finger.plate_positions_mm(if plate == 0 { Plate::Front } else { Plate::Back });
-                let (before_mm, joint_mm) = (at_mm[rib], at_mm[rib + 1]);
+                // The position of a plate's rib follows the position of the rib before it, or of the base.
+                let at_mm = &positions_mm[plate];
+                let joint_mm = at_mm[rib + 1];
                 match way {
-                    0 if joint_mm > before_mm => add(&|error| {
+                    0 if joint_mm > at_mm[rib] => add(&|error| {
                         let together = (rib..ribs).filter(|other| at_mm[other + 1] == joint_mm);
                         together.for_each(|other| error.joints_mm[other][plate][way] = *joint_sd_mm);
                     }),

@@ -302,8 +302,8 @@ fn a_shape_that_was_not_exported_is_no_lack_of_equilibrium() {
 /// Without noise, the model error widens sigma_n of a sweep alone: errors follow from the true finger.
 #[test]
 fn sweeps_include_the_model_error() {
-    let printed =
-        std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/calculix/paper.toml")).unwrap();
+    let printed = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/calculix/paper.toml"))
+        .expect("a scene");
     let folder = Folder::new();
     let with_error = printed.replacen("[finger]\n", "[finger]\nmodel_error = 0.004\n", 1);
     let [plain, widened] = [&printed, &with_error].map(|text| {
