@@ -7,6 +7,7 @@
 mod clamped;
 
 pub use clamped::LargestClampedMotion;
+pub(crate) use clamped::check_at_rest;
 
 use crate::Vector;
 use crate::camera::Pixel;
@@ -120,6 +121,17 @@ pub enum MarkerError {
         /// Largest displacement that noise explains, mm.
         largest_mm: f64,
     },
+    /// In an observation of the unloaded finger, a marker of a clamped node lies nearer to the other clamped node.
+    #[error(
+        "node {node} is clamped, but its marker is nearer to node {nearest}; are the nodes numbered as in the scene, from the back base over the tip to \
+         the front base?"
+    )]
+    ClampedElsewhere {
+        /// The clamped node.
+        node: NodeId,
+        /// The other clamped node.
+        nearest: NodeId,
+    },
 }
 
 /// Standard deviations of position (mm) and rotation (rad) of a base that counts as exact. These values are far below the accuracy of an image.
@@ -182,6 +194,16 @@ impl Observation {
         Ok((ObservedMeasurement { noise_mm: Some(noise_mm), ..found }, base))
     }
 
+    /// The observation without the markers of clamped nodes.
+    pub(crate) fn without_clamped(&self, finger: &Finger) -> Observation {
+        let free = |marker: &&ObservedMarker| !finger.is_clamped(marker.node);
+        Observation {
+            image: self.image.clone(),
+            markers: self.markers.iter().filter(free).copied().collect(),
+            base: self.base,
+        }
+    }
+
     /// Whether displacements refer to an image of the unloaded finger. If they do, their reference positions differ from the unloaded marker
     /// positions of `finger`.
     pub(crate) fn counts_from_rest(&self, finger: &Finger) -> bool {
@@ -240,7 +262,7 @@ impl Reading {
             let (displacement, sd_mm) = row.map_err(|reason| ObservationError::Marker { index, reason })?;
             rows.push((index, Marker { node: marker.node, displacement, weight: 1.0 }, sd_mm));
         }
-        self.without_clamped(finger, &mut rows)?;
+        self.without_clamped(finger, seen, &mut rows)?;
         let sds: Option<Vec<f64>> = rows.iter().map(|(.., sd_mm)| *sd_mm).collect();
         let noise_mm = sds.filter(|sds| !sds.is_empty()).map(|sds| root_mean_square(&sds));
         let mut measurement = Measurement::empty();
@@ -283,10 +305,13 @@ impl Reading {
     fn without_clamped(
         &self,
         finger: &Finger,
+        seen: &Observation,
         rows: &mut Vec<(usize, Marker, Option<f64>)>,
     ) -> Result<(), ObservationError> {
         let of_all = LargestClampedMotion::of(self.noise_mm, rows.iter().map(|(_, marker, _)| marker.displacement));
         for (index, marker, sd_mm) in rows.iter() {
+            // The motion of a clamped marker includes the error of the base, even if the base is estimated.
+            let sd_mm = seen.markers[*index].sd_mm.map(|sd_mm| self.errors.sd_mm(sd_mm)).or(*sd_mm);
             let largest = sd_mm.map_or(of_all, |sd_mm| LargestClampedMotion::of(Some(sd_mm), []));
             largest.check(finger, marker).map_err(|reason| ObservationError::Marker { index: *index, reason })?;
         }

@@ -4,12 +4,14 @@
 //! warnings, or refuses it with a reason. An observation comes from an image, a table or a simulation.
 
 mod asked;
+mod rest;
 mod stream;
 mod unloaded;
 mod watched;
 
 pub use asked::{AskedContact, AskedContactsError, AskedDirection, MissingInScene};
-pub use stream::{RestPositions, StreamSensor};
+pub use rest::{RestPositions, ZeroDrift};
+pub use stream::StreamSensor;
 pub use watched::{FingerResult, FrameState, WatchedFinger};
 
 use crate::Vector;

@@ -24,6 +24,9 @@ mod sensing {
     mod residual_test;
     mod stated_sigma;
 }
+mod sensor {
+    mod rest;
+}
 mod statics {
     mod arc_length;
     mod arms;

@@ -1,16 +1,17 @@
 //! Contacts that come and go in a stream of observations.
 
 use super::{Refusal, SensedForces, Sensor, SensorContacts, SensorOptions, SensorWarning};
+use crate::Vector;
 use crate::estimators::EstimatorError;
-use crate::observation::{Observation, ObservedMarker};
+use crate::measurement::BaseUncertainty;
+use crate::observation::Observation;
 use crate::scene::Scene;
 use crate::sensing::{ContactQuestion, Refinement, ResidualTest, SensingError, Warning};
-use crate::{NodeId, Vector};
 use nalgebra::{Matrix3, Vector3};
 
 /// Probability per frame of a false alarm: noise alone makes the frame appear to show a force, or to contradict its contacts. For the many frames of
 /// a stream, the false-alarm probability of a single measurement, 1 %, would be too large.
-const FALSE_ALARM: f64 = 1e-4;
+pub(super) const FALSE_ALARM: f64 = 1e-4;
 
 /// Senses the forces in each observation of a stream, and determines how many contacts the observation shows.
 ///
@@ -23,6 +24,9 @@ pub struct StreamSensor<'s> {
     /// A sensor for the requested contacts and, if a second contact may be added, a sensor for two contacts. Each sensor is stored with the meshes
     /// and shapes that its estimator keeps from one observation to the next.
     sensors: Vec<(Sensor<'s>, Option<Refinement<'s>>)>,
+    /// Standard deviation of one coordinate of a displacement of the unloaded finger, mm. Used to recognise the unloaded finger if no other noise is
+    /// stated. Forces and their intervals do not depend on it.
+    pub(super) unloaded_noise_mm: Option<f64>,
 }
 
 impl<'s> StreamSensor<'s> {
@@ -49,7 +53,7 @@ impl<'s> StreamSensor<'s> {
             let refinement = sensor.refinement();
             (sensor, refinement)
         });
-        Ok(StreamSensor { scene, options, sensors: sensors.collect() })
+        Ok(StreamSensor { scene, options, sensors: sensors.collect(), unloaded_noise_mm: None })
     }
 
     /// The forces that an observation shows. The number of contacts is the smallest that explains the markers. `None` if the markers show no force:
@@ -67,6 +71,16 @@ impl<'s> StreamSensor<'s> {
         if self.is_noise(seen)? {
             return Ok(None);
         }
+        // The test above has checked the clamped markers. Without a stated noise, the sensors would compare them with the largest displacement, which
+        // is as small as the noise under a small force.
+        let free;
+        let seen = match self.unloaded_noise_mm {
+            Some(_) => {
+                free = seen.without_clamped(&self.scene.finger);
+                &free
+            }
+            None => seen,
+        };
         let mut refusal = None;
         for (sensor, kept) in &mut self.sensors {
             let sensed =
@@ -93,32 +107,49 @@ impl<'s> StreamSensor<'s> {
     }
 
     /// Whether the noise of the markers and the uncertainty of the base explain all displacements. False if the noise is unknown.
-    ///
-    /// # Reference
-    /// Chi-squared test of d^T S^-1 d for the displacements d. The covariance S of the displacements is the sum of the covariances of the noise and
-    /// of a rigid motion of the base (Woodbury identity).
     fn is_noise(&self, seen: &Observation) -> Result<bool, Refusal> {
-        let stated_mm = self.options.noise_mm.or(self.scene.noise_mm);
-        let found = seen.for_sensing(self.scene, self.options.estimator.searches(), stated_mm)?;
+        let stated_mm = self.stated_noise_mm();
+        let limit_mm = stated_mm.or(self.unloaded_noise_mm);
+        let found = seen.for_sensing(self.scene, self.options.estimator.searches(), limit_mm)?;
         let stated_mm = stated_mm.map(|noise_mm| self.scene.marker_errors.sd_mm(noise_mm));
-        let Some(noise_mm) = stated_mm.or(found.noise_mm) else { return Ok(false) };
-        let base = found.measurement.base().unwrap_or_default();
-        let (mut squares, mut along, mut normal) = (0.0, Vector3::zeros(), Matrix3::identity());
-        for marker in found.measurement.markers() {
+        let Some(noise_mm) = stated_mm.or(found.noise_mm).or(self.unloaded_noise_mm) else { return Ok(false) };
+        let markers = found.measurement.markers().iter().map(|marker| {
             let sd_mm = noise_mm / if stated_mm.is_some() { 1.0 } else { marker.weight };
-            let at = self.scene.finger.marker_position(marker.node);
-            let by_base = [[base.sd_mm, 0.0, -at.y * base.sd_rad], [0.0, base.sd_mm, at.x * base.sd_rad]];
-            for (by_base, moved_mm) in by_base.into_iter().zip(&marker.displacement) {
-                let (by_base, moved) = (Vector3::from(by_base) / sd_mm, moved_mm / sd_mm);
-                squares += moved * moved;
-                along += by_base * moved;
-                normal += by_base * by_base.transpose();
-            }
-        }
-        let of_base = normal.cholesky().map_or(0.0, |normal| along.dot(&normal.solve(&along)));
-        let test = ResidualTest::new(Some(1.0), squares - of_base, found.measurement.coordinate_count());
+            (self.scene.finger.marker_position(marker.node), marker.displacement, sd_mm)
+        });
+        let test = noise_test(markers, found.measurement.base().unwrap_or_default());
         Ok(test.is_some_and(|test| test.p_value() >= FALSE_ALARM))
     }
+
+    /// Standard deviation of one coordinate that the options or the scene state, mm.
+    fn stated_noise_mm(&self) -> Option<f64> {
+        self.options.noise_mm.or(self.scene.noise_mm)
+    }
+}
+
+/// Test whether noise and a rigid motion of the base explain displacements. Each marker has a position, a displacement and a standard deviation of one
+/// coordinate, mm. The noise of the test is 1, because the residual is relative to the standard deviations. `None` without markers.
+///
+/// # Reference
+/// Chi-squared test of d^T S^-1 d for the displacements d. The covariance S of the displacements is the sum of the covariances of the noise and
+/// of a rigid motion of the base (Woodbury identity).
+pub(super) fn noise_test(
+    markers: impl Iterator<Item = (Vector, Vector, f64)>,
+    base: BaseUncertainty,
+) -> Option<ResidualTest> {
+    let (mut squares, mut along, mut normal, mut coordinates) = (0.0, Vector3::zeros(), Matrix3::identity(), 0);
+    for (at, moved_mm, sd_mm) in markers {
+        let by_base = [[base.sd_mm, 0.0, -at.y * base.sd_rad], [0.0, base.sd_mm, at.x * base.sd_rad]];
+        for (by_base, moved_mm) in by_base.into_iter().zip(&moved_mm) {
+            let (by_base, moved) = (Vector3::from(by_base) / sd_mm, moved_mm / sd_mm);
+            squares += moved * moved;
+            along += by_base * moved;
+            normal += by_base * by_base.transpose();
+            coordinates += 1;
+        }
+    }
+    let of_base = normal.cholesky().map_or(0.0, |normal| along.dot(&normal.solve(&along)));
+    ResidualTest::new(Some(1.0), squares - of_base, coordinates)
 }
 
 /// Whether the markers contradict the number of contacts, so that one contact more may explain them.
@@ -139,47 +170,4 @@ fn contradiction(sensed: &SensedForces) -> Option<Warning> {
         }
         _ => None,
     })
-}
-
-/// Mean positions of the markers in observations of the unloaded finger. Later displacements are measured from these positions.
-#[derive(Debug, Clone, Default)]
-pub struct RestPositions {
-    /// Each entry contains a marker's node, the sum of the marker's positions (mm), the sum of their variances (mm^2) and the number of observations.
-    markers: Vec<(NodeId, Vector, f64, usize)>,
-}
-
-impl RestPositions {
-    /// Adds an observation of the unloaded finger.
-    pub fn add(&mut self, seen: &Observation) {
-        for marker in &seen.markers {
-            let Some(position) = marker.position else { continue };
-            let variance_mm2 = marker.sd_mm.unwrap_or(0.0).powi(2);
-            match self.markers.iter_mut().find(|(node, ..)| *node == marker.node) {
-                Some((_, sum, variances_mm2, count)) => {
-                    *sum += position;
-                    *variances_mm2 += variance_mm2;
-                    *count += 1;
-                }
-                None => self.markers.push((marker.node, position, variance_mm2, 1)),
-            }
-        }
-    }
-
-    /// The observation with displacements from the mean positions. Markers that were never seen at rest are left out. The standard deviations include
-    /// the uncertainty of the mean positions.
-    pub fn displaced(&self, seen: &Observation) -> Observation {
-        let displaced = |marker: &ObservedMarker| {
-            let (_, sum, variances_mm2, count) = self.markers.iter().find(|(node, ..)| *node == marker.node)?;
-            let count = *count as f64;
-            let of_mean_mm = variances_mm2.sqrt() / count;
-            let wider = |sd_mm: Option<f64>| sd_mm.map(|sd_mm| sd_mm.hypot(of_mean_mm));
-            Some(ObservedMarker {
-                displacement: Some(marker.position? - sum / count),
-                sd_mm: wider(marker.sd_mm),
-                own_sd_mm: wider(marker.own_sd_mm),
-                ..*marker
-            })
-        };
-        Observation { markers: seen.markers.iter().filter_map(displaced).collect(), ..seen.clone() }
-    }
 }

@@ -39,6 +39,10 @@ pub struct Line<'a> {
     warning: Option<String>,
     /// Reason why no force is given.
     refused: Option<String>,
+    /// Drift of the unloaded finger since the rest frames, mm; the largest of several fingers. Left out before the first free frame after the rest
+    /// frames.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    drift_mm: Option<f64>,
     /// Result of each finger; only for several fingers.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     fingers: Vec<FingerLine<'a>>,
@@ -57,6 +61,8 @@ struct FingerLine<'a> {
     markers: usize,
     warning: Option<String>,
     refused: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    drift_mm: Option<f64>,
 }
 
 /// One contact: position (mm from the base), direction (degrees), force, and standard deviation and 95 % interval of the force (N); with several
@@ -93,6 +99,7 @@ impl<'a> Line<'a> {
             markers: result.markers,
             warning: result.warning(),
             refused: result.refused.clone(),
+            drift_mm: result.drift.map(|drift| drift.rms_mm),
         };
         Line {
             frame: frame.number,
@@ -103,6 +110,7 @@ impl<'a> Line<'a> {
             markers: results.iter().map(|result| result.markers).sum(),
             warning: said(|result| result.warning()),
             refused: said(|result| result.refused.clone()),
+            drift_mm: results.iter().filter_map(|result| result.drift).map(|drift| drift.rms_mm).reduce(f64::max),
             fingers: if is_one { Vec::new() } else { results.iter().map(finger).collect() },
             latency_ms: frame.arrived.elapsed().as_secs_f64() * 1e3,
             dropped: frame.dropped,

@@ -200,7 +200,12 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let [in_contact, free, refused, lost] = counts;
     let frames = count(counts.iter().sum(), "frame");
     let states = format!("{in_contact} in contact, {free} free, {refused} refused, {lost} without finger");
-    Ok(summary(format!("{frames}: {states}; {dropped} dropped"), [&arguments.out].into_iter().chain(&arguments.record)))
+    let drifts = watched.iter().filter_map(|(finger, _)| finger.drift()).map(|drift| drift.rms_mm);
+    let drift = drifts.reduce(f64::max).map_or_else(String::new, |drift_mm| format!("; zero drift {drift_mm:.4} mm"));
+    Ok(summary(
+        format!("{frames}: {states}; {dropped} dropped{drift}"),
+        [&arguments.out].into_iter().chain(&arguments.record),
+    ))
 }
 
 /// Prepares the evaluation of a finger.

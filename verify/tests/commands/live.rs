@@ -150,10 +150,7 @@ fn first_frames_may_show_the_unloaded_finger() {
         .into_iter()
         .map(|mut line| {
             for marker in line["markers"].as_array_mut().expect("markers") {
-                let node = marker["node"].as_u64().expect("a node");
-                // Nodes 1 and 25 of this finger are clamped.
-                let off_mm = if node == 1 || node == 25 { 0.0 } else { 0.3 };
-                marker["y_mm"] = (marker["y_mm"].as_f64().expect("a number") + off_mm).into();
+                marker["y_mm"] = (marker["y_mm"].as_f64().expect("a number") + 0.3).into();
             }
             line.to_string() + "\n"
         })
@@ -164,6 +161,27 @@ fn first_frames_may_show_the_unloaded_finger() {
     let found = lines(&finray_reading(shifted.as_bytes(), &[&live[..], &["--rest-frames", "5"]].concat()).done());
     assert_eq!(states(&found), ["none", "none", "none", "none", "none", "none", "none", "contact"]);
     assert!((force_n(&found[7]) - 1.0).abs() < 0.05, "{}", found[7]);
+    // After the rest frames, each line shows the drift. The noise of the means causes 0.02 mm (1 / 5 + 1 / frames)^(1/2) in each coordinate.
+    let drifts: Vec<Option<f64>> = found.iter().map(|line| line["drift_mm"].as_f64()).collect();
+    assert_eq!(
+        drifts.iter().map(Option::is_some).collect::<Vec<_>>(),
+        [false, false, false, false, false, true, true, true]
+    );
+    let expected_mm = NOISE_MM * (2.0 * (1.0 / 5.0 + 1.0 / 2.0_f64)).sqrt();
+    assert!(drifts[6] == drifts[7] && (drifts[6].unwrap_or(0.0) / expected_mm - 1.0).abs() < 0.3, "{drifts:?}");
+    // Rest frames with the nodes in reverse order are refused.
+    let reversed = lines(&positions(&shapes[0], 0.0, 1)[0]).remove(0);
+    let mut markers = reversed["markers"].as_array().expect("markers").clone();
+    for marker in &mut markers {
+        marker["node"] = (26 - marker["node"].as_u64().expect("a node")).into();
+    }
+    let reversed = serde_json::json!({ "markers": markers }).to_string();
+    let found = lines(&finray_reading(reversed.as_bytes(), &[&live[..], &["--rest-frames", "1"]].concat()).done());
+    assert_eq!(states(&found), ["refused"]);
+    assert_says(
+        found[0]["refused"].as_str().expect("a reason"),
+        &["node 25 is clamped, but its marker is nearer to node 1"],
+    );
     // With `--rest-frames`, the noise of a displacement includes the noise of the mean position at rest. With only one frame at rest, a displacement
     // has 1.4 times the noise of a position.
     let folder = Folder::new();
