@@ -1,8 +1,12 @@
 """Forces in streams: the lines of `finray live`."""
 
+import http.server
 import json
 import subprocess
 import sys
+import threading
+import time
+import typing
 
 import finray
 import finray.live
@@ -104,6 +108,64 @@ def test_frames_of_a_capture_give_the_lines_of_their_images(images, tmp_path, mo
     assert newest[-1]["frame"] == 2 and len(newest) + sum(line["dropped"] for line in newest) == 3
     closed = live(CAMERA, "--contact-at", "auto", "--camera", 0)
     assert (closed.returncode, closed.stderr) == (2, "error: --camera 0: cannot be opened\n")
+
+
+def test_opencv_reads_a_video_without_loss(images, tmp_path):
+    """OpenCV stores and reads the images in a lossless codec, so each line is that of the image file."""
+    cv2 = pytest.importorskip("cv2")
+    frames = [images[0], images[1], images[0], images[1], images[1]]
+    path = tmp_path / "video.avi"
+    pixels = [finray.read_image(frame) for frame in frames]
+    height, width, _ = pixels[0].shape
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"RGBA"), 25, (width, height))
+    assert writer.isOpened()
+    for frame in pixels:
+        writer.write(cv2.cvtColor(frame, cv2.COLOR_RGB2BGR))
+    writer.release()
+    ours = live(CAMERA, "--contact-at", "auto@-20", "--camera", path, "--every-frame")
+    assert ours.returncode == 0, ours.stderr
+    theirs = done("live", CAMERA, "--contact-at", "auto@-20", "--every-frame", "--image", *frames)[0]
+    assert [{**line, "time_s": None} for line in without_latency(ours.stdout)] == without_latency(theirs)
+
+
+class NetworkCamera(http.server.BaseHTTPRequestHandler):
+    """A camera that sends JPEG images, one after the other (multipart/x-mixed-replace), as network cameras do."""
+
+    frames: typing.ClassVar = []
+
+    def do_GET(self):
+        self.send_response(200)
+        self.send_header("Content-Type", "multipart/x-mixed-replace; boundary=frame")
+        self.end_headers()
+        for frame in self.frames:
+            self.wfile.write(b"--frame\r\nContent-Type: image/jpeg\r\nContent-Length: %d\r\n\r\n" % len(frame))
+            self.wfile.write(frame + b"\r\n")
+            time.sleep(1 / 25)
+
+    def log_message(self, *_):
+        """Print nothing."""
+
+
+def test_opencv_reads_a_network_camera(images):
+    """Rendered images arrive over HTTP at 25 a second, compressed with loss, as from a network camera."""
+    cv2 = pytest.importorskip("cv2")
+    free, pressed = (cv2.imencode(".jpg", cv2.imread(str(path)), [cv2.IMWRITE_JPEG_QUALITY, 95])[1].tobytes() for path in images)
+    NetworkCamera.frames = [free] * 20 + [pressed] * 30 + [free] * 20
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), NetworkCamera) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        address = f"http://127.0.0.1:{server.server_address[1]}/stream.mjpg"
+        ours = live(CAMERA, "--contact-at", "auto@-20", "--camera", address, "--rest-frames", 3)
+        server.shutdown()
+    assert ours.returncode == 0, ours.stderr
+    lines = without_latency(ours.stdout)
+    assert len(lines) + sum(line["dropped"] for line in lines) >= 65
+    states = [line["state"] for line in lines]
+    assert set(states) == {"contact", "none"}
+    assert states[0] == states[-1] == "none"
+    for line in lines:
+        for contact in line["contacts"]:
+            assert abs(contact["force_n"] - 2) < 0.02 and abs(contact["s_mm"] - 80) < 0.5
+    assert max(line.get("drift_mm", 0) for line in lines) < 0.01
 
 
 def test_a_camera_without_opencv_is_an_error(tmp_path, monkeypatch):
