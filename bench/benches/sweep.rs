@@ -1,4 +1,4 @@
-//! Speed of sweeps, in estimates per second: least squares and the nonlinear estimator on linear and co-rotational true fingers. One estimate is for one
+//! Speed of sweeps, in estimates per second: least squares, ridge and the nonlinear estimator on linear and co-rotational true fingers. One estimate is for one
 //! position, direction, force, noise level and noise sample.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
@@ -21,13 +21,15 @@ fn sweep(criterion: &mut Criterion) {
     let corotational =
         MeshTruth::new(TruthId::Corotational, &fine, Kinematics::Corotational).expect("the finger at rest");
     let least_squares = BeamEstimator::least_squares(&coarse);
+    let ridge = BeamEstimator::ridge(&coarse);
     let nonlinear = BeamEstimator::nonlinear(&sensing);
     let four = [0.5, 1.0, 2.0, 3.0];
-    let cases: [Case; 5] = [
+    let cases: [Case; 6] = [
         ("linear/least_squares/200_samples", &linear, &least_squares, &four, 20.0, 200),
         ("linear/least_squares/1_sample", &linear, &least_squares, &four, 2.0, 1),
         ("linear/least_squares/1_sample/1_force", &linear, &least_squares, &four[1..2], 2.0, 1),
         ("corotational/least_squares/200_samples", &corotational, &least_squares, &four, 20.0, 200),
+        ("corotational/ridge/200_samples", &corotational, &ridge, &four, 20.0, 200),
         ("corotational/nonlinear/4_samples", &corotational, &nonlinear, &four, 80.0, 4),
     ];
     let mut group = criterion.benchmark_group("sweep");

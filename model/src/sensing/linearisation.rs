@@ -43,8 +43,8 @@ pub struct Linearisation<'m> {
     statics: Statics<Ladder<'m>>,
     /// Smallest and largest value of a single force for which an equilibrium exists, N. A limit is infinite until the limit is known.
     ends_n: [f64; 2],
-    /// Gain for which `points` are valid.
-    gain: DMatrix<f64>,
+    /// Gains of the points. Other markers have another gain, and so has a prior with another noise.
+    gains: Vec<DMatrix<f64>>,
     points: Vec<Point>,
 }
 
@@ -69,6 +69,8 @@ pub(super) struct LinearisationError {
 /// Solution at one point of the grid of forces.
 #[derive(Debug, Clone)]
 struct Point {
+    /// Index of the gain.
+    gain: usize,
     key: Vec<i64>,
     step_n: f64,
     /// `None` if no forces on the co-rotational finger make the linear estimator return the forces of this grid point.
@@ -92,14 +94,7 @@ impl<'m> Linearisation<'m> {
     pub fn new(mesh: &'m Mesh, contacts: &[Contact]) -> Linearisation<'m> {
         let statics = Statics::ladder(mesh, Kinematics::Corotational);
         let ends_n = [f64::NEG_INFINITY, f64::INFINITY];
-        Linearisation {
-            mesh,
-            contacts: contacts.to_vec(),
-            statics,
-            ends_n,
-            gain: DMatrix::zeros(0, 0),
-            points: Vec::new(),
-        }
+        Linearisation { mesh, contacts: contacts.to_vec(), statics, ends_n, gains: Vec::new(), points: Vec::new() }
     }
 
     /// Error of linearisation of the estimated forces `sensed_n`, N.
@@ -112,11 +107,6 @@ impl<'m> Linearisation<'m> {
         measurement: &Measurement,
         sensed_n: &[f64],
     ) -> Result<LinearisationError, SensingError> {
-        // Stored points are invalid for another gain (other markers, or a prior with another noise).
-        if self.gain != *model.gain {
-            self.points.clear();
-            self.gain.clone_from(model.gain);
-        }
         let solution = self.point(model, measurement, sensed_n)?;
         let (grid_n, solution) = solution.ok_or(SensingError::NotLinearised)?;
         let change = &solution.slope * DVector::from_fn(sensed_n.len(), |i, _| sensed_n[i] - grid_n[i]);
@@ -143,15 +133,21 @@ impl<'m> Linearisation<'m> {
         let step_n = if largest_n > 0.0 { GRID * largest_n.log2().floor().exp2() } else { 1.0 };
         let key: Vec<i64> = sensed_n.iter().map(|f| (f / step_n).round() as i64).collect();
         let grid_n: Vec<f64> = key.iter().map(|&k| k as f64 * step_n).collect();
-        let known = self.points.iter().position(|point| point.step_n == step_n && point.key == key);
-        let index = match known {
+        let gain = self.gains.iter().position(|gain| gain == model.gain);
+        let is_point = |point: &Point| Some(point.gain) == gain && point.step_n == step_n && point.key == key;
+        let index = match self.points.iter().position(is_point) {
             Some(index) => index,
             None => {
                 if self.points.len() == MOST_POINTS {
                     self.points.clear();
+                    self.gains.clear();
                 }
                 let solution = self.solve(model, measurement, &grid_n)?;
-                self.points.push(Point { key, step_n, solution });
+                let gain = gain.filter(|gain| *gain < self.gains.len()).unwrap_or_else(|| {
+                    self.gains.push(model.gain.clone());
+                    self.gains.len() - 1
+                });
+                self.points.push(Point { gain, key, step_n, solution });
                 self.points.len() - 1
             }
         };
