@@ -165,6 +165,18 @@ pub enum NetworkError {
         /// Largest force in training, N.
         largest_n: f64,
     },
+    /// A force acts at a contact of the training that is not among the requested contacts.
+    #[error(
+        "the contacts are wrong: with contact {contact} added, the network senses {force_n:.2} N there (standard deviation {sigma_n:.2} N)"
+    )]
+    FurtherForce {
+        /// The contact that was not requested.
+        contact: String,
+        /// Estimated force, N.
+        force_n: f64,
+        /// Standard deviation of the force, N.
+        sigma_n: f64,
+    },
     /// An error that is not specific to networks.
     #[error(transparent)]
     Sensing(#[from] SensingError),

@@ -1,6 +1,7 @@
 //! Estimates forces and their standard deviations with a network, in microseconds.
 
 use super::forward::{Forward, Instructions};
+use super::further::FurtherContact;
 use super::hidden::{directions, filling};
 use super::prepared::Prepared;
 use super::{ContactSet, Fingerprint, Network, NetworkError, Scaling};
@@ -42,6 +43,8 @@ pub struct NetworkEstimator {
     noise_mm: f64,
     force_range_n: [f64; 2],
     largest_total_n: f64,
+    /// For [`ContactSet::AnyOf`], the contacts of the training at which no force is assumed.
+    further: Vec<FurtherContact>,
 }
 
 impl NetworkEstimator {
@@ -85,14 +88,27 @@ impl NetworkEstimator {
             return Err(hidden_markers);
         }
         let (matrix, missed) = filling(network, &seen).ok_or(hidden_markers)?;
-        let mut prepared = Prepared::new(network, &selected);
-        // The inputs are P (mean + F (x_s - mean_s)) + offset for measured coordinates x_s; all terms except P F x_s are constant.
         let all_mean = DVector::from_column_slice(&network.inputs.mean);
         let mean = all_mean.select_rows(&seen);
-        let constant = &prepared.projection * (&all_mean - &matrix * &mean);
-        prepared.offset.iter_mut().zip(&constant).for_each(|(offset, constant)| *offset += constant);
-        let hidden_covariance = &prepared.projection * missed * prepared.projection.transpose();
-        prepared.projection *= matrix;
+        let of_constant = &all_mean - &matrix * &mean;
+        let measured = |mut prepared: Prepared| {
+            // The inputs are P (mean + F (x_s - mean_s)) + offset for measured coordinates x_s; all terms except P F x_s are constant.
+            let constant = &prepared.projection * &of_constant;
+            prepared.offset.iter_mut().zip(&constant).for_each(|(offset, constant)| *offset += constant);
+            let hidden_covariance = &prepared.projection * &missed * prepared.projection.transpose();
+            prepared.projection *= &matrix;
+            (prepared, hidden_covariance)
+        };
+        let (prepared, hidden_covariance) = measured(Prepared::new(network, &selected, &selected));
+        let is_any_of = network.card.contact_set == ContactSet::AnyOf && selected.len() < seen.len();
+        let others = (0..network.contact_count()).filter(|contact| is_any_of && !selected.contains(contact));
+        let further = others.map(|contact| {
+            let touching: Vec<usize> = selected.iter().copied().chain([contact]).collect();
+            let (prepared, hidden_covariance) = measured(Prepared::new(network, &touching, &[contact]));
+            let clean_rms_n = network.card.test_errors[contact].clean_rms_n;
+            FurtherContact { contact: network.card.contacts[contact], prepared, hidden_covariance, clean_rms_n }
+        });
+        let further = further.collect();
         let seen_directions = directions(network).select_columns(&seen).transpose();
         let input_noise = network.inputs.projection.row_iter().map(|row| row.norm()).collect();
         Ok(NetworkEstimator {
@@ -109,6 +125,7 @@ impl NetworkEstimator {
             noise_mm: network.card.noise_mm,
             force_range_n: network.card.origin.force_range_n,
             largest_total_n: network.card.origin.largest_total_n,
+            further,
         })
     }
 
@@ -137,7 +154,8 @@ impl NetworkEstimator {
     /// singular values of the forces' derivatives with respect to the displacements.
     ///
     /// # Errors
-    /// [`NetworkError`] for markers other than the prepared ones, for weights other than 1, and for shapes or forces outside the training.
+    /// [`NetworkError`] for markers other than the prepared ones, for weights other than 1, for shapes or forces outside the training, and for
+    /// [`ContactSet::AnyOf`] if a force acts at another contact of the training.
     pub fn estimate(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Estimate, NetworkError> {
         if !measurement.markers().iter().map(|marker| marker.node).eq(self.markers.iter().copied()) {
             return Err(NetworkError::OtherMarkers);
@@ -152,7 +170,7 @@ impl NetworkEstimator {
         let mut forces_n = vec![0.0; self.prepared.outputs()];
         self.forward.forces(&x, &mut forces_n);
 
-        let derivatives = self.prepared.derivatives(&z);
+        let (_, derivatives) = self.prepared.forces_and_derivatives(&z);
         let gain = &derivatives * &self.prepared.projection;
         let hidden = &derivatives * &self.hidden_covariance * derivatives.transpose();
         let sigma = |(k, clean_rms_n): (usize, &f64)| {
@@ -161,6 +179,10 @@ impl NetworkEstimator {
         };
         let sigmas_n: Vec<f64> = self.clean_rms_n.iter().enumerate().map(sigma).collect();
         self.require_trained_forces(&forces_n, &sigmas_n)?;
+        let further = self.further.iter().map(|contact| contact.force(&x, noise_mm));
+        if let Some((_, Some(refusal))) = further.max_by(|(a, _), (b, _)| a.total_cmp(b)) {
+            return Err(refusal);
+        }
         let mut singular_values: Vec<f64> = gain.singular_values().iter().map(|value| value.recip()).collect();
         singular_values.sort_by(|a, b| b.total_cmp(a));
         Ok(Estimate {

@@ -11,6 +11,7 @@ mod estimator;
 mod file;
 mod fingerprint;
 mod forward;
+mod further;
 mod hidden;
 mod prepared;
 

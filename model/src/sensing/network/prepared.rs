@@ -31,24 +31,24 @@ pub(super) struct Prepared {
 }
 
 impl Prepared {
-    /// Prepares a network for the contacts `selected`, which are indices in the network's list. For [`ContactSet::AnyOf`], `selected` lists the
-    /// contacts at which forces act.
+    /// Prepares a network for the forces at the contacts `outputs`, which are indices in the network's list. For [`ContactSet::AnyOf`], `selected`
+    /// lists the contacts at which forces act; it includes `outputs`.
     ///
     /// The mask of the selected contacts is constant and becomes part of the bias of the first layer. Ridge regression estimates the forces at the
     /// selected contacts. These forces, divided by the prior, become further inputs with a skip connection to the outputs. The forces from ridge
     /// regression are G_S x with G_S = (C_S^T C_S + (noise / prior)^2)^-1 C_S^T.
-    pub(super) fn new(network: &Network, selected: &[usize]) -> Prepared {
+    pub(super) fn new(network: &Network, selected: &[usize], outputs: &[usize]) -> Prepared {
         let (p, m) = (network.inputs.count(), network.contact_count());
         let mut layers = network.layers.clone();
         if let Some(last) = layers.last_mut() {
-            last.weights = rows(&last.weights, last.inputs, selected);
-            last.bias = rows(&last.bias, 1, selected);
-            last.outputs = selected.len();
+            last.weights = rows(&last.weights, last.inputs, outputs);
+            last.bias = rows(&last.bias, 1, outputs);
+            last.outputs = outputs.len();
         }
         let mean = nalgebra::DVector::from_column_slice(&network.inputs.mean);
         let mut projection = network.inputs.projection.clone();
         let mut offset: Vec<f64> = (-(&projection * mean)).iter().copied().collect();
-        let mut skip = rows(&network.skip, p, selected);
+        let mut skip = rows(&network.skip, p, outputs);
         if let (ContactSet::AnyOf, Some(compliance)) = (network.card.contact_set, &network.compliance) {
             let prior_n = network.card.prior_n;
             let touching: Vec<bool> = (0..m).map(|contact| selected.contains(&contact)).collect();
@@ -57,9 +57,11 @@ impl Prepared {
             projection = projection.resize_vertically(p + count, 0.0);
             projection.rows_mut(p, count).copy_from(&(ridge / prior_n));
             offset.resize(p + count, 0.0);
-            skip = vec![0.0; count * (p + count)];
-            for k in 0..count {
-                skip[k * (p + count) + p + k] = prior_n as f32;
+            skip = vec![0.0; outputs.len() * (p + count)];
+            for (k, output) in outputs.iter().enumerate() {
+                for (i, _) in selected.iter().enumerate().filter(|(_, contact)| *contact == output) {
+                    skip[k * (p + count) + p + i] = prior_n as f32;
+                }
             }
             if let Some(first) = layers.first_mut() {
                 *first = with_mask(first, p, m, selected);
@@ -79,9 +81,9 @@ impl Prepared {
         projected.iter().zip(&self.offset).map(|(z, offset)| z + offset).collect()
     }
 
-    /// Derivatives of the forces with respect to the inputs at z, outputs x inputs, N. For L layers, the derivatives are skip plus the product of
-    /// W_L, D_{L-1}, W_{L-1} and so on down to D_1 and W_1, with D = 1 - tanh^2.
-    pub(super) fn derivatives(&self, z: &[f64]) -> DMatrix<f64> {
+    /// Forces at the inputs z, N, and their derivatives with respect to the inputs, outputs x inputs, N. For L layers, the derivatives are skip plus the
+    /// product of W_L, D_{L-1}, W_{L-1} and so on down to D_1 and W_1, with D = 1 - tanh^2.
+    pub(super) fn forces_and_derivatives(&self, z: &[f64]) -> (Vec<f64>, DMatrix<f64>) {
         let mut activations = vec![z.to_vec()];
         for (k, layer) in self.layers.iter().enumerate().take(self.layers.len() - 1) {
             activations.push(layer.applied(&activations[k]).iter().map(|sum| sum.tanh()).collect());
@@ -106,10 +108,13 @@ impl Prepared {
                 *row = back;
             }
         }
-        DMatrix::from_fn(outputs, z.len(), |row, column| {
-            let skip = self.skip.get(row * z.len() + column).copied().unwrap_or(0.0);
-            derivatives[row][column] + f64::from(skip)
-        })
+        let skip = |row: usize, column: usize| f64::from(self.skip.get(row * z.len() + column).copied().unwrap_or(0.0));
+        let of_layers = self.layers.last().zip(activations.last()).map(|(layer, inputs)| layer.applied(inputs));
+        let force = |(row, of_layers): (usize, f64)| {
+            of_layers + z.iter().enumerate().map(|(column, z)| skip(row, column) * z).sum::<f64>()
+        };
+        let forces_n = of_layers.unwrap_or_default().into_iter().enumerate().map(force).collect();
+        (forces_n, DMatrix::from_fn(outputs, z.len(), |row, column| derivatives[row][column] + skip(row, column)))
     }
 }
 

@@ -1,10 +1,12 @@
 //! Estimates of a network: standard deviations, the residual test, and refused shapes.
 
 use super::{estimator, measured, random_network, random_shape};
+use finray_model::estimators::network::Networks;
 use finray_model::measurement::{Marker, Measurement};
-use finray_model::sensing::network::{ContactSet, Instructions, NetworkError, TestError};
+use finray_model::sensing::network::{ContactSet, Instructions, NetworkError, NetworkEstimator, TestError};
 use finray_model::sensing::{SensingError, Warning};
-use finray_tests::{CAMERA_NOISE_MM, paper};
+use finray_model::{Kinematics, Mesh, statics};
+use finray_tests::{CAMERA_NOISE_MM, at_node, at_nodes, noisy, paper};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -66,6 +68,36 @@ fn noise_that_the_residual_contradicts_is_not_believed() {
     assert!((wider - 2.0281 / 1.959_96).abs() < 1e-4, "{wider}");
     let believed = estimator.estimate(&measurement, Some(0.25)).expect("noise alone");
     assert_eq!((believed.noise_mm, believed.warning), (0.25, None));
+}
+
+/// A network for any subset of its contacts refuses contacts at which the forces do not act, and names the contact of the true force. Forces and noise
+/// are those of the training. Right contacts are accepted.
+#[test]
+fn wrong_contacts_of_a_network_for_any_subset_are_refused() {
+    let (finger, networks) = (paper(), Networks::read(&finray_fixtures::NETWORKS).expect("shipped networks"));
+    let mesh = Mesh::with_elements_per_member(&finger, 8);
+    let mut rng = ChaCha8Rng::seed_from_u64(9);
+    for (true_node, wrong) in [(15, 13), (22, 23), (17, 24), (18, 21), (21, 14)] {
+        let load = at_node(true_node, 0.0).load(&finger, 1.5);
+        let shape = statics::solve(&mesh, &[load], Kinematics::Corotational).expect("carried");
+        let seen = noisy(&Measurement::of_shape(&finger, &shape), CAMERA_NOISE_MM, &mut rng);
+        // No shipped network is trained for exactly these two contacts.
+        let other = if true_node == 20 { 19 } else { 20 };
+        let sense = |nodes: &[usize]| {
+            let contacts = at_nodes(nodes);
+            let network = networks.choose(&finger, &contacts).expect("a network for any subset");
+            assert_eq!(network.card.contact_set, ContactSet::AnyOf);
+            let mut estimator = NetworkEstimator::new(network, &finger, &contacts, &seen).expect("prepared");
+            estimator.estimate(&seen, Some(CAMERA_NOISE_MM))
+        };
+        let right = sense(&[true_node, other, 16]).expect("right contacts");
+        assert!((right.forces_n[0] - 1.5).abs() < 4.0 * right.sigmas_n[0], "{true_node}: {right:?}");
+        match sense(&[wrong, 16, 19]) {
+            Err(NetworkError::FurtherForce { contact, .. }) => assert_eq!(contact, format!("{true_node}@0")),
+            Err(NetworkError::ForceOutsideTraining { .. }) => {}
+            accepted => panic!("{true_node} as {wrong}: {accepted:?}"),
+        }
+    }
 }
 
 #[test]
