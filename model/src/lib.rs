@@ -49,6 +49,7 @@ pub mod measurement;
 pub mod mesh;
 pub mod observation;
 pub mod registry;
+pub mod rigid_fit;
 pub mod scene;
 pub mod sensing;
 pub mod sensor;

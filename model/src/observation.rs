@@ -7,7 +7,6 @@
 mod clamped;
 
 pub use clamped::LargestClampedMotion;
-pub(crate) use clamped::check_at_rest;
 
 use crate::Vector;
 use crate::camera::Pixel;
@@ -121,17 +120,6 @@ pub enum MarkerError {
         /// Largest displacement that noise explains, mm.
         largest_mm: f64,
     },
-    /// In an observation of the unloaded finger, a marker of a clamped node lies nearer to the other clamped node.
-    #[error(
-        "node {node} is clamped, but its marker is nearer to node {nearest}; are the nodes numbered as in the scene, from the back base over the tip to \
-         the front base?"
-    )]
-    ClampedElsewhere {
-        /// The clamped node.
-        node: NodeId,
-        /// The other clamped node.
-        nearest: NodeId,
-    },
 }
 
 /// Standard deviations of position (mm) and rotation (rad) of a base that counts as exact. These values are far below the accuracy of an image.
@@ -192,16 +180,6 @@ impl Observation {
         let known = found.measurement.base().unwrap_or_default();
         let base = BaseUncertainty { sd_mm: known.sd_mm.max(EXACT.0), sd_rad: known.sd_rad.max(EXACT.1), ..known };
         Ok((ObservedMeasurement { noise_mm: Some(noise_mm), ..found }, base))
-    }
-
-    /// The observation without the markers of clamped nodes.
-    pub(crate) fn without_clamped(&self, finger: &Finger) -> Observation {
-        let free = |marker: &&ObservedMarker| !finger.is_clamped(marker.node);
-        Observation {
-            image: self.image.clone(),
-            markers: self.markers.iter().filter(free).copied().collect(),
-            base: self.base,
-        }
     }
 
     /// Whether displacements refer to an image of the unloaded finger. If they do, their reference positions differ from the unloaded marker
@@ -342,7 +320,8 @@ impl Reading {
     }
 }
 
-fn exists(finger: &Finger, node: NodeId) -> bool {
+/// Whether the finger has a key node of this number.
+pub(crate) fn exists(finger: &Finger, node: NodeId) -> bool {
     (1..=finger.key_node_count()).contains(&node.0)
 }
 

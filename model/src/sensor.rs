@@ -4,13 +4,16 @@
 //! warnings, or refuses it with a reason. An observation comes from an image, a table or a simulation.
 
 mod asked;
+mod drift;
+mod means;
 mod rest;
 mod stream;
 mod unloaded;
 mod watched;
 
 pub use asked::{AskedContact, AskedContactsError, AskedDirection, MissingInScene};
-pub use rest::{RestPositions, ZeroDrift};
+pub use drift::ZeroDrift;
+pub use rest::RestPositions;
 pub use stream::StreamSensor;
 pub use watched::{FingerResult, FrameState, WatchedFinger};
 
@@ -207,6 +210,9 @@ pub enum Refusal {
         /// The contradiction.
         warning: Warning,
     },
+    /// Without a stated noise, forces that may be zero leave a large part of the displacements unexplained.
+    #[error("no force at the contacts explains the markers: {0}")]
+    Unexplained(SensorWarning),
     /// Measured contacts require a known base, no pad, and the nonlinear estimator. The text names the unmet condition.
     #[error("contacts with standard deviations need {0}")]
     MeasuredContacts(&'static str),
@@ -224,6 +230,9 @@ impl<'s> Sensor<'s> {
     /// # Errors
     /// [`Refusal`] if the estimator does not support the contacts, because it would refuse every observation.
     pub fn new(scene: &'s Scene, contacts: SensorContacts, options: SensorOptions<'s>) -> Result<Sensor<'s>, Refusal> {
+        if let Some(nodes) = options.mesh_nodes.filter(|_| options.estimator.searches()) {
+            Mesh::with_nodes(&scene.finger, nodes).map_err(EstimatorError::from)?;
+        }
         match &contacts {
             SensorContacts::Asked(questions) => options.estimator.admits(&scene.finger, questions, options.networks)?,
             SensorContacts::Measured { contacts, .. } => {

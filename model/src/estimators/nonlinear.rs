@@ -1,7 +1,9 @@
 //! Gauss-Newton on the co-rotational finger.
 
 use super::{Answer, BeamEstimator, ELEMENTS, EstimatorError, EstimatorRow, Question};
-use crate::sensing::{Discretisation, NonlinearEstimate, NonlinearEstimator, Pushed, SensingError, sense_refining};
+use crate::sensing::{
+    Discretisation, NonlinearEstimate, NonlinearEstimator, Pushed, SensingError, check_questions, sense_refining,
+};
 use crate::{Finger, Mesh};
 
 pub(super) const ROW: EstimatorRow = EstimatorRow {
@@ -16,8 +18,7 @@ pub(super) const ROW: EstimatorRow = EstimatorRow {
     unseen_contacts: "any",
     mesh: |finger| Mesh::with_elements_per_member(finger, ELEMENTS),
     on: |mesh, _| Box::new(BeamEstimator::nonlinear(mesh)),
-    // This check accepts all contacts: the search checks them later, because their positions and directions may be unknown.
-    admits: |_, _, _| Ok(()),
+    admits: |finger, contacts, _| Ok(check_questions(finger, contacts)?),
     answer,
 };
 

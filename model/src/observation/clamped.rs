@@ -1,7 +1,7 @@
 //! Check of markers on clamped nodes. A marker on a clamped node shows only noise, so a large displacement of this marker indicates a wrong node
 //! number.
 
-use super::{MarkerError, Observation};
+use super::MarkerError;
 use crate::Vector;
 use crate::finger::Finger;
 use crate::measurement::Marker;
@@ -40,20 +40,4 @@ impl LargestClampedMotion {
             false => Ok(()),
         }
     }
-}
-
-/// Checks an observation of the unloaded finger. Its markers may be shifted relative to the scene, but a clamped marker must lie nearest to its own node.
-///
-/// # Errors
-/// [`MarkerError::ClampedElsewhere`] for the first marker that is nearer to the other clamped node.
-pub(crate) fn check_at_rest(finger: &Finger, seen: &Observation) -> Result<(), MarkerError> {
-    for marker in seen.markers.iter().filter(|marker| finger.is_clamped(marker.node)) {
-        let Some(position) = marker.position else { continue };
-        let away = |node| (position - finger.marker_position(node)).norm();
-        let own = finger.junction(marker.node);
-        if let Some(nearest) = finger.clamped_nodes().into_iter().find(|node| away(*node) < away(own)) {
-            return Err(MarkerError::ClampedElsewhere { node: marker.node, nearest });
-        }
-    }
-    Ok(())
 }

@@ -107,6 +107,21 @@ impl From<Contact> for ContactQuestion {
     }
 }
 
+/// Checks the known part of each contact, and contacts of which everything is known, as [`check_contacts`] does.
+///
+/// # Errors
+/// [`SensingError`] for the first contact that fails a check, or if `questions` is empty.
+pub fn check_questions(finger: &Finger, questions: &[ContactQuestion]) -> Result<(), SensingError> {
+    // A valid value replaces an unknown direction or position.
+    for question in questions {
+        let angle_deg = if let Direction::Angle(angle) = question.direction { angle } else { 0.0 };
+        let position = question.position.unwrap_or(ContactPosition::Node(finger.tip()));
+        check_contacts(finger, &[Contact { position, angle_deg }])?;
+    }
+    let known: Option<Vec<Contact>> = questions.iter().map(ContactQuestion::known).collect();
+    known.map_or(Ok(()), |contacts| check_contacts(finger, &contacts))
+}
+
 /// Checks that contacts lie on the free front plate, have finite angles and differ from each other.
 ///
 /// # Errors

@@ -17,7 +17,7 @@ mod response;
 
 pub(crate) use assembly::Pushed;
 pub use assembly::{AssemblyErrors, CameraAbove, UnloadedError, UnloadedFinger};
-pub use contact::{Contact, ContactPosition, ContactQuestion, Direction, check_contacts};
+pub use contact::{Contact, ContactPosition, ContactQuestion, Direction, check_contacts, check_questions};
 pub use error::SensingError;
 pub use estimate::{Estimate, ModelError, Warning};
 pub use lean::{Lean, Normal};

@@ -1,155 +1,190 @@
-//! The unloaded finger in a stream: the positions of its markers at rest, their scatter, and their drift since.
+//! The unloaded finger in the first frames of a stream: the positions of its markers, and their scatter.
 
-use super::stream::{FALSE_ALARM, noise_test};
+use super::means::{MeanBase, MeanPosition};
+use super::stream::FALSE_ALARM;
 use crate::Vector;
-use crate::finger::NodeId;
-use crate::measurement::BaseUncertainty;
-use crate::observation::{Observation, ObservedBase, ObservedMarker};
+use crate::finger::{Finger, NodeId};
+use crate::observation::{Observation, ObservedBase, ObservedMarker, exists};
+use crate::rigid_fit::rigid_fit;
 use crate::scene::Scene;
 use crate::sensing::ResidualTest;
+use nalgebra::{Isometry2, Point2, UnitComplex};
 
-/// The scatter of the markers is used as noise only if it has at least this many degrees of freedom. For 23 free markers, the test that recognises the
-/// unloaded finger then fails in at most 0.3 % of the frames on average (F distribution).
-const LEAST_DEGREES_OF_FREEDOM: usize = 100;
-/// Standard deviations, mm and rad, of a base that may be anywhere. They exceed every drift at which the camera still shows the finger in its place.
-const ANYWHERE: (f64, f64) = (100.0, 1.0);
+/// The scatter of the markers states the noise only if it has at least this many degrees of freedom. With fewer, the noise would be uncertain by more than
+/// a third.
+const LEAST_DEGREES_OF_FREEDOM: f64 = 12.0;
+/// Degrees of freedom of a noise from the median change between frames, as a share of those of the variance. The change has 2/3 of the information in the
+/// variance, and the median 0.64 of that in the mean.
+const OF_MEDIAN_CHANGE: f64 = 0.4;
+/// Without a stated noise, the finger was not at rest if the variance of its markers exceeds the noise from the changes between frames by this factor.
+/// White noise exceeds this factor in at most 0.7 % of the streams with one marker, and in 0.04 % with two.
+const RESTLESS: f64 = 2.5;
+/// The unloaded markers must lie where the scene has them, up to a rigid motion and this share of their distance from their centre (root mean squares).
+/// Assembly errors are smaller. Another unit, a scale error of more than 3 %, other numbers of the nodes or another finger exceed this share.
+const MISPLACED: f64 = 0.03;
+/// A rotation of the markers at rest counts if it exceeds this number of its standard deviations.
+const TURNED_SIGMAS: f64 = 3.0;
 
 /// Mean positions of the markers of the unloaded finger, from which later displacements are measured, and their drift in later frames.
 #[derive(Debug, Clone, Default)]
 pub struct RestPositions {
-    markers: Vec<RestMarker>,
+    pub(super) markers: Vec<RestMarker>,
     /// Errors of the base at rest and in the recent free frames.
-    bases: [MeanBase; 2],
+    pub(super) bases: [MeanBase; 2],
     /// Number of observations at rest.
-    frames: usize,
+    pub(super) frames: usize,
+    /// Mean square change of a coordinate from each observation at rest to the next, mm^2.
+    changes_mm2: Vec<f64>,
+    /// Rotation from the finger frame to the frame of the positions.
+    turn: UnitComplex<f64>,
 }
 
 /// A marker of the unloaded finger.
 #[derive(Debug, Clone)]
-struct RestMarker {
-    node: NodeId,
-    at_rest: MeanPosition,
+pub(super) struct RestMarker {
+    pub(super) node: NodeId,
+    pub(super) at_rest: MeanPosition,
     /// Mean over the recent free frames after the rest frames.
-    recent: MeanPosition,
+    pub(super) recent: MeanPosition,
+    /// Position in the last observation at rest that shows the marker, mm.
+    last: Vector,
     /// Sum of squared deviations of the coordinates from their mean at rest, mm^2.
     scatter_mm2: f64,
 }
 
-/// Mean position of a marker.
-#[derive(Debug, Clone, Copy, Default)]
-struct MeanPosition {
-    weights: MeanWeights,
-    position: Vector,
-    /// Variance of one coordinate of the mean, mm^2; zero if no standard deviation is stated.
-    variance_mm2: f64,
-    /// Like `variance_mm2`, without the error of the base.
-    own_variance_mm2: f64,
-}
-
-/// Errors of a mean pose of the base.
-#[derive(Debug, Clone, Copy, Default)]
-struct MeanBase {
-    weights: MeanWeights,
-    /// Variance of one coordinate, mm^2.
-    variance_mm2: f64,
-    /// Variance of the rotation, rad^2.
-    variance_rad2: f64,
-}
-
-/// Weights of the frames in a mean. The mean of the first frames is their arithmetic mean; later frames form an exponential moving average.
-#[derive(Debug, Clone, Copy, Default)]
-struct MeanWeights {
-    frames: usize,
-    /// Sum of the squared weights of all frames.
-    squares: f64,
-}
-
-/// Change of the unloaded finger since the rest frames.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ZeroDrift {
-    /// Root mean square over the markers of the distance between the mean position in the recent free frames and the mean position at rest, mm.
-    pub rms_mm: f64,
-    /// Comparison with the noise, relative to the standard deviations. `None` if the noise is unknown.
-    pub test: Option<ResidualTest>,
-    /// Whether a rigid motion of all markers explains the drift up to the noise.
-    pub is_rigid: bool,
-}
-
-impl MeanWeights {
-    /// Adds a frame. Returns its weight, which is at least `1 / most`.
-    fn add(&mut self, most: usize) -> f64 {
-        self.frames = (self.frames + 1).min(most);
-        let weight = 1.0 / self.frames as f64;
-        self.squares = mixed(self.squares, weight, 1.0);
-        weight
-    }
-}
-
-/// Variance of a mean after a frame of the given weight and variance.
-fn mixed(variance: f64, weight: f64, of_frame: f64) -> f64 {
-    (1.0 - weight).powi(2) * variance + weight.powi(2) * of_frame
-}
-
-impl MeanPosition {
-    fn add(&mut self, marker: &ObservedMarker, position: Vector, most: usize) {
-        let weight = self.weights.add(most);
-        self.position += weight * (position - self.position);
-        self.variance_mm2 = mixed(self.variance_mm2, weight, marker.sd_mm.unwrap_or(0.0).powi(2));
-        self.own_variance_mm2 = mixed(self.own_variance_mm2, weight, marker.own_sd_mm.unwrap_or(0.0).powi(2));
-    }
-}
-
-impl MeanBase {
-    fn add(&mut self, base: Option<ObservedBase>, most: usize) {
-        let base = base.and_then(|base| base.uncertainty).unwrap_or_default();
-        let weight = self.weights.add(most);
-        self.variance_mm2 = mixed(self.variance_mm2, weight, base.sd_mm.powi(2));
-        self.variance_rad2 = mixed(self.variance_rad2, weight, base.sd_rad.powi(2));
-    }
-
-    /// The base of an image whose displacements are measured from this mean.
-    fn with(&self, base: BaseUncertainty) -> BaseUncertainty {
-        let [sd_mm, sd_rad] = [self.variance_mm2.sqrt(), self.variance_rad2.sqrt()];
-        BaseUncertainty { sd_mm: base.sd_mm.hypot(sd_mm), sd_rad: base.sd_rad.hypot(sd_rad), ..base }
-    }
-}
-
 impl RestPositions {
     /// Adds an observation of the unloaded finger at rest.
-    pub fn add(&mut self, seen: &Observation) {
+    ///
+    /// # Errors
+    /// The reason, in words, if the markers are not those of the scene's finger without load. The observation is then not added.
+    pub fn add(&mut self, scene: &Scene, seen: &Observation) -> Result<(), String> {
+        let finger = &scene.finger;
+        // Clamped markers may be shifted relative to the scene, as all markers may.
+        let free = |marker: &&ObservedMarker| !finger.is_clamped(marker.node);
+        let free = Observation { markers: seen.markers.iter().filter(free).copied().collect(), ..seen.clone() };
+        let found = free.for_sensing(scene, true, None).map_err(|error| error.to_string())?;
+        if found.measurement.markers().is_empty() {
+            return Err("no marker is seen".to_owned());
+        }
+        let positions = || seen.markers.iter().filter_map(|marker| Some((marker.node, marker.position?)));
+        let (_, [misplaced_mm, spread_mm]) = fitted(finger, positions());
+        if misplaced_mm > MISPLACED * spread_mm {
+            return Err(format!(
+                "the unloaded finger's markers are {misplaced_mm:.3} mm (rms) from their places in the scene, after the best rigid motion: check the \
+                 unit, the numbers of the nodes and the finger"
+            ));
+        }
         self.frames += 1;
         self.bases[0].add(seen.base, usize::MAX);
+        let (mut changes_mm2, mut coordinates) = (0.0, 0);
         for marker in &seen.markers {
             let Some(position) = marker.position else { continue };
-            let known = self.markers.iter().position(|known| known.node == marker.node).unwrap_or_else(|| {
+            let known = self.markers.iter().position(|known| known.node == marker.node);
+            let known = known.unwrap_or_else(|| {
                 let [at_rest, recent] = [MeanPosition::default(); 2];
-                self.markers.push(RestMarker { node: marker.node, at_rest, recent, scatter_mm2: 0.0 });
+                let node = marker.node;
+                self.markers.push(RestMarker { node, at_rest, recent, last: position, scatter_mm2: 0.0 });
                 self.markers.len() - 1
             });
             let known = &mut self.markers[known];
+            if known.at_rest.weights.frames > 0 {
+                changes_mm2 += (position - known.last).norm_squared();
+                coordinates += 2;
+            }
             let from_old_mean = position - known.at_rest.position;
             known.at_rest.add(marker, position, usize::MAX);
             // Welford's update of the sum of squares.
             known.scatter_mm2 += from_old_mean.dot(&(position - known.at_rest.position));
+            known.last = position;
         }
+        if coordinates > 0 {
+            self.changes_mm2.push(changes_mm2 / f64::from(coordinates));
+        }
+        // Positions relative to an observed base are in the finger frame.
+        if seen.base.is_none() {
+            self.turn = turn(finger, self.markers.iter().map(|marker| (marker.node, marker.at_rest.position)));
+        }
+        Ok(())
     }
 
-    /// Standard deviation of one coordinate, mm, from the scatter of the markers at rest. `None` if the rest frames are too few, or identical.
-    pub fn scatter_mm(&self) -> Option<f64> {
-        let freedom: usize = self.markers.iter().map(|marker| 2 * (marker.at_rest.weights.frames - 1)).sum();
-        let squares_mm2: f64 = self.markers.iter().map(|marker| marker.scatter_mm2).sum();
-        let scatter_mm = (squares_mm2 / freedom as f64).sqrt();
-        (freedom >= LEAST_DEGREES_OF_FREEDOM && scatter_mm > 0.0).then_some(scatter_mm)
+    /// Number of observations at rest.
+    pub fn frames(&self) -> usize {
+        self.frames
     }
 
-    /// The observation with displacements from the mean positions. Markers that were never seen at rest are left out. The standard deviations include
-    /// the uncertainty of the mean positions.
-    pub fn displaced(&self, seen: &Observation) -> Observation {
+    /// Whether the observations at rest state standard deviations of their markers.
+    pub fn states_noise(&self) -> bool {
+        self.markers.iter().any(|marker| marker.at_rest.variance_mm2 > 0.0)
+    }
+
+    /// Number of coordinates of all observations at rest minus number of their means.
+    fn degrees_of_freedom(&self) -> usize {
+        self.markers.iter().map(|marker| 2 * (marker.at_rest.weights.frames - 1)).sum()
+    }
+
+    /// Standard deviation of one coordinate, mm, from the changes of the markers between the observations at rest: the median over the changes, so that a
+    /// single motion has no influence, enlarged by the uncertainty of this estimate. `None` if the observations are too few, or identical.
+    pub fn noise_mm(&self) -> Option<f64> {
+        let degrees_of_freedom = OF_MEDIAN_CHANGE * self.degrees_of_freedom() as f64;
+        let mut changes_mm2 = self.changes_mm2.clone();
+        changes_mm2.sort_by(f64::total_cmp);
+        // A change has the variance of two observations.
+        let variance_mm2 = changes_mm2.get(changes_mm2.len() / 2)? / 2.0;
+        let enlarged = 1.0 + (2.0 / degrees_of_freedom).sqrt();
+        let is_enough = changes_mm2.len() > 1 && degrees_of_freedom >= LEAST_DEGREES_OF_FREEDOM;
+        let is_known = is_enough && variance_mm2 > 0.0;
+        is_known.then(|| (variance_mm2 * enlarged).sqrt())
+    }
+
+    /// A warning, in words, if the markers moved during the observations at rest. `noise_mm` is the stated standard deviation of one coordinate, mm.
+    pub fn restlessness(&self, scene: &Scene, noise_mm: Option<f64>) -> Option<String> {
+        let degrees_of_freedom = self.degrees_of_freedom();
+        let sums_mm2 = self.markers.iter().map(|marker| marker.scatter_mm2);
+        let scatter_mm = (sums_mm2.sum::<f64>() / degrees_of_freedom as f64).sqrt();
+        let factor = scene.marker_errors.noise_factor;
+        let stated_mm2 = |marker: &RestMarker| match noise_mm {
+            Some(noise_mm) => (factor * noise_mm).powi(2),
+            None => factor.powi(2) * marker.at_rest.variance_mm2 / marker.at_rest.weights.squares,
+        };
+        let is_stated = self.markers.iter().all(|marker| stated_mm2(marker) > 0.0);
+        let is_restless = if is_stated {
+            let squares: f64 = self.markers.iter().map(|marker| marker.scatter_mm2 / stated_mm2(marker)).sum();
+            // The errors of an observed base are shared by all markers of an image, so only the three errors of each image are independent.
+            let independent = match self.bases[0].variance_mm2 > 0.0 {
+                true => 3 * (self.frames - 1),
+                false => degrees_of_freedom,
+            };
+            let scaled = squares * independent as f64 / degrees_of_freedom.max(1) as f64;
+            ResidualTest::new(Some(1.0), scaled, independent).is_some_and(|test| test.p_value() < FALSE_ALARM)
+        } else {
+            self.noise_mm().is_some_and(|noise_mm| scatter_mm > RESTLESS.sqrt() * noise_mm)
+        };
+        is_restless.then(|| {
+            format!(
+                "the markers moved during the rest frames: they scatter by {scatter_mm:.4} mm, more than noise explains; all forces refer to these \
+                 frames"
+            )
+        })
+    }
+
+    /// The observation with displacements from the mean positions, in the finger frame. Markers that were seen in fewer than half of the observations at
+    /// rest are left out. The standard deviations include the uncertainty of the mean positions.
+    pub fn displaced(&self, finger: &Finger, seen: &Observation) -> Observation {
         let displaced = |marker: &ObservedMarker| {
-            let at_rest = self.markers.iter().find(|known| known.node == marker.node)?.at_rest;
-            let wider = |sd_mm: Option<f64>, variance_mm2: f64| sd_mm.map(|sd_mm| sd_mm.hypot(variance_mm2.sqrt()));
+            let known = self.markers.iter().find(|known| known.node == marker.node);
+            let Some(known) = known.filter(|known| 2 * known.at_rest.weights.frames >= self.frames) else {
+                // A node that does not exist is kept, so that the observation is refused.
+                return (!exists(finger, marker.node)).then_some(*marker);
+            };
+            let at_rest = known.at_rest;
+            // A rest frame without a standard deviation counts as exact as this frame. An invalid standard deviation is kept, so that the observation is
+            // refused.
+            let wider = |sd_mm: Option<f64>, variance_mm2: f64| {
+                let of_rest_mm = |sd_mm: f64| f64::max(variance_mm2.sqrt(), sd_mm * at_rest.weights.squares.sqrt());
+                sd_mm.map(|sd_mm| if sd_mm > 0.0 { sd_mm.hypot(of_rest_mm(sd_mm)) } else { sd_mm })
+            };
             Some(ObservedMarker {
-                displacement: Some(marker.position? - at_rest.position),
+                displacement: Some(self.turn.inverse() * (marker.position? - at_rest.position)),
                 sd_mm: wider(marker.sd_mm, at_rest.variance_mm2),
                 own_sd_mm: wider(marker.own_sd_mm, at_rest.own_variance_mm2),
                 ..*marker
@@ -161,66 +196,27 @@ impl RestPositions {
         });
         Observation { markers: seen.markers.iter().filter_map(displaced).collect(), base, ..seen.clone() }
     }
-
-    /// Adds a later observation of a finger without detectable force. Returns the drift. The mean over the recent free frames is a moving average over
-    /// as many frames as there are rest frames. `noise_mm` is the standard deviation of one coordinate in one frame, mm; without it, the standard
-    /// deviations of the markers are used, and without those, the scatter at rest.
-    pub fn drift(&mut self, scene: &Scene, seen: &Observation, noise_mm: Option<f64>) -> Option<ZeroDrift> {
-        let most = self.frames;
-        self.bases[1].add(seen.base, most);
-        for marker in &seen.markers {
-            let known = self.markers.iter_mut().find(|known| known.node == marker.node);
-            if let Some((known, position)) = known.zip(marker.position) {
-                known.recent.add(marker, position, most);
-            }
-        }
-        let found = || self.markers.iter().filter(|marker| marker.recent.weights.frames > 0);
-        let moved = |marker: &RestMarker| marker.recent.position - marker.at_rest.position;
-        let squares_mm2: f64 = found().map(|marker| moved(marker).norm_squared()).sum();
-        let rms_mm = (squares_mm2 / found().count().max(1) as f64).sqrt();
-        let base = self.bases[1].with(self.bases[0].with(BaseUncertainty::default()));
-        let is_base_apart = base != BaseUncertainty::default();
-        let stated_mm = |marker: &RestMarker| {
-            let variance_mm2 =
-                |mean: MeanPosition| if is_base_apart { mean.own_variance_mm2 } else { mean.variance_mm2 };
-            (variance_mm2(marker.at_rest) + variance_mm2(marker.recent)).sqrt()
-        };
-        let is_stated = noise_mm.is_some() || found().any(|marker| stated_mm(marker) > 0.0);
-        let of_frame_mm = noise_mm.or_else(|| self.scatter_mm().filter(|_| !is_stated));
-        // Errors of the finger model are the same at rest and in free frames, so only the noise counts.
-        let factor = if is_stated { scene.marker_errors.noise_factor } else { 1.0 };
-        let sd_mm = |marker: &RestMarker| match of_frame_mm {
-            Some(noise_mm) => {
-                factor * noise_mm * (marker.at_rest.weights.squares + marker.recent.weights.squares).sqrt()
-            }
-            None => factor * stated_mm(marker),
-        };
-        let markers = || {
-            let known = found().filter(|marker| sd_mm(marker) > 0.0);
-            known.map(|marker| (scene.finger.marker_position(marker.node), moved(marker), sd_mm(marker)))
-        };
-        let test = noise_test(markers(), base);
-        let anywhere = BaseUncertainty { sd_mm: ANYWHERE.0, sd_rad: ANYWHERE.1, ..base };
-        let is_rigid = || noise_test(markers(), anywhere).is_some_and(|test| test.p_value() >= FALSE_ALARM);
-        let drift = ZeroDrift { rms_mm, test, is_rigid: false };
-        Some(ZeroDrift { is_rigid: drift.is_significant() && is_rigid(), ..drift }).filter(|_| found().next().is_some())
-    }
 }
 
-impl ZeroDrift {
-    /// Whether noise does not explain the drift.
-    pub fn is_significant(&self) -> bool {
-        self.test.is_some_and(|test| test.p_value() < FALSE_ALARM)
-    }
+/// Rigid motion from the places of the markers in the scene to given positions, mm. Also returns the root mean squares of the markers' distances from the
+/// moved places, and of the places from their centre, mm.
+fn fitted(finger: &Finger, positions: impl Iterator<Item = (NodeId, Vector)> + Clone) -> (Isometry2<f64>, [f64; 2]) {
+    let pairs = positions.map(|(node, position)| (finger.marker_position(node), position, 1.0));
+    let motion = rigid_fit(pairs.clone());
+    let count = pairs.clone().count().max(1) as f64;
+    let centre = pairs.clone().map(|(place, ..)| place).sum::<Vector>() / count;
+    let mean_square = |of: &dyn Fn(Vector, Vector) -> Vector| {
+        pairs.clone().map(|(place, position, _)| of(place, position).norm_squared()).sum::<f64>() / count
+    };
+    let misplaced = mean_square(&|place, position| (motion * Point2::from(place)).coords - position);
+    (motion, [misplaced.sqrt(), mean_square(&|place, _| place - centre).sqrt()])
+}
 
-    /// The drift in words, if it is significant.
-    pub fn warning(&self) -> Option<String> {
-        let cause = match self.is_rigid {
-            true => "a motion of the base or the camera would explain it",
-            false => "the unloaded finger has changed its shape, or carries a force too small to detect",
-        };
-        let warning =
-            || format!("zero drift of {:.4} mm since the rest frames: {cause}; sensed forces include it", self.rms_mm);
-        self.is_significant().then(warning)
-    }
+/// Rotation of the markers at rest relative to the scene. Zero if the rotation is not significant, because the markers' assembly errors then explain it.
+fn turn(finger: &Finger, positions: impl ExactSizeIterator<Item = (NodeId, Vector)> + Clone) -> UnitComplex<f64> {
+    let coordinates = 2.0 * positions.len() as f64;
+    let (motion, [misplaced_mm, spread_mm]) = fitted(finger, positions);
+    let sd_rad = misplaced_mm / (spread_mm * (coordinates - 3.0).max(1.0).sqrt());
+    let is_turned = motion.rotation.angle().abs() > TURNED_SIGMAS * sd_rad;
+    if is_turned { motion.rotation } else { UnitComplex::identity() }
 }

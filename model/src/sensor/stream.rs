@@ -24,9 +24,6 @@ pub struct StreamSensor<'s> {
     /// A sensor for the requested contacts and, if a second contact may be added, a sensor for two contacts. Each sensor is stored with the meshes
     /// and shapes that its estimator keeps from one observation to the next.
     sensors: Vec<(Sensor<'s>, Option<Refinement<'s>>)>,
-    /// Standard deviation of one coordinate of a displacement of the unloaded finger, mm. Used to recognise the unloaded finger if no other noise is
-    /// stated. Forces and their intervals do not depend on it.
-    pub(super) unloaded_noise_mm: Option<f64>,
 }
 
 impl<'s> StreamSensor<'s> {
@@ -53,7 +50,7 @@ impl<'s> StreamSensor<'s> {
             let refinement = sensor.refinement();
             (sensor, refinement)
         });
-        Ok(StreamSensor { scene, options, sensors: sensors.collect(), unloaded_noise_mm: None })
+        Ok(StreamSensor { scene, options, sensors: sensors.collect() })
     }
 
     /// The forces that an observation shows. The number of contacts is the smallest that explains the markers. `None` if the markers show no force:
@@ -71,16 +68,6 @@ impl<'s> StreamSensor<'s> {
         if self.is_noise(seen)? {
             return Ok(None);
         }
-        // The test above has checked the clamped markers. Without a stated noise, the sensors would compare them with the largest displacement, which
-        // is as small as the noise under a small force.
-        let free;
-        let seen = match self.unloaded_noise_mm {
-            Some(_) => {
-                free = seen.without_clamped(&self.scene.finger);
-                &free
-            }
-            None => seen,
-        };
         let mut refusal = None;
         for (sensor, kept) in &mut self.sensors {
             let sensed =
@@ -93,10 +80,15 @@ impl<'s> StreamSensor<'s> {
                     return Err(SensingError::NoiseNotStated.into());
                 }
                 Ok(sensed) => {
-                    // The intervals of correlated forces may each include zero although the interval of their sum does not.
-                    let [low_n, high_n] = sensed.interval_n(0);
-                    let shows = sensed.contacts.len() > 1 || !(low_n..=high_n).contains(&0.0);
-                    return Ok(shows.then_some(sensed));
+                    let includes_zero = |i| (sensed.interval_n(i)[0]..=sensed.interval_n(i)[1]).contains(&0.0);
+                    // The intervals of correlated forces may each include zero although the markers show a force.
+                    let are_asked = sensed.contacts.len() > 1 && refusal.is_none();
+                    if are_asked || !(0..sensed.contacts.len()).all(includes_zero) {
+                        return Ok(Some(sensed));
+                    }
+                    // A second contact that may carry no force does not explain what the first alone leaves unexplained.
+                    let large = sensed.warnings.iter().find(|it| matches!(it, SensorWarning::LargeResidual { .. }));
+                    return refusal.or_else(|| large.copied().map(Refusal::Unexplained)).map_or(Ok(None), Err);
                 }
                 // The refusal for the smallest number of contacts is the most informative.
                 Err(reason) if is_contradiction(&reason) => refusal = refusal.or(Some(reason)),
@@ -108,22 +100,16 @@ impl<'s> StreamSensor<'s> {
 
     /// Whether the noise of the markers and the uncertainty of the base explain all displacements. False if the noise is unknown.
     fn is_noise(&self, seen: &Observation) -> Result<bool, Refusal> {
-        let stated_mm = self.stated_noise_mm();
-        let limit_mm = stated_mm.or(self.unloaded_noise_mm);
-        let found = seen.for_sensing(self.scene, self.options.estimator.searches(), limit_mm)?;
+        let stated_mm = self.options.noise_mm.or(self.scene.noise_mm);
+        let found = seen.for_sensing(self.scene, self.options.estimator.searches(), stated_mm)?;
         let stated_mm = stated_mm.map(|noise_mm| self.scene.marker_errors.sd_mm(noise_mm));
-        let Some(noise_mm) = stated_mm.or(found.noise_mm).or(self.unloaded_noise_mm) else { return Ok(false) };
+        let Some(noise_mm) = stated_mm.or(found.noise_mm) else { return Ok(false) };
         let markers = found.measurement.markers().iter().map(|marker| {
             let sd_mm = noise_mm / if stated_mm.is_some() { 1.0 } else { marker.weight };
             (self.scene.finger.marker_position(marker.node), marker.displacement, sd_mm)
         });
         let test = noise_test(markers, found.measurement.base().unwrap_or_default());
         Ok(test.is_some_and(|test| test.p_value() >= FALSE_ALARM))
-    }
-
-    /// Standard deviation of one coordinate that the options or the scene state, mm.
-    fn stated_noise_mm(&self) -> Option<f64> {
-        self.options.noise_mm.or(self.scene.noise_mm)
     }
 }
 

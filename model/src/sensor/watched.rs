@@ -2,7 +2,7 @@
 
 use super::{Refusal, RestPositions, SensedForces, SensorContacts, SensorOptions, StreamSensor, ZeroDrift};
 use crate::finger::Finger;
-use crate::observation::{Observation, check_at_rest};
+use crate::observation::Observation;
 use crate::scene::Scene;
 use crate::sensing::Contact;
 use serde::Serialize;
@@ -26,18 +26,20 @@ pub enum FrameState {
 pub struct WatchedFinger<'s> {
     name: &'s str,
     scene: &'s Scene,
+    contacts: SensorContacts,
+    options: SensorOptions<'s>,
     sensor: StreamSensor<'s>,
     rest: RestPositions,
     /// Number of frames of the unloaded finger that are still to be read.
     rest_frames: usize,
     /// Whether the first frames show the unloaded finger.
     measures_from_rest: bool,
-    /// Standard deviation of a displacement from the mean rest position, relative to that of a position.
-    wider: f64,
     /// Forces of the last evaluated frame, if it showed any.
     sensed: Option<SensedForces>,
-    /// Standard deviation of one coordinate in one frame, mm, if the options or the scene state it.
+    /// Standard deviation of one coordinate in one frame, mm, if the options or the scene state it, or the rest frames show it.
     noise_mm: Option<f64>,
+    /// Warning that the finger was not at rest in the rest frames.
+    restlessness: Option<String>,
     /// Drift in the last free frame after the rest frames.
     drift: Option<ZeroDrift>,
 }
@@ -57,6 +59,8 @@ pub struct FingerResult<'a> {
     pub sensed: Option<&'a SensedForces>,
     /// Reason why no force is given.
     pub refused: Option<String>,
+    /// Warning that the finger was not at rest in the rest frames.
+    pub restlessness: Option<&'a str>,
     /// Drift of the unloaded finger since the rest frames, as of the latest free frame.
     pub drift: Option<ZeroDrift>,
 }
@@ -74,20 +78,19 @@ impl<'s> WatchedFinger<'s> {
         options: SensorOptions<'s>,
         rest_frames: usize,
     ) -> Result<WatchedFinger<'s>, Refusal> {
-        // Displacements are measured from the mean of the rest frames, so the noise of this mean adds to that of the frame.
-        let wider = if rest_frames == 0 { 1.0 } else { (1.0 + 1.0 / rest_frames as f64).sqrt() };
         let noise_mm = options.noise_mm.or(scene.noise_mm);
-        let options = SensorOptions { noise_mm: noise_mm.map(|noise_mm| wider * noise_mm), ..options };
         Ok(WatchedFinger {
             name,
             scene,
-            sensor: StreamSensor::new(scene, contacts, options)?,
+            sensor: sensor(scene, contacts.clone(), options, noise_mm, rest_frames)?,
+            contacts,
+            options,
             rest: RestPositions::default(),
             rest_frames,
             measures_from_rest: rest_frames > 0,
-            wider,
             sensed: None,
             noise_mm,
+            restlessness: None,
             drift: None,
         })
     }
@@ -106,8 +109,14 @@ impl<'s> WatchedFinger<'s> {
                 (state, markers, refused)
             }
         };
-        let &mut WatchedFinger { name, scene, ref sensed, drift, .. } = self;
-        FingerResult { name, finger: &scene.finger, state, markers, sensed: sensed.as_ref(), refused, drift }
+        let &mut WatchedFinger { name, scene, ref sensed, ref restlessness, drift, .. } = self;
+        let (sensed, restlessness) = (sensed.as_ref(), restlessness.as_deref());
+        FingerResult { name, finger: &scene.finger, state, markers, sensed, refused, restlessness, drift }
+    }
+
+    /// Number of rest frames that are still to be read.
+    pub fn missing_rest_frames(&self) -> usize {
+        self.rest_frames
     }
 
     /// Drift of the unloaded finger since the rest frames, as of the latest free frame.
@@ -123,31 +132,31 @@ impl<'s> WatchedFinger<'s> {
     /// Senses the forces, or adds a frame of the unloaded finger. Returns the state, or the reason of a refusal.
     fn state(&mut self, seen: &Observation, before: Option<&SensedForces>) -> Result<FrameState, String> {
         if self.rest_frames > 0 {
-            // A frame with markers that the finger does not have is refused; as a rest frame it would make every later frame invalid. Clamped markers
-            // may be shifted relative to the scene, as all markers may.
-            let finger = &self.scene.finger;
-            check_at_rest(finger, seen).map_err(|error| error.to_string())?;
-            let free = seen.without_clamped(finger);
-            let found = free.for_sensing(self.scene, true, None).map_err(|error| error.to_string())?;
-            if found.measurement.markers().is_empty() {
-                return Err("no marker is seen".to_owned());
-            }
+            self.rest.add(self.scene, seen)?;
             self.rest_frames -= 1;
-            self.rest.add(seen);
-            if self.rest_frames == 0 && self.noise_mm.is_none() && found.noise_mm.is_none() {
-                // A displacement has the noise of the frame and of the mean at rest.
-                self.sensor.unloaded_noise_mm = self.rest.scatter_mm().map(|noise_mm| self.wider * noise_mm);
+            if self.rest_frames == 0 {
+                self.begin().map_err(|refusal| refusal.to_string())?;
             }
             return Ok(FrameState::None);
         }
         if !self.measures_from_rest {
             return self.sensed_state(seen, before);
         }
-        let state = self.sensed_state(&self.rest.displaced(seen), before)?;
+        let state = self.sensed_state(&self.rest.displaced(&self.scene.finger, seen), before)?;
         if state == FrameState::None {
             self.drift = self.rest.drift(self.scene, seen, self.noise_mm);
         }
         Ok(state)
+    }
+
+    /// Ends the rest frames. If neither the options, the scene nor the markers state a noise, the noise follows from the rest frames.
+    fn begin(&mut self) -> Result<(), Refusal> {
+        self.restlessness = self.rest.restlessness(self.scene, self.noise_mm);
+        if self.noise_mm.is_none() && !self.rest.states_noise() {
+            self.noise_mm = self.rest.noise_mm();
+            self.sensor = sensor(self.scene, self.contacts.clone(), self.options, self.noise_mm, self.rest.frames())?;
+        }
+        Ok(())
     }
 
     /// Senses the forces. Returns the state, or the reason of a refusal.
@@ -157,17 +166,30 @@ impl<'s> WatchedFinger<'s> {
     }
 }
 
+/// The sensor of a stream in which displacements are measured from the mean of the rest frames: the noise of this mean adds to that of the frame.
+fn sensor<'s>(
+    scene: &'s Scene,
+    contacts: SensorContacts,
+    options: SensorOptions<'s>,
+    noise_mm: Option<f64>,
+    rest_frames: usize,
+) -> Result<StreamSensor<'s>, Refusal> {
+    let wider = if rest_frames == 0 { 1.0 } else { (1.0 + 1.0 / rest_frames as f64).sqrt() };
+    StreamSensor::new(scene, contacts, SensorOptions { noise_mm: noise_mm.map(|noise_mm| wider * noise_mm), ..options })
+}
+
 impl FingerResult<'_> {
     /// Component of the sum of all forces along the undeformed inward normal of the front plate, N.
     pub fn total_n(&self) -> f64 {
         self.sensed.map_or(0.0, |sensed| sensed.sum_along(self.finger, self.finger.direction(0.0))[0])
     }
 
-    /// Warnings about the forces and the zero drift, separated by semicolons.
+    /// Warnings about the forces, the rest frames and the zero drift, separated by semicolons.
     pub fn warning(&self) -> Option<String> {
         let of_forces = self.sensed.into_iter().flat_map(|sensed| &sensed.warnings).map(ToString::to_string);
+        let of_rest = self.restlessness.map(str::to_owned);
         let of_drift = self.drift.and_then(|drift| drift.warning());
-        let warnings: Vec<String> = of_forces.chain(of_drift).collect();
+        let warnings: Vec<String> = of_forces.chain(of_rest).chain(of_drift).collect();
         Some(warnings.join("; ")).filter(|warning| !warning.is_empty())
     }
 

@@ -7,6 +7,8 @@ use std::io::{BufRead, Read};
 
 /// Longest line, bytes.
 const LONGEST_LINE: u64 = 1 << 20;
+/// Largest number of characters that a message quotes.
+const LONGEST_QUOTE: usize = 100;
 /// Largest number of rows of one frame of a table.
 const MOST_ROWS: usize = 100_000;
 
@@ -73,7 +75,7 @@ struct MarkerLine {
 ///
 /// JSON has one line per frame: `{"t_s": 0.04, "markers": [{"node": 13, "x_mm": 146.1, "y_mm": 3.2, "sigma_mm": 0.02}, ...]}`. The keys `t_s`, `image` and
 /// `sigma_mm` may be omitted. CSV has a header and one line per marker. The columns, in any order, are `t_s` or `image`, `node`, `x_mm`, `y_mm`, and optionally
-/// `sigma_mm`. A CSV frame ends where `t_s` or `image` changes. In a stream of several fingers, each marker also has the key or column `finger`.
+/// `sigma_mm`. A CSV frame ends where `t_s` changes, or, without `t_s`, where `image` changes. In a stream of several fingers, each marker also has the key or column `finger`.
 pub struct PositionReader<R> {
     source: R,
     /// Columns of a table. `None` for JSON.
@@ -100,12 +102,11 @@ struct Columns {
 }
 
 impl<R: BufRead> PositionReader<R> {
-    /// A reader of a stream. The format is JSON if the first byte is `{`, otherwise CSV.
+    /// A reader of a stream of JSON (`is_json`) or CSV.
     ///
     /// # Errors
     /// [`PositionError`] if the stream cannot be read, or its header lacks a column.
-    pub fn new(mut source: R) -> Result<PositionReader<R>, PositionError> {
-        let is_json = source.fill_buf()?.first() == Some(&b'{');
+    pub fn new(source: R, is_json: bool) -> Result<PositionReader<R>, PositionError> {
         let mut reader = PositionReader { source, columns: None, line: 0, bytes: Vec::new(), is_next: false };
         if !is_json {
             reader.next_line()?;
@@ -127,15 +128,14 @@ impl<R: BufRead> PositionReader<R> {
         }
     }
 
-    /// Reads the next line that is not blank. Returns false at the end of the stream.
+    /// Reads the next line that is not blank. Returns false at the end of the stream. Of a line that is too long, the first bytes are kept.
     fn next_line(&mut self) -> Result<bool, PositionError> {
         loop {
             self.bytes.clear();
             self.line += 1;
-            let line = self.line;
             let count = (&mut self.source).take(LONGEST_LINE).read_until(b'\n', &mut self.bytes)?;
-            if count as u64 == LONGEST_LINE && !self.bytes.ends_with(b"\n") {
-                return Err(PositionError::Form(format!("line {line}: expected at most {LONGEST_LINE} bytes")));
+            if self.is_too_long() {
+                self.source.skip_until(b'\n')?;
             }
             if count == 0 || !self.text().is_ok_and(str::is_empty) {
                 return Ok(count > 0);
@@ -143,8 +143,15 @@ impl<R: BufRead> PositionReader<R> {
         }
     }
 
+    fn is_too_long(&self) -> bool {
+        self.bytes.len() as u64 == LONGEST_LINE && !self.bytes.ends_with(b"\n")
+    }
+
     /// The last line without its end, or the reason why the line is invalid.
     fn text(&self) -> Result<&str, String> {
+        if self.is_too_long() {
+            return Err(format!("line {}: expected at most {LONGEST_LINE} bytes", self.line));
+        }
         let text = std::str::from_utf8(&self.bytes).map(str::trim_end);
         text.map_err(|_| format!("line {}: expected text in UTF-8", self.line))
     }
@@ -154,7 +161,9 @@ impl<R: BufRead> PositionReader<R> {
             return Ok(None);
         }
         let line = self.line;
-        let of_text = |text| serde_json::from_str(text).map_err(|error| format!("line {line}: {error}"));
+        let of_text = |text: &str| {
+            serde_json::from_str(text.trim_start_matches('\u{feff}')).map_err(|error| format!("line {line}: {error}"))
+        };
         let frame: Result<FrameLine, String> = self.text().and_then(of_text);
         let frame = frame.and_then(|frame| match frame.t_s {
             Some(time_s) if !is_time(&time_s) => {
@@ -184,7 +193,7 @@ impl<R: BufRead> PositionReader<R> {
             }
             let (of, marker) = match self.text() {
                 Ok(text) => columns.row(text, self.line),
-                // A line that is not UTF-8 counts as part of the current frame.
+                // A line that is not UTF-8, or too long, counts as part of the current frame.
                 Err(reason) => (name.as_deref().unwrap_or_default(), Err(reason)),
             };
             if name.as_ref().is_some_and(|name| name != of) {
@@ -257,7 +266,8 @@ impl Columns {
         let needed = |name| {
             column(name).ok_or_else(|| {
                 format!(
-                    "line 1: expected a header with t_s or image, node, x_mm, y_mm; {name} is missing in {header:?}"
+                    "line 1: expected a header with t_s or image, node, x_mm, y_mm; {name} is missing in {:?}",
+                    header.chars().take(LONGEST_QUOTE).collect::<String>()
                 )
             })
         };

@@ -197,6 +197,14 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     }
     recording.map(Recording::finish).transpose()?;
     ended?;
+    for (finger, _) in watched.iter().filter(|(finger, _)| finger.missing_rest_frames() > 0) {
+        let (missing, name) = (finger.missing_rest_frames(), finger.name());
+        let of = if name.is_empty() { String::new() } else { format!(" of finger {name}") };
+        print_message(format_args!(
+            "warning: the stream ended {missing} frame(s) before all {} rest frames{of} were read: no force was sensed",
+            arguments.rest_frames
+        ));
+    }
     let [in_contact, free, refused, lost] = counts;
     let frames = count(counts.iter().sum(), "frame");
     let states = format!("{in_contact} in contact, {free} free, {refused} refused, {lost} without finger");

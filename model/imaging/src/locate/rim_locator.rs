@@ -12,9 +12,10 @@ use super::together::{median, wider};
 use super::{LocateError, Located, LocatorError, SeenRadii, radius_at, radius_px, require_size};
 use crate::RgbRows;
 use finray_model::camera::Camera;
+use finray_model::rigid_fit::rigid_fit;
 use finray_model::scene::{Base, MarkerLook, Markers, Reference};
 use finray_model::{Finger, NodeId, Vector};
-use nalgebra::{Isometry2, UnitComplex};
+use nalgebra::Isometry2;
 
 /// Tolerance of the distance between two references, mm. The total tolerance is the root sum of squares of this length and of the share
 /// [`REFERENCE_SHARE`] of the distance.
@@ -337,17 +338,7 @@ fn by_references(base: &Base, marks: &[Vec<Rim>]) -> Vec<Proposal> {
     proposals
 }
 
-/// Rigid motion that maps the first point of each pair onto the second point, by least squares over the pairs (Kabsch algorithm in the plane).
+/// Rigid motion that maps the first point of each pair onto the second point.
 fn fitted(pairs: &[(Vector, Vector)]) -> Isometry2<f64> {
-    let count = pairs.len().max(1) as f64;
-    let (from, to) = pairs.iter().fold((Vector::zeros(), Vector::zeros()), |(a, b), (from, to)| (a + from, b + to));
-    let (from, to) = (from / count, to / count);
-    let (mut cosine, mut sine) = (0.0, 0.0);
-    for (a, b) in pairs {
-        let (a, b) = (a - from, b - to);
-        cosine += a.dot(&b);
-        sine += a.perp(&b);
-    }
-    let turn = UnitComplex::new(sine.atan2(cosine));
-    Isometry2::from_parts((to - turn * from).into(), turn)
+    rigid_fit(pairs.iter().map(|(from, to)| (*from, *to, 1.0)))
 }

@@ -28,8 +28,8 @@ pub(crate) use linear_range::{LARGEST_DEPARTURE, WELL_KNOWN};
 pub use refine::{Refinement, sense_refining};
 
 use super::{
-    Contact, ContactPosition, ContactQuestion, Direction, Estimate, ModelError, Pad, SensingError, UNEXPLAINED_SHARE,
-    UNEXPLAINED_SIGMAS, Warning, check_contacts,
+    Contact, ContactQuestion, Estimate, ModelError, Pad, SensingError, UNEXPLAINED_SHARE, UNEXPLAINED_SIGMAS, Warning,
+    check_questions,
 };
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::measurement::{Measurement, SharedError};
@@ -184,20 +184,7 @@ impl<'m> NonlinearEstimator<'m> {
     /// # Errors
     /// [`SensingError`] if no contact is given, a contact is not on the free front plate, or two contacts are equal.
     pub fn new(mesh: &'m Mesh, questions: &[ContactQuestion]) -> Result<NonlinearEstimator<'m>, SensingError> {
-        let finger = mesh.finger();
-        if questions.is_empty() {
-            return Err(SensingError::NoContact);
-        }
-        // Checks the known part of each contact. For this check, a valid value replaces an unknown direction or position.
-        for question in questions {
-            let angle_deg = if let Direction::Angle(angle) = question.direction { angle } else { 0.0 };
-            let position = question.position.unwrap_or(ContactPosition::Node(finger.tip()));
-            check_contacts(finger, &[Contact { position, angle_deg }])?;
-        }
-        let known: Option<Vec<Contact>> = questions.iter().map(ContactQuestion::known).collect();
-        if let Some(contacts) = known {
-            check_contacts(finger, &contacts)?;
-        }
+        check_questions(mesh.finger(), questions)?;
         Ok(NonlinearEstimator {
             mesh,
             questions: questions.to_vec(),

@@ -94,7 +94,7 @@ impl Source {
             (Some(format), _) => format,
             (None, None) => return Err(wrong(&"expected a stream, found nothing")),
             (None, Some(b'Y')) => Format::Y4m,
-            (None, Some(b'{')) => Format::Jsonl,
+            (None, Some(b'{' | b' ' | b'\n' | b'\r')) => Format::Jsonl,
             (None, Some(b'a'..=b'z' | 0xef)) => Format::Csv,
             _ => {
                 return Err(wrong(&"expected YUV4MPEG2, JSON lines or CSV; raw frames need --format rgb24 and --size"));
@@ -106,7 +106,7 @@ impl Source {
                 Frames::Images(FrameReader::yuv4mpeg2(source).map_err(|error| wrong(&error))?)
             }
             (Format::Csv | Format::Jsonl, _) => {
-                Frames::Positions(PositionReader::new(source).map_err(|error| wrong(&error))?)
+                Frames::Positions(PositionReader::new(source, format == Format::Jsonl).map_err(|error| wrong(&error))?)
             }
         };
         Ok(Source { path: path.to_owned(), frames })
