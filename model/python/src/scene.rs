@@ -71,6 +71,12 @@ impl Scene {
         self.finger().plate_length_mm(Plate::Front)
     }
 
+    /// Width and height of the camera's images, px; None for a scene without a camera.
+    #[getter]
+    fn camera_size_px(&self) -> Option<(u32, u32)> {
+        self.scene.camera.map(|camera| camera.lens.size_px().into())
+    }
+
     /// Drawing of the undeformed finger, for Jupyter.
     fn _repr_svg_(&self) -> PyResult<String> {
         let finger = self.finger();

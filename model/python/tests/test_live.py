@@ -2,11 +2,13 @@
 
 import http.server
 import json
+import signal
 import subprocess
 import sys
 import threading
 import time
 import typing
+from pathlib import Path
 
 import finray
 import finray.live
@@ -81,7 +83,13 @@ class VideoCapture:
     def read(self):
         if not self.left:
             return False, None
-        return True, finray.read_image(self.left.pop(0))[:, :, ::-1].copy()
+        frame = self.left.pop(0)
+        if isinstance(frame, float):
+            __import__("time").sleep(frame)
+            return self.read()
+        if not isinstance(frame, str):
+            raise RuntimeError("camera\\n unplugged")
+        return True, finray.read_image(frame)[:, :, ::-1].copy()
 
     def release(self):
         print("released", file=__import__("sys").stderr)
@@ -108,6 +116,68 @@ def test_frames_of_a_capture_give_the_lines_of_their_images(images, tmp_path, mo
     assert newest[-1]["frame"] == 2 and len(newest) + sum(line["dropped"] for line in newest) == 3
     closed = live(CAMERA, "--contact-at", "auto", "--camera", 0)
     assert (closed.returncode, closed.stderr) == (2, "error: --camera 0: cannot be opened\n")
+
+
+@pytest.fixture
+def capture(images, tmp_path, monkeypatch):
+    """Runs the program with camera 3, a substitute for OpenCV. A frame is a path, a pause in s, or None: reading fails."""
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+
+    def command(*frames):
+        (tmp_path / "cv2.py").write_text(FAKE.format(frames=[*frames], source=3))
+        return CAMERA, "--contact-at", "auto@-20", "--camera", 3, "--every-frame"
+
+    return command
+
+
+def test_a_camera_that_fails_ends_the_stream_with_an_error(images, capture):
+    ours = live(*capture(str(images[0]), str(images[1]), None), timeout=60)
+    assert (ours.returncode, ours.stderr) == (2, "released\nerror: --camera 3: cannot be read: camera unplugged\n")
+    assert [line["state"] for line in without_latency(ours.stdout)] == ["none", "contact"]
+
+
+def test_a_camera_without_a_frame_is_an_error(capture):
+    ours = live(*capture(), timeout=60)
+    assert (ours.returncode, ours.stdout, ours.stderr) == (2, "", "released\nerror: --camera 3: no frame was read\n")
+
+
+def test_a_camera_with_frames_of_another_size_is_an_error_as_in_the_program(images, capture, tmp_path):
+    small = tmp_path / "small.png"
+    scene = tmp_path / "small.toml"
+    scene.write_text(CAMERA.read_text().replace("[1600, 1400]", "[800, 700]").replace("1360.0", "680.0").replace("[799.5, 699.5]", "[399.5, 349.5]"))
+    done("render", scene, "--out", small)
+    ours = live(*capture(str(images[0]), str(small), str(images[0])), timeout=60)
+    assert len(ours.stdout.splitlines()) == 1
+    (tmp_path / "small.rgb").write_bytes(finray.read_image(small).tobytes())
+    raw = ["--format", "rgb24", "--size", "800x700", "--input", tmp_path / "small.rgb"]
+    message = refusal("live", CAMERA, "--contact-at", "auto@-20", *raw).partition(": ")[2]
+    assert message == "expected frames of 1600 x 1400 px, the size of the scene's camera, found 800 x 700 px"
+    assert (ours.returncode, ours.stderr) == (2, f"released\nerror: --camera 3: {message}\n")
+
+
+def test_an_interrupt_ends_a_stalled_stream(images, capture):
+    command = [sys.executable, "-m", "finray.live", *map(str, capture(str(images[0]), 60.0, str(images[0])))]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as program:
+        assert json.loads(program.stdout.readline())["state"] == "none"
+        program.send_signal(signal.SIGINT)
+        start = time.monotonic()
+        assert program.communicate(timeout=60) == ("", "") and program.returncode == 0
+    assert time.monotonic() - start < 20
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a full device")
+def test_output_that_cannot_be_written_is_an_error(images):
+    with open("/dev/full", "w") as full:
+        command = [sys.executable, "-m", "finray.live", str(CAMERA), "--contact-at", "80@-20", "--image", str(images[0])]
+        ours = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert (ours.returncode, ours.stderr) == (1, "error: standard output: cannot be written: No space left on device\n")
+
+
+@pytest.mark.parametrize("number", ["9" * 23, "-1", "1.5"])
+def test_a_wrong_number_of_rest_frames_is_an_error(number, images):
+    ours = live(CAMERA, "--contact-at", "80", "--image", images[0], f"--rest-frames={number}")
+    assert ours.returncode == 2 and "Traceback" not in ours.stderr
+    assert ours.stderr.splitlines()[-1].endswith(f"expected a whole number from 0 to 999999999, found '{number}'")
 
 
 def test_opencv_reads_a_video_without_loss(images, tmp_path):

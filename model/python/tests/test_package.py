@@ -73,6 +73,10 @@ def test_key_nodes_are_an_array(paper):
     assert "paper" in repr(paper)
 
 
+def test_a_scene_states_the_size_of_its_camera(paper, camera):
+    assert (paper.camera_size_px, camera.camera_size_px) == (None, (1600, 1400))
+
+
 def test_values_are_not_shared_with_their_owner(bent):
     bent.displacements[:] = 0
     assert np.abs(bent.displacements).max() > 10

@@ -6,14 +6,30 @@ The camera needs OpenCV (`pip install opencv-python`); `--image FILE ...` does n
 """
 
 import argparse
+import importlib
+import os
 import sys
 import threading
 import time
+from collections.abc import Iterable, Iterator, Sequence
+from types import ModuleType
+from typing import Optional, Union
 
-from . import FinrayError, Scene, StreamSensor, read_image
+import numpy as np
+import numpy.typing as npt
+
+from . import FinrayError, Observation, Scene, StreamSensor, read_image
+
+_Image = npt.NDArray[np.uint8]
+# An image, observed markers, or the reason why a frame cannot be read.
+_Content = Union[_Image, Observation, str]
+_Frame = Union[_Content, tuple[_Content, Optional[float], int]]
+
+# OpenCV may block for half a minute in a stalled stream. The program ends after this time, s, and leaves the capture to the operating system.
+_STALLED_S = 0.5
 
 
-def lines(sensor, frames):
+def lines(sensor: StreamSensor, frames: Iterable[_Frame]) -> Iterator[str]:
     """Yield the line of each frame.
 
     `frames` yields images, or tuples (image, time_s, dropped). A text instead of an image is the reason why a frame cannot be read.
@@ -26,7 +42,7 @@ def lines(sensor, frames):
             yield sensor.line(image, time_s=time_s, dropped=dropped)
 
 
-def files(paths):
+def files(paths: Iterable[Union[str, "os.PathLike[str]"]]) -> Iterator[Union[_Image, str]]:
     """Yield the images of files, or the reason why a file cannot be read."""
     for path in paths:
         try:
@@ -35,22 +51,36 @@ def files(paths):
             yield str(error)
 
 
-def camera(source, every_frame=False):
+def camera(
+    source: Union[int, str], every_frame: bool = False, size_px: Optional[tuple[int, int]] = None
+) -> Iterator[tuple[_Image, float, int]]:
     """Yield (image, time_s, dropped) from an OpenCV capture until it ends.
 
     `source` is the number of a camera, or the name of a file or stream. Times are in seconds since the first frame. A thread reads the capture, and
-    frames that arrive during an evaluation are dropped except for the newest, unless `every_frame` is true.
-    """
-    cv2 = opencv()
-    capture = cv2.VideoCapture(int(source) if str(source).isdigit() else source)
-    if not capture.isOpened():
-        raise FinrayError(f"--camera {source}: cannot be opened")
-    changed = threading.Condition()
-    waiting = []  # at most one frame: image, time of arrival in s, number of dropped frames
-    ended = stopped = False
+    frames that arrive during an evaluation are dropped except for the newest, unless `every_frame` is true. `size_px` is the expected width and
+    height of a frame.
 
-    def read():
-        nonlocal ended
+    Raises FinrayError if the capture cannot be opened or read, yields no frame, or yields a frame of another size.
+    """
+
+    def failed(reason: object) -> FinrayError:
+        # Messages of OpenCV have several lines.
+        return FinrayError(f"--camera {source}: {' '.join(str(reason).split())}")
+
+    cv2 = opencv()
+    try:
+        capture = cv2.VideoCapture(int(source) if str(source).isdecimal() else source)
+        is_opened = capture.isOpened()
+    except Exception as error:
+        raise failed(f"cannot be opened: {error}") from error
+    if not is_opened:
+        raise failed("cannot be opened")
+    changed = threading.Condition()
+    waiting: list[tuple[_Image, float, int]] = []  # at most one frame: image, time of arrival in s, number of dropped frames
+    ended = stopped = False
+    failure: Optional[Exception] = None
+
+    def read() -> None:
         while True:
             is_read, image = capture.read()
             arrived_s = time.monotonic()
@@ -58,14 +88,23 @@ def camera(source, every_frame=False):
                 while every_frame and waiting and not stopped:
                     changed.wait()
                 if stopped or not is_read:
-                    ended = True
-                    changed.notify_all()
                     return
                 dropped = waiting.pop()[2] + 1 if waiting else 0
                 waiting.append((image, arrived_s, dropped))
                 changed.notify_all()
 
-    reader = threading.Thread(target=read, daemon=True)
+    def read_to_the_end() -> None:
+        nonlocal ended, failure
+        try:
+            read()
+        except Exception as error:
+            failure = error
+        finally:
+            with changed:
+                ended = True
+                changed.notify_all()
+
+    reader = threading.Thread(target=read_to_the_end, daemon=True)
     reader.start()
     first_s = None
     try:
@@ -74,38 +113,50 @@ def camera(source, every_frame=False):
                 while not waiting and not ended:
                     changed.wait()
                 if not waiting:
-                    return
+                    break
                 image, arrived_s, dropped = waiting.pop()
                 changed.notify_all()
+            height, width = image.shape[:2]
+            if size_px is not None and size_px != (width, height):
+                expected = "{} x {} px".format(*size_px)
+                raise failed(f"expected frames of {expected}, the size of the scene's camera, found {width} x {height} px")
+            try:
+                converted = cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
+            except Exception as error:
+                raise failed(f"expected colour images: {error}") from error
             first_s = arrived_s if first_s is None else first_s
-            yield cv2.cvtColor(image, cv2.COLOR_BGR2RGB), arrived_s - first_s, dropped
+            yield converted, arrived_s - first_s, dropped
+        if failure is not None:
+            raise failed(f"cannot be read: {failure}") from failure
+        if first_s is None:
+            raise failed("no frame was read")
     finally:
         with changed:
             stopped = True
             changed.notify_all()
-        reader.join()
-        capture.release()
+        reader.join(_STALLED_S)
+        if not reader.is_alive():
+            capture.release()
 
 
-def opencv():
+def opencv() -> ModuleType:
     """The module cv2."""
     try:
-        import cv2
+        return importlib.import_module("cv2")
     except ImportError as error:
         raise FinrayError(f"--camera needs OpenCV (pip install opencv-python): {error}") from error
-    return cv2
 
 
-def count(text):
+def count(text: str) -> int:
     """A whole number, zero or more, from the command line."""
-    if not text.isdecimal():
-        raise argparse.ArgumentTypeError(f"expected a whole number, zero or more, found {text!r}")
+    if not text.isdecimal() or len(text) > 9:
+        raise argparse.ArgumentTypeError(f"expected a whole number from 0 to 999999999, found {text!r}")
     return int(text)
 
 
-def parser():
+def parser() -> argparse.ArgumentParser:
     """The parser of the command line."""
-    about, _, example = __doc__.partition("\n\n")
+    about, _, example = str(__doc__).partition("\n\n")
     parser = argparse.ArgumentParser(
         "python -m finray.live",
         description=about,
@@ -126,26 +177,33 @@ def parser():
     return parser
 
 
-def main(arguments=None):
+def main(arguments: Optional[Sequence[str]] = None) -> int:
     """Print one line per frame. Returns the exit code."""
     asked = parser().parse_args(arguments)
     try:
+        scene = Scene.read(asked.scene)
         sensor = StreamSensor(
-            Scene.read(asked.scene),
+            scene,
             asked.contact_at,
             contact=asked.contact,
             noise_mm=asked.noise_mm,
             estimator=asked.estimator,
             rest_frames=asked.rest_frames,
         )
-        frames = files(asked.image) if asked.image else camera(asked.camera, asked.every_frame)
+        frames = files(asked.image) if asked.image else camera(asked.camera, asked.every_frame, scene.camera_size_px)
         for line in lines(sensor, frames):
             print(line, flush=True)
     except FinrayError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
-    except (BrokenPipeError, KeyboardInterrupt):
-        sys.stderr.close()
+    except KeyboardInterrupt:
+        pass
+    except OSError as error:
+        # The interpreter writes what is left of the output when it ends, and would print this error again.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if not isinstance(error, BrokenPipeError):
+            print(f"error: standard output: cannot be written: {error.strerror}", file=sys.stderr)
+            return 1
     return 0
 
 
