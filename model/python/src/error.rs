@@ -20,10 +20,20 @@ create_exception!(
 
 /// The exception for wrong input or a result that cannot be computed.
 pub fn failed(reason: impl Display) -> PyErr {
-    FinrayError::new_err(reason.to_string())
+    FinrayError::new_err(argument_named(reason.to_string()))
 }
 
 /// The exception for valid input that yields no estimate.
 pub fn refused(reason: impl Display) -> PyErr {
-    Refused::new_err(reason.to_string())
+    Refused::new_err(argument_named(reason.to_string()))
+}
+
+/// A message about a wrong option, such as `--mesh-nodes: ...`, with the name of the argument instead of the option.
+fn argument_named(message: String) -> String {
+    match message.strip_prefix("--").and_then(|message| message.split_once(": ")) {
+        Some((option, reason)) if option.chars().all(|c| c.is_ascii_lowercase() || c == '-') => {
+            format!("{}: {reason}", option.replace('-', "_"))
+        }
+        _ => message,
+    }
 }

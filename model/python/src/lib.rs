@@ -1,11 +1,12 @@
 //! The Python package `finray`, a thin layer over the crates: scenes, solver, marker locator and sensors, with NumPy arrays in and out.
 //!
 //! `python/finray/__init__.pyi` states the types of everything that Python sees. Error messages are those of the command `finray`. Other Python
-//! threads can run while a function computes. A colour image is read directly from its array, without a copy, when its markers are located.
+//! threads can run while a function computes. An image is read directly from its array, without a copy, when its markers are located.
 #![forbid(unsafe_code)]
 
 mod arrays;
 mod error;
+mod images;
 mod locator;
 mod observation;
 mod press;

@@ -1,7 +1,7 @@
 //! Locating markers in images.
 
-use crate::arrays::ImageArgument;
 use crate::error::{failed, refused};
+use crate::images::ImageArgument;
 use crate::observation::Observation;
 use crate::scene::Scene;
 use finray_files::load_image;
@@ -21,6 +21,12 @@ self_cell!(
 );
 
 /// Locates the markers of a scene's finger in images. Coloured markers are tracked from image to image, so the order of images matters.
+///
+/// Args:
+///     scene: scene with the tables camera and markers.
+///     rest: image of the unloaded finger, as for `locate`; pose and displacements are then measured from this image. None: from the scene.
+///
+/// Raises FinrayError for a scene without camera, pose or markers, and for an image that does not show the unloaded finger.
 #[pyclass(frozen, module = "finray")]
 pub struct Locator {
     scene: Arc<finray_model::Scene>,
@@ -30,11 +36,6 @@ pub struct Locator {
 
 #[pymethods]
 impl Locator {
-    /// Args:
-    ///     scene: scene with the tables camera and markers.
-    ///     rest: image of the unloaded finger, as for `locate`; pose and displacements are then measured from this image.
-    ///
-    /// Raises FinrayError for a scene without camera, pose or markers, and for an image that does not show the unloaded finger.
     #[new]
     #[pyo3(signature = (scene, rest=None))]
     fn new(py: Python<'_>, scene: &Scene, rest: Option<&Bound<'_, PyAny>>) -> PyResult<Locator> {
@@ -42,8 +43,7 @@ impl Locator {
         let rest = rest.map(ImageArgument::of).transpose()?;
         let rest = rest.as_ref().map(ImageArgument::view).transpose()?;
         let observer = py.detach(|| {
-            let rest =
-                rest.map(|view| image::RgbImage::from_fn(view.width(), view.height(), |u, v| *view.get_pixel(u, v)));
+            let rest = rest.map(|view| view.to_image());
             OwnedObserver::try_new(scene.clone(), |scene| Observer::new(scene, rest.as_ref())).map_err(failed)
         })?;
         let rest_residual_px = observer.with_dependent(|_, observer| observer.rest_residual_px);
@@ -52,8 +52,9 @@ impl Locator {
 
     /// Locate the markers in the next image.
     ///
-    /// Args: image: C-contiguous uint8 array of shape (height, width, 3), in the order red, green, blue. The array is read in place and must not
-    /// change during the call. A grey image of shape (height, width) is converted to colour first.
+    /// Args:
+    ///     image: C-contiguous uint8 array of shape (height, width, 3), in the order red, green, blue, or of shape (height, width) for a grey image.
+    ///         The array is read in place and must not change during the call.
     ///
     /// Raises Refused if the image does not show the finger, and FinrayError for an array of another type or size.
     fn locate(&self, py: Python<'_>, image: &Bound<'_, PyAny>) -> PyResult<Observation> {

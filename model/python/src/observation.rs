@@ -8,6 +8,14 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
 /// Observed markers of a finger: positions or displacements, with standard deviations.
+///
+/// Args:
+///     nodes: nodes of the markers, integers; shape (n,).
+///     displacements: displacements of the markers from their unloaded positions, mm, finger frame; shape (n, 2). They take precedence over positions.
+///     positions: positions of the markers on the deformed finger, mm, finger frame; shape (n, 2).
+///     sigma_mm: standard deviation of one coordinate, mm; one number for all markers, or shape (n,). None if unknown.
+///
+/// Raises FinrayError for arrays of another shape or type, for masked arrays, and without displacements and positions.
 #[pyclass(frozen, module = "finray")]
 pub struct Observation {
     pub(crate) seen: finray_model::observation::Observation,
@@ -47,9 +55,6 @@ impl Observation {
 
 #[pymethods]
 impl Observation {
-    /// Args: nodes: nodes of the markers; shape (n,). displacements: displacements from the unloaded positions, mm, finger frame; shape (n, 2).
-    /// positions: positions, mm, finger frame; shape (n, 2). Displacements take precedence over positions. sigma_mm: standard deviation of one
-    /// coordinate, mm; one number for all markers, or shape (n,); None if unknown.
     #[new]
     #[pyo3(signature = (nodes, displacements=None, *, positions=None, sigma_mm=None))]
     fn python_new(
@@ -66,7 +71,7 @@ impl Observation {
         if displacements.is_none() && positions.is_none() {
             return Err(failed("expected displacements or positions of the markers"));
         }
-        let sigmas_mm = sigma_mm.map(|value| arrays::numbers_of("sigma_mm", value, nodes.len())).transpose()?;
+        let sigmas_mm = sigma_mm.map(|value| arrays::deviations_of("sigma_mm", value, nodes.len())).transpose()?;
         let marker = |(i, node)| ObservedMarker {
             node,
             pixel: None,
@@ -91,7 +96,7 @@ impl Observation {
         self.vectors(py, |marker| marker.pixel)
     }
 
-    /// Positions, mm, finger frame; shape (n, 2). None if unknown.
+    /// Positions on the deformed finger, mm, finger frame; shape (n, 2). None if unknown.
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
         self.vectors(py, |marker| marker.position)

@@ -5,7 +5,7 @@ use crate::error::failed;
 use crate::scene::Scene;
 use crate::solve::Shape;
 use finray_studies::experiments::contact_scene::file::{NO_OBJECT, outline_corners};
-use finray_studies::experiments::contact_scene::{ContactScene, ForceRow};
+use finray_studies::experiments::contact_scene::{ContactScene, ForceRow, SceneStep};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use std::path::Path;
@@ -99,7 +99,7 @@ impl Press {
         self.shape.clone_ref(py)
     }
 
-    /// Notes and warnings, as `finray press` prints them.
+    /// Notes and warnings of `finray press`, each about one step.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.warnings.clone()
@@ -147,7 +147,7 @@ pub fn press(
     let Some(object) = &scene.object else { return Err(failed(&NO_OBJECT)) };
     let folder = path.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
     let mut warnings = Vec::new();
-    let run = py.detach(|| {
+    let (run, doubts) = py.detach(|| {
         let corners = outline_corners(scene, folder).map_err(crate::error::failed)?;
         let mut prepared = ContactScene::new(scene, object, &corners).map_err(crate::error::failed)?;
         if let Some(fineness) = fineness {
@@ -156,12 +156,27 @@ pub fn press(
         let each = |notes: &[String], _| warnings.extend_from_slice(notes);
         let run = finray_studies::experiments::contact_scene::Press::run(scene, &prepared, noise_mm, seed, each);
         warnings.extend(run.ended.iter().flatten().cloned().chain(run.validity_warnings()));
-        Ok::<_, PyErr>(run)
+        let doubts = run.steps.last().map_or_else(Vec::new, |last| doubts(scene, last));
+        Ok::<_, PyErr>((run, doubts))
     })?;
+    let warnings = warnings.into_iter().map(|warning| unlabelled(&warning).to_owned()).collect();
     let stopped = run.ended.as_ref().err().map(ToString::to_string);
     let Some(last) = run.steps.into_iter().next_back() else {
         return Err(failed(&stopped.unwrap_or_else(|| "no step".to_owned())));
     };
-    let shape = Py::new(py, Shape::new(scene.clone(), last.pressed.shape))?;
+    let shape = Py::new(py, Shape::new(scene.clone(), last.pressed.shape, doubts))?;
     Ok(Press { rows: run.rows, shape, warnings, stopped })
+}
+
+/// Reasons why the beam model may be inaccurate in a step.
+fn doubts(scene: &finray_model::Scene, step: &SceneStep) -> Vec<String> {
+    match step.validity(&scene.finger) {
+        Ok(validity) => validity.doubts(&scene.strain_limits).iter().map(ToString::to_string).collect(),
+        Err(error) => vec![format!("the beam model has no equilibrium under the contact forces: {error}")],
+    }
+}
+
+/// A message without the label that the command prints before it.
+fn unlabelled(message: &str) -> &str {
+    ["note: ", "warning: "].iter().find_map(|label| message.strip_prefix(label)).unwrap_or(message)
 }

@@ -22,7 +22,7 @@ pub struct Scene {
 
 #[pymethods]
 impl Scene {
-    /// Read a scene file (TOML).
+    /// Read a scene file (TOML); "-" reads standard input.
     ///
     /// Raises FinrayError with file, line and key of the first fault.
     #[staticmethod]

@@ -57,51 +57,37 @@ impl SensorBasis {
     }
 }
 
-/// One contact or several, in the notation of the command line.
-#[derive(FromPyObject)]
-pub enum Contacts {
-    /// Position of a contact, mm, or number of its node.
-    Number(f64),
-    /// One contact.
-    One(String),
-    /// Several contacts.
-    Several(Vec<ContactText>),
+/// A contact as a number or in the notation of the command line. `None` for any other value.
+fn contact_text(value: &Bound<'_, PyAny>) -> Option<String> {
+    value.extract().ok().or_else(|| arrays::number(value).map(|number| number.to_string()))
 }
 
-/// A contact as a number or in the notation of the command line.
-#[derive(FromPyObject)]
-pub enum ContactText {
-    /// Position of a contact, mm, or number of its node.
-    Number(f64),
-    /// Position or node, and direction.
-    Text(String),
+/// One contact or several, in the notation of the command line. `name` is the name of the argument.
+fn contact_texts(name: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<String>> {
+    let Some(value) = value else { return Ok(Vec::new()) };
+    if let Some(text) = contact_text(value) {
+        return Ok(vec![text]);
+    }
+    let items = arrays::items(value).ok_or_else(|| {
+        failed(format!("{name}: expected a number, a text or a sequence of them, found {}", arrays::found(value)))
+    })?;
+    let wrong = |i, item| failed(format!("{name}[{i}]: expected a number or a text, found {}", arrays::found(item)));
+    items.iter().enumerate().map(|(i, item)| contact_text(item).ok_or_else(|| wrong(i, item))).collect()
 }
 
 /// The contacts at positions (`contact_at`), then those at nodes (`contact`).
 pub fn contacts(
     scene: &Scene,
-    contact_at: Option<Contacts>,
-    contact: Option<Contacts>,
+    contact_at: Option<&Bound<'_, PyAny>>,
+    contact: Option<&Bound<'_, PyAny>>,
     friction: f64,
 ) -> PyResult<SensorContacts> {
-    let texts = |contacts: Option<Contacts>| match contacts {
-        None => Vec::new(),
-        Some(Contacts::Number(number)) => vec![number.to_string()],
-        Some(Contacts::One(text)) => vec![text],
-        Some(Contacts::Several(several)) => several
-            .into_iter()
-            .map(|contact| match contact {
-                ContactText::Number(number) => number.to_string(),
-                ContactText::Text(text) => text,
-            })
-            .collect(),
-    };
     let parsed = |name: &str, texts: Vec<String>, parse: fn(&str) -> Result<AskedContact, String>| {
         let wrong = |reason| failed(format!("{name}: {reason}"));
         texts.iter().map(|text| parse(text).map_err(wrong)).collect::<PyResult<Vec<_>>>()
     };
-    let mut asked = parsed("contact_at", texts(contact_at), AskedContact::at_position)?;
-    asked.extend(parsed("contact", texts(contact), AskedContact::at_node)?);
+    let mut asked = parsed("contact_at", contact_texts("contact_at", contact_at)?, AskedContact::at_position)?;
+    asked.extend(parsed("contact", contact_texts("contact", contact)?, AskedContact::at_node)?);
     SensorContacts::of_asked(&asked, &scene.scene, friction, None).map_err(failed)
 }
 
@@ -116,20 +102,28 @@ self_cell!(
 type ModelSensor<'s> = finray_model::sensor::Sensor<'s>;
 
 /// Estimates contact forces from observations of a finger, as `finray sense` does.
+///
+/// Args:
+///     scene: the finger.
+///     contact_at: contacts at positions along the front plate: a number, a text, or a sequence of them. A number is a distance from the base, mm.
+///         A text has the notation of `finray sense --contact-at`: "80@-20" is 80 mm from the base, -20 degrees from the inward normal (positive
+///         towards the tip); "auto@auto": position and direction unknown; "80" and "auto" without a direction: along the normal of the undeformed
+///         plate.
+///     contact: contacts at nodes: a node, a text in the notation of `--contact` such as "19@normal", or a sequence of them.
+///     noise_mm: standard deviation of one coordinate, mm; None: from the scene, else from the observation, else from the residual.
+///     estimator: name of the estimator, as in `finray sense --help`.
+///     network: file of a network of `finray train`; None: the shipped networks.
+///     mesh_nodes: number of mesh nodes of the nonlinear estimator; None: the mesh is refined until the result converges.
+///     friction: friction coefficient that limits the directions of contacts with standard deviations ("80+-1@0+-5").
+///
+/// The order of the forces is that of the contacts: first `contact_at`, then `contact`.
+///
+/// Raises FinrayError if the contacts are wrong, or the estimator does not support them.
 #[pyclass(frozen, module = "finray")]
 pub struct Sensor(OwnedSensor);
 
 #[pymethods]
 impl Sensor {
-    /// Args: scene: the finger. contact_at: contacts at positions along the front plate, in the notation of `finray sense --contact-at`: "80@-20" is
-    /// 80 mm from the base, -20 degrees from the normal; "auto@auto": position and direction unknown; "80" and "auto" without a direction: along the
-    /// normal of the undeformed plate. contact: contacts at nodes, in the notation of `--contact`: "19@normal". noise_mm: standard deviation of one
-    /// coordinate, mm; None: from the scene, else from the observation, else from the residual. estimator: name of the estimator, as in `finray sense
-    /// --help`. network: file of a network of `finray train`; None: the shipped networks. mesh_nodes: number of mesh nodes of the nonlinear
-    /// estimator; None: the mesh is refined until the result converges. friction: friction coefficient that limits the directions of contacts with
-    /// standard deviations ("80+-1@0+-5").
-    ///
-    /// Raises FinrayError if the contacts are wrong, or the estimator does not support them.
     #[new]
     #[pyo3(signature = (
         scene, contact_at=None, *, contact=None, noise_mm=None, estimator="nonlinear", network=None, mesh_nodes=None, friction=0.0
@@ -137,8 +131,8 @@ impl Sensor {
     #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn new(
         scene: &Scene,
-        contact_at: Option<Contacts>,
-        contact: Option<Contacts>,
+        contact_at: Option<&Bound<'_, PyAny>>,
+        contact: Option<&Bound<'_, PyAny>>,
         noise_mm: Option<f64>,
         estimator: &str,
         network: Option<PathBuf>,
@@ -172,7 +166,7 @@ impl Sensor {
     }
 }
 
-/// Estimated forces, in the order of the contacts.
+/// Estimated forces, in the order of the contacts: first `contact_at`, then `contact`.
 #[pyclass(frozen, module = "finray")]
 pub struct Forces {
     scene: Arc<finray_model::Scene>,

@@ -1,6 +1,6 @@
 //! Displacements under loads.
 
-use crate::arrays;
+use crate::arrays::{self, LARGEST_INTEGER};
 use crate::error::failed;
 use crate::observation::Observation;
 use crate::scene::{Scene, at_rest, drawing, lines};
@@ -24,9 +24,9 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// A shape without warnings.
-    pub fn new(scene: Arc<finray_model::Scene>, shape: FingerShape) -> Shape {
-        Shape { scene, shape, warnings: Vec::new() }
+    /// A shape with warnings.
+    pub fn new(scene: Arc<finray_model::Scene>, shape: FingerShape, warnings: Vec<String>) -> Shape {
+        Shape { scene, shape, warnings }
     }
 
     fn vectors<'py>(&self, py: Python<'py>, of: impl Fn(&NodeMotion) -> Vector) -> PyResult<Bound<'py, PyArray2<f64>>> {
@@ -92,37 +92,43 @@ impl Shape {
     }
 }
 
-/// A load on a node: node, fx_n, fy_n, and optionally a moment, N mm.
-#[derive(FromPyObject)]
-pub enum NodeLoad {
-    #[pyo3(transparent)]
-    Force((usize, f64, f64)),
-    #[pyo3(transparent)]
-    ForceAndMoment((usize, f64, f64, f64)),
+/// A load on a node from its numbers: node, fx_n, fy_n, and optionally a moment, N mm.
+fn node_load(numbers: &[f64]) -> Option<Load> {
+    let (node, fx_n, fy_n, moment_nmm) = match *numbers {
+        [node, fx_n, fy_n] => (node, fx_n, fy_n, 0.0),
+        [node, fx_n, fy_n, moment_nmm] => (node, fx_n, fy_n, moment_nmm),
+        _ => return None,
+    };
+    let is_node = node.fract() == 0.0 && (0.0..=LARGEST_INTEGER).contains(&node);
+    is_node.then(|| Load::Node { node: NodeId(node as usize), force: Vector::new(fx_n, fy_n), moment_nmm })
 }
 
-impl From<NodeLoad> for Load {
-    fn from(load: NodeLoad) -> Load {
-        let (node, fx_n, fy_n, moment_nmm) = match load {
-            NodeLoad::Force((node, fx_n, fy_n)) => (node, fx_n, fy_n, 0.0),
-            NodeLoad::ForceAndMoment(all) => all,
-        };
-        Load::Node { node: NodeId(node), force: Vector::new(fx_n, fy_n), moment_nmm }
-    }
-}
-
-/// The loads in an argument. `expected` is the error message for other values, and names the expected tuples.
-fn list<'py, T: FromPyObjectOwned<'py>>(value: Option<Bound<'py, PyAny>>, expected: &str) -> PyResult<Vec<T>> {
+/// The loads in an argument. `expected` names the numbers of a load; `load` makes a load of them, or returns `None` for wrong numbers.
+fn loads(
+    name: &str,
+    expected: &str,
+    value: Option<Bound<'_, PyAny>>,
+    load: impl Fn(&[f64]) -> Option<Load>,
+) -> PyResult<Vec<Load>> {
     let Some(value) = value else { return Ok(Vec::new()) };
-    let items = value.try_iter().map_err(|_| failed(expected))?;
-    items.map(|item| item?.extract::<T>().map_err(|_| failed(expected))).collect()
+    let items = value
+        .try_iter()
+        .map_err(|_| failed(format!("{name}: expected a list of {expected}, found {}", arrays::found(&value))))?;
+    let one = |(i, item): (usize, PyResult<Bound<'_, PyAny>>)| {
+        let item = item?;
+        let numbers: Option<Vec<f64>> = arrays::items(&item).and_then(|all| all.iter().map(arrays::number).collect());
+        let wrong = || failed(format!("{name}[{i}]: expected {expected}, found {}", arrays::found(&item)));
+        numbers.and_then(|numbers| load(&numbers)).ok_or_else(wrong)
+    };
+    items.enumerate().map(one).collect()
 }
 
 /// Compute the displacements of a finger under loads, as `finray solve` does.
 ///
 /// Args:
-///     load_at: forces on the front plate, tuples (s_mm, force_n, angle_deg): position from the base, magnitude, and angle from the inward normal.
-///     load: forces on key nodes, tuples (node, fx_n, fy_n) or (node, fx_n, fy_n, moment_nmm), in the finger frame.
+///     load_at: forces on the front plate, tuples, lists or rows of an array (s_mm, force_n, angle_deg): position from the base, magnitude, and
+///         angle from the inward normal.
+///     load: forces on key nodes, in the finger frame: (node, fx_n, fy_n) or (node, fx_n, fy_n, moment_nmm).
 ///     kinematics: "corotational", "corotational-chord" or "linear".
 ///     mesh_nodes: number of mesh nodes; None for the key nodes.
 ///
@@ -137,22 +143,25 @@ pub fn solve<'py>(
     kinematics: &str,
     mesh_nodes: Option<usize>,
 ) -> PyResult<Shape> {
-    let on_nodes: Vec<NodeLoad> =
-        list(load, "load: expected tuples (node, fx_n, fy_n) or (node, fx_n, fy_n, moment_nmm)")?;
-    let at: Vec<(f64, f64, f64)> = list(load_at, "load_at: expected tuples (s_mm, force_n, angle_deg)")?;
-    if on_nodes.is_empty() && at.is_empty() {
+    let finger = &scene.scene.finger;
+    let on_plate = |numbers: &[f64]| {
+        let &[s_mm, force_n, angle_deg] = numbers else { return None };
+        Some(Load::at_position(s_mm, finger.direction(angle_deg) * force_n))
+    };
+    let expected = "numbers (node, fx_n, fy_n) or (node, fx_n, fy_n, moment_nmm)";
+    let mut all = loads("load", expected, load, node_load)?;
+    all.extend(loads("load_at", "numbers (s_mm, force_n, angle_deg)", load_at, on_plate)?);
+    if all.is_empty() {
         return Err(failed("expected at least one load or load_at"));
     }
     let kinematics = Kinematics::deserialize(IntoDeserializer::<Error>::into_deserializer(kinematics))
         .map_err(|error| failed(format!("kinematics: {error}")))?;
-    let (scene, finger) = (scene.scene.clone(), &scene.scene.finger);
-    let on_plate = |(s_mm, force_n, angle_deg)| Load::at_position(s_mm, finger.direction(angle_deg) * force_n);
-    let loads: Vec<Load> = on_nodes.into_iter().map(Load::from).chain(at.into_iter().map(on_plate)).collect();
+    let scene = scene.scene.clone();
     let checked = py.detach(|| {
-        let checked = CheckedShape::under(&scene, &loads, kinematics, mesh_nodes).map_err(failed)?;
+        let checked = CheckedShape::under(&scene, &all, kinematics, mesh_nodes).map_err(failed)?;
         let warnings = checked.warnings().collect();
         Ok::<_, PyErr>((checked.shape, warnings))
     });
     let (shape, warnings) = checked?;
-    Ok(Shape { scene, shape, warnings })
+    Ok(Shape::new(scene, shape, warnings))
 }

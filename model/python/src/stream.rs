@@ -1,10 +1,11 @@
 //! Contact forces for each frame of a stream, as `finray live` prints them.
 
-use crate::arrays::ImageArgument;
+use crate::arrays::LARGEST_INTEGER;
 use crate::error::failed;
+use crate::images::{ImageArgument, ImageView};
 use crate::observation::Observation;
 use crate::scene::Scene;
-use crate::sensor::{Contacts, SensorBasis, contacts};
+use crate::sensor::{SensorBasis, contacts};
 use finray_files::live::{FrameInfo, Line};
 use finray_imaging::locate::{Observer, ObserverError};
 use finray_model::sensor::{FrameState, Refusal, WatchedFinger};
@@ -32,34 +33,37 @@ self_cell!(
 );
 
 /// Senses the forces in each frame of a stream, and determines how many contacts a frame shows, as `finray live` does.
+///
+/// Args:
+///     scene: the finger; for images, with the tables camera and markers.
+///     contact_at: contacts at positions along the front plate, as for Sensor: a number in mm, a text such as "auto@normal", or a sequence of them.
+///     contact: contacts at nodes, as for Sensor: a node, a text such as "19@normal", or a sequence of them.
+///     noise_mm: standard deviation of one coordinate, mm; None: the scene's, else that of each marker.
+///     estimator: name of the estimator, as in `finray live --help`.
+///     network: file of a network of `finray train`; None: the shipped networks.
+///     rest_frames: number of first frames that show the unloaded finger; displacements are then measured from their mean positions.
+///
+/// Raises FinrayError if the contacts are wrong, or the estimator does not support them.
 #[pyclass(frozen, module = "finray")]
 pub struct StreamSensor(Mutex<OwnedEvaluation>);
 
 /// Image or marker positions of a frame, or the reason why the frame has neither.
 enum Content<'a> {
-    Image(finray_imaging::RgbView<'a>),
+    Image(ImageView<'a>),
     Markers(&'a Observation),
     Unreadable(String),
 }
 
 #[pymethods]
 impl StreamSensor {
-    /// Args:
-    ///     scene: the finger; for images, with the tables camera and markers.
-    ///     contact_at, contact: contacts, as for Sensor.
-    ///     noise_mm: standard deviation of one coordinate, mm; None: the scene's, else that of each marker.
-    ///     estimator, network: as for Sensor.
-    ///     rest_frames: number of first frames that show the unloaded finger; displacements are then measured from their mean positions.
-    ///
-    /// Raises FinrayError if the contacts are wrong, or the estimator does not support them.
     #[new]
     #[pyo3(signature = (
         scene, contact_at=None, *, contact=None, noise_mm=None, estimator="nonlinear", network=None, rest_frames=0
     ))]
     fn new(
         scene: &Scene,
-        contact_at: Option<Contacts>,
-        contact: Option<Contacts>,
+        contact_at: Option<&Bound<'_, PyAny>>,
+        contact: Option<&Bound<'_, PyAny>>,
         noise_mm: Option<f64>,
         estimator: &str,
         network: Option<PathBuf>,
@@ -79,7 +83,7 @@ impl StreamSensor {
     /// Args:
     ///     frame: image, as for Locator.locate, or Observation.
     ///     time_s: time of the frame, s; None if unknown.
-    ///     dropped: number of frames dropped since the previous line.
+    ///     dropped: number of frames dropped since the previous line, at most 2^53.
     ///
     /// Raises FinrayError for an array that is not an image, and for an image if the scene has no camera or markers. If forces are missing for a
     /// reason that raises no error, the line states the reason.
@@ -97,13 +101,18 @@ impl StreamSensor {
 
     /// The line of a frame that cannot be read, with the reason.
     #[pyo3(signature = (reason, *, time_s=None, dropped=0))]
-    fn refused_line(&self, reason: String, time_s: Option<f64>, dropped: usize) -> PyResult<String> {
-        self.evaluate(Content::Unreadable(reason), Instant::now(), time_s, dropped)
+    fn refused_line(&self, py: Python<'_>, reason: String, time_s: Option<f64>, dropped: usize) -> PyResult<String> {
+        let arrived = Instant::now();
+        py.detach(|| self.evaluate(Content::Unreadable(reason), arrived, time_s, dropped))
     }
 }
 
 impl StreamSensor {
     fn evaluate(&self, content: Content, arrived: Instant, time_s: Option<f64>, dropped: usize) -> PyResult<String> {
+        // A line of JSON states larger numbers inexactly.
+        if dropped > LARGEST_INTEGER as usize {
+            return Err(failed(format!("dropped: expected at most {LARGEST_INTEGER}, found {dropped}")));
+        }
         let mut evaluation = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         evaluation.with_dependent_mut(|basis, evaluation| {
             let Evaluation { finger, observer, frames } = evaluation;

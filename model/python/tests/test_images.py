@@ -67,11 +67,11 @@ def test_images_are_read_in_place(camera, pressed):
     assert len(finray.Locator(camera).locate(still)) == 25
     # A copy of the image would raise the peak of memory by more than the limit, half the size of the image. The image is much larger than the
     # camera's images, so `locate` refuses it.
-    large = np.zeros((16000, 16000, 3), np.uint8)
-    before_kb = peak_kb()
-    with pytest.raises(finray.FinrayError, match="expected an image of 1600 x 1400 px"):
-        finray.Locator(camera).locate(large)
-    assert peak_kb() - before_kb < large.nbytes / 1024 / 2
+    for large in (np.zeros((16000, 16000, 3), np.uint8), np.zeros((30000, 30000), np.uint8)):
+        before_kb = peak_kb()
+        with pytest.raises(finray.FinrayError, match="expected an image of 1600 x 1400 px"):
+            finray.Locator(camera).locate(large)
+        assert peak_kb() - before_kb < large.nbytes / 1024 / 2
 
 
 def peak_kb():
@@ -81,16 +81,18 @@ def peak_kb():
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
-def test_a_grey_image_is_converted(images):
-    """Rims of grey markers have the same positions in a grey image and in a colour image of the same levels."""
-    grey = finray.read_image(images[0])[:, :, 0].copy()
-    scene = finray.Scene.read(SCENES / "camera.toml")
-    results = []
-    for image in (grey, np.repeat(grey[:, :, None], 3, axis=2)):
-        with pytest.raises(finray.Refused) as error:
-            finray.Locator(scene).locate(image)
-        results.append(str(error.value))
-    assert results[0] == results[1]
+def test_a_grey_image_is_converted(tmp_path):
+    """Grey markers have the same positions in a grey image and in a colour image of the same levels."""
+    scene, paths = SCENES / "bracketed.toml", [tmp_path / "free.png", tmp_path / "pressed.png"]
+    done("render", scene, "--out", paths[0])
+    done("render", scene, "--load-at", "40:1,0", "--out", paths[1])
+    greys = [finray.read_image(path)[:, :, 0].copy() for path in paths]
+    colours = [np.repeat(grey[:, :, None], 3, axis=2) for grey in greys]
+    ours = finray.Scene.read(scene)
+    for with_rest in (False, True):
+        seen = [finray.Locator(ours, *([free] if with_rest else [])).locate(pressed) for free, pressed in (greys, colours)]
+        assert len(seen[0]) > 5
+        np.testing.assert_array_equal(seen[0].displacements, seen[1].displacements)
 
 
 @pytest.mark.parametrize(
@@ -101,12 +103,13 @@ def test_a_grey_image_is_converted(images):
         (lambda image: np.asfortranarray(image), "C-contiguous"),
         (lambda image: image[::2, ::2, 0], "C-contiguous"),
         (lambda image: np.asfortranarray(image[:, :, 0]), "C-contiguous"),
-        (lambda image: image.astype(float), r"expected an image: a uint8 array .* found float64 of shape \[1400, 1600, 3\]"),
+        (lambda image: image.astype(float), r"expected an image: a uint8 array .* found float64 of shape \(1400, 1600, 3\)"),
         (lambda image: np.concatenate([image, image[:, :, :1]], axis=2), "expected an image: a uint8 array"),
         (lambda image: image[0, 0], "expected an image"),
         (lambda image: image[:700], "expected an image of 1600 x 1400 px"),
         (lambda image: np.zeros((0, 0, 3), np.uint8), "expected an image of 1600 x 1400 px"),
-        (lambda image: "image.png", "expected an image: a uint8 array"),
+        (lambda image: "image.png", "expected an image: a uint8 array .* found 'image.png'"),
+        (lambda image: np.ma.array(image, mask=image > 9), "expected an image without a mask"),
     ],
 )
 def test_other_arrays_are_errors(camera, pressed, change, message):
@@ -137,8 +140,8 @@ def test_a_scene_without_a_camera_and_a_missing_file_are_errors(paper, tmp_path)
     assert str(error.value) == refusal("solve", tmp_path / "wrong.toml", "--load-at", "80:1")
 
 
-def test_other_threads_run_during_a_computation(camera):
-    """A thread of Python counts while a press is computed; without the interpreter it would stand still."""
+def ticks_during(compute):
+    """Duration of a computation, s, and ticks of a thread of Python meanwhile; without the interpreter it would stand still."""
     ticks, is_over = [0], threading.Event()
 
     def count():
@@ -150,10 +153,34 @@ def test_other_threads_run_during_a_computation(camera):
     thread.start()
     time.sleep(0.02)
     before, start = ticks[0], time.monotonic()
-    finray.press(finray.Scene.read(SCENES / "contact" / "disc.toml"))
+    compute()
     took_s = time.monotonic() - start
     counted = ticks[0] - before
     is_over.set()
     thread.join()
+    return took_s, counted
+
+
+def test_other_threads_run_during_a_computation():
+    scene = finray.Scene.read(SCENES / "contact" / "disc.toml")
+    took_s, counted = ticks_during(lambda: finray.press(scene))
     # Each pass of the counting thread takes 1 ms of sleep, and longer on a busy machine.
+    assert took_s > 0.05 and counted > took_s / 0.02, (took_s, counted)
+
+
+def test_other_threads_run_while_a_stream_is_busy():
+    """A frame that cannot be read waits for the frame before it, a large image, without the interpreter."""
+    text = (SCENES / "camera.toml").read_text()
+    for small, large in [("[1600, 1400]", "[8000, 7000]"), ("1360.0", "6800.0"), ("[799.5, 699.5]", "[3999.5, 3499.5]")]:
+        text = text.replace(small, large)
+    sensor = finray.StreamSensor(finray.Scene.parse(text), "auto@auto")
+    busy = threading.Thread(target=sensor.line, args=(np.zeros((7000, 8000, 3), np.uint8),))
+
+    def refuse_beside():
+        busy.start()
+        time.sleep(0.02)
+        sensor.refused_line("damaged")
+
+    took_s, counted = ticks_during(refuse_beside)
+    busy.join()
     assert took_s > 0.05 and counted > took_s / 0.02, (took_s, counted)

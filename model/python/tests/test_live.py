@@ -180,6 +180,15 @@ def test_a_wrong_number_of_rest_frames_is_an_error(number, images):
     assert ours.stderr.splitlines()[-1].endswith(f"expected a whole number from 0 to 999999999, found '{number}'")
 
 
+def test_a_large_number_of_dropped_frames_is_an_error(paper, bent):
+    sensor = finray.StreamSensor(paper, "80@-20", noise_mm=0.05)
+    assert json.loads(sensor.line(bent.observation(), dropped=2**53))["dropped"] == 2**53
+    for wrong in (2**53 + 1, 2**64 - 1):
+        for line, content in ((sensor.line, bent.observation()), (sensor.refused_line, "damaged")):
+            with pytest.raises(finray.FinrayError, match=f"dropped: expected at most {2**53}, found {wrong}"):
+                line(content, dropped=wrong)
+
+
 def test_opencv_reads_a_video_without_loss(images, tmp_path):
     """OpenCV stores and reads the images in a lossless codec, so each line is that of the image file."""
     cv2 = pytest.importorskip("cv2")

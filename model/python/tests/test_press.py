@@ -25,7 +25,13 @@ def test_a_press_is_the_program_s(scene, ours, theirs, tmp_path):
     for name in COLUMNS:
         assert_same(getattr(press, name), printed[name])
     assert_same_shape(press.shape, (tmp_path / "shape.csv").read_text())
-    assert press.warnings == said.splitlines()[:-1] and press.stopped is None
+    assert press.warnings == [line.partition(": ")[2] for line in said.splitlines()[:-1]] and press.stopped is None
+
+
+def test_the_shape_of_a_press_has_the_warnings_of_its_last_step():
+    press = finray.press(finray.Scene.read(SCENES / "contact" / "disc.toml"), fineness=2)
+    last = f"step {press.step[-1]}: "
+    assert press.shape.warnings == [warning[len(last) :] for warning in press.warnings if warning.startswith(last)] != []
 
 
 def test_errors_have_the_messages_of_the_program():

@@ -1,6 +1,7 @@
 """Shapes under loads."""
 
 import finray
+import numpy as np
 import pytest
 from conftest import SCENES, assert_same, done, refusal, table
 
@@ -49,17 +50,46 @@ def test_warnings_are_those_of_the_program(paper):
 def test_errors_have_the_messages_of_the_program(paper, ours, theirs):
     with pytest.raises(finray.FinrayError) as error:
         finray.solve(paper, **ours)
-    assert str(error.value) == refusal("solve", SCENES / "paper.toml", *theirs)
+    assert str(error.value) == refusal("solve", SCENES / "paper.toml", *theirs).replace("--mesh-nodes", "mesh_nodes")
+
+
+@pytest.mark.parametrize(
+    "load_at",
+    [
+        [[80, 2, -20]],
+        ([80.0, np.float32(2), np.int64(-20)],),
+        np.array([[80.0, 2.0, -20.0]]),
+        np.array([[80, 2, -20]]),
+        [np.array([80.0, 2.0, -20.0])],
+        iter([(80, 2, -20)]),
+    ],
+)
+def test_loads_are_sequences_of_numbers(paper, bent, load_at):
+    np.testing.assert_array_equal(finray.solve(paper, load_at).displacements, bent.displacements)
+
+
+def test_loads_on_nodes_are_rows_of_an_array(paper):
+    loads = np.array([[19, -0.1, -0.5, 2.0], [12, 0.1, 0.0, 0.0]])
+    rows = finray.solve(paper, load=loads)
+    tuples = finray.solve(paper, load=[(19, -0.1, -0.5, 2), (12, 0.1, 0)])
+    np.testing.assert_array_equal(rows.displacements, tuples.displacements)
 
 
 @pytest.mark.parametrize(
     "wrong, message",
     [
         ({}, "expected at least one load"),
-        ({"load_at": [(80, 1)]}, "load_at: expected tuples"),
-        ({"load_at": 80}, "load_at: expected tuples"),
-        ({"load": [("19", 0, 1)]}, "load: expected tuples"),
-        ({"load": [(-1, 0, 1)]}, "load: expected tuples"),
+        ({"load_at": [(80, 1)]}, r"load_at\[0\]: expected numbers \(s_mm, force_n, angle_deg\), found \(80, 1\)"),
+        ({"load_at": (80, 2, -20)}, r"load_at\[0\]: expected numbers \(s_mm, force_n, angle_deg\), found 80"),
+        ({"load_at": 80}, r"load_at: expected a list of numbers \(s_mm, force_n, angle_deg\), found 80"),
+        ({"load_at": [(80, 1, 0), ("80", 1, 0)]}, r"load_at\[1\]: .* found \('80', 1, 0\)"),
+        ({"load_at": [b"abc"]}, r"load_at\[0\]: .* found b'abc'"),
+        ({"load_at": np.zeros((1, 4))}, r"load_at\[0\]: .* found float64 of shape \(4,\)"),
+        ({"load_at": np.ma.array([[80.0, 1, 0]], mask=[[0, 1, 0]])}, r"load_at\[0\]: expected numbers"),
+        ({"load": [("19", 0, 1)]}, r"load\[0\]: expected numbers \(node, fx_n, fy_n\) or .* found \('19', 0, 1\)"),
+        ({"load": [(-1, 0, 1)]}, r"load\[0\]: expected numbers"),
+        ({"load": [(1.5, 0, 1)]}, r"load\[0\]: expected numbers"),
+        ({"load": [(True, 0, 1)]}, r"load\[0\]: expected numbers"),
         ({"load_at": [(80, float("nan"), 0)]}, "finite loads"),
         ({"load_at": [(float("nan"), 1, 0)]}, "is not on the front plate"),
         ({"load_at": [(80, 1, 0)], "kinematics": "cubic"}, "kinematics: unknown variant"),
