@@ -2,10 +2,27 @@
 
 from collections.abc import Iterable, Sequence
 from os import PathLike
-from typing import Optional, Union, final
+from typing import Any, NoReturn, Optional, Union, final
 
 import numpy as np
 import numpy.typing as npt
+
+__all__ = [
+    "FinrayError",
+    "Forces",
+    "Locator",
+    "Observation",
+    "Press",
+    "Refused",
+    "Scene",
+    "Sensor",
+    "Shape",
+    "StreamSensor",
+    "__version__",
+    "press",
+    "read_image",
+    "solve",
+]
 
 __version__: str
 
@@ -13,9 +30,13 @@ _Path = Union[str, "PathLike[str]"]
 _Floats = npt.NDArray[np.float64]
 _Nodes = npt.NDArray[np.int64]
 _Image = npt.NDArray[np.uint8]
-_Contact = Union[str, float]
-_Contacts = Union[_Contact, Sequence[_Contact], None]
-_NodeLoad = Union[tuple[int, float, float], tuple[int, float, float, float]]
+# The argument of a constructor that does not exist.
+_NoValue = NoReturn
+_Number = Union[float, "np.integer[Any]", "np.floating[Any]"]
+_Numbers = Union[npt.NDArray["np.integer[Any]"], npt.NDArray["np.floating[Any]"]]
+_Contact = Union[str, _Number]
+_Contacts = Union[_Contact, Sequence[_Contact], _Numbers, npt.NDArray[np.str_], None]
+_Loads = Union[_Numbers, Iterable[Union[Sequence[_Number], _Numbers]], None]
 
 class FinrayError(Exception):
     """The input is wrong, or a result cannot be computed. The message says why."""
@@ -26,6 +47,7 @@ class Refused(FinrayError):
 @final
 class Scene:
     """A finger with its camera, markers and contacts."""
+    def __new__(cls, _: _NoValue) -> Scene: ...
     @staticmethod
     def read(path: _Path) -> Scene: ...
     @staticmethod
@@ -47,6 +69,7 @@ class Scene:
 @final
 class Shape:
     """Displacements of the key nodes of a finger."""
+    def __new__(cls, _: _NoValue) -> Shape: ...
     @property
     def nodes(self) -> _Nodes: ...
     @property
@@ -64,7 +87,14 @@ class Shape:
 
 @final
 class Observation:
-    """Observed markers of a finger."""
+    """Observed markers of a finger.
+
+    Args:
+        nodes: nodes of the markers; shape (n,).
+        displacements: displacements, mm, finger frame; shape (n, 2).
+        positions: positions on the deformed finger, mm, finger frame; shape (n, 2).
+        sigma_mm: standard deviation of one coordinate, mm; one number or shape (n,).
+    """
     def __new__(
         cls,
         nodes: npt.ArrayLike,
@@ -93,7 +123,12 @@ class Observation:
 
 @final
 class Locator:
-    """Locates the markers of a scene's finger in images."""
+    """Locates the markers of a scene's finger in images.
+
+    Args:
+        scene: scene with the tables camera and markers.
+        rest: image of the unloaded finger, the reference of displacements; None: from the scene.
+    """
     def __new__(cls, scene: Scene, rest: Optional[_Image] = None) -> Locator: ...
     def locate(self, image: _Image) -> Observation: ...
     @property
@@ -103,7 +138,18 @@ class Locator:
 
 @final
 class Sensor:
-    """Estimates contact forces from observations of a finger."""
+    """Estimates contact forces from observations of a finger.
+
+    Args:
+        scene: the finger.
+        contact_at: contacts at positions along the front plate, mm or texts such as "80@-20" and "auto@auto".
+        contact: contacts at nodes, numbers or texts such as "19@normal".
+        noise_mm: standard deviation of one coordinate, mm; None: from the scene, the observation or the residual.
+        estimator: name of the estimator.
+        network: file of a network of `finray train`; None: the shipped networks.
+        mesh_nodes: number of mesh nodes; None: refined until the result converges.
+        friction: friction coefficient for contacts with standard deviations ("80+-1@0+-5").
+    """
     def __new__(
         cls,
         scene: Scene,
@@ -120,7 +166,8 @@ class Sensor:
 
 @final
 class Forces:
-    """Estimated forces, in the order of the contacts."""
+    """Estimated forces, in the order of the contacts: first contact_at, then contact."""
+    def __new__(cls, _: _NoValue) -> Forces: ...
     @property
     def contacts(self) -> list[str]: ...
     @property
@@ -139,7 +186,15 @@ class Forces:
 
 @final
 class StreamSensor:
-    """Senses the forces in each frame of a stream."""
+    """Senses the forces in each frame of a stream.
+
+    Args:
+        scene: the finger; for images, with the tables camera and markers.
+        contact_at, contact: contacts, as for Sensor.
+        noise_mm: standard deviation of one coordinate, mm; None: the scene's, else that of each marker.
+        estimator, network: as for Sensor.
+        rest_frames: number of first frames that show the unloaded finger.
+    """
     def __new__(
         cls,
         scene: Scene,
@@ -157,6 +212,7 @@ class StreamSensor:
 @final
 class Press:
     """True and sensed forces of a simulated press."""
+    def __new__(cls, _: _NoValue) -> Press: ...
     @property
     def step(self) -> _Nodes: ...
     @property
@@ -189,9 +245,9 @@ class Press:
 
 def solve(
     scene: Scene,
-    load_at: Optional[Iterable[tuple[float, float, float]]] = None,
+    load_at: _Loads = None,
     *,
-    load: Optional[Iterable[_NodeLoad]] = None,
+    load: _Loads = None,
     kinematics: str = "corotational",
     mesh_nodes: Optional[int] = None,
 ) -> Shape: ...
