@@ -1,13 +1,15 @@
 //! Calibrates moduli from measured shapes under known loads, by eq. (11) of Xu et al. (2021). One function fits [one modulus of the co-rotational
-//! finger](corotational_modulus), another fits [several moduli at once](factors). [`calibrate_rig`] calibrates finger, camera and friction from
+//! finger](corotational_modulus), another fits [several moduli at once](robust_factors). [`calibrate_rig`] calibrates finger, camera and friction from
 //! images.
 
 mod factors;
 mod modulus;
+mod robust;
 mod views;
 
 pub use factors::{FactorEstimate, FactorModel, Unknown, factors};
-pub use modulus::{ModulusEstimate, OutlyingMarker, corotational_modulus};
+pub use modulus::{ModulusEstimate, corotational_modulus};
+pub use robust::{OutlyingMarker, RobustFactors, robust_factors};
 pub use views::*;
 
 use crate::Kinematics;

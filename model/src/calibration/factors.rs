@@ -143,13 +143,7 @@ pub fn factors(
     let sigmas: Vec<f64> = (0..count).map(|k| per_noise[(k, k)].sqrt()).collect();
     let correlation = DMatrix::from_fn(count, count, |i, j| per_noise[(i, j)] / (sigmas[i] * sigmas[j]));
     let relative_sigmas: Vec<f64> = sigmas.iter().map(|sigma| sigma * noise_mm).collect();
-    // NaN counts as not identifiable.
-    let identifiable = |k: usize| relative_sigmas[k] < LARGEST_RELATIVE_SIGMA;
-    let unidentifiable: Vec<_> = (0..count).filter(|&k| !identifiable(k)).collect();
-    if !unidentifiable.is_empty() {
-        let parameters = names(unidentifiable.iter().map(|&k| &unknowns[k]));
-        return Err(CalibrationError::NotIdentifiable { parameters });
-    }
+    require_identified(&relative_sigmas, unknowns)?;
     Ok(FactorEstimate {
         finger: with_factors(finger, unknowns, fit.point.as_slice())?,
         unknowns: unknowns.to_vec(),
@@ -178,6 +172,17 @@ pub(super) fn distances_mm(
 fn distances_of(cases: &[CalibrationCase], residual: &DVector<f64>) -> Vec<f64> {
     let markers = cases.iter().flat_map(|case| case.measurement.markers());
     markers.zip(residual.as_slice().chunks(2)).map(|(marker, at)| at[0].hypot(at[1]) / marker.weight).collect()
+}
+
+/// Refuses factors whose relative standard deviations are too large. NaN counts as too large.
+pub(super) fn require_identified(relative_sigmas: &[f64], unknowns: &[Unknown]) -> Result<(), CalibrationError> {
+    let is_identified = |sigma: &f64| *sigma < LARGEST_RELATIVE_SIGMA;
+    let unidentified: Vec<_> =
+        relative_sigmas.iter().zip(unknowns).filter(|(sigma, _)| !is_identified(sigma)).map(|(_, of)| of).collect();
+    if unidentified.is_empty() {
+        return Ok(());
+    }
+    Err(CalibrationError::NotIdentifiable { parameters: names(unidentified) })
 }
 
 /// Refuses an unknown that moves no marker, and unknowns whose effects on the markers cancel in some combination.

@@ -1,6 +1,8 @@
 //! Calibration of several moduli: known factors are recovered, intervals cover the truth, and factors that are not identifiable are refused.
 
-use finray_model::calibration::{CalibrationCase, CalibrationError, FactorEstimate, FactorModel, Unknown, factors};
+use finray_model::calibration::{
+    CalibrationCase, CalibrationError, FactorEstimate, FactorModel, RobustFactors, Unknown, factors, robust_factors,
+};
 use finray_model::finger::{Finger, FingerDescription, Joints, Part, Zone};
 use finray_model::measurement::Measurement;
 use finray_model::statics::Statics;
@@ -256,4 +258,58 @@ fn entangled_factors_are_named() {
         .expect_err("the same twice")
         .to_string();
     assert!(message.contains("do not separate zone_1_modulus_factor, zone_2_modulus_factor;"), "{message}");
+}
+
+/// The true ribs are thinner than in the scene by a fifth, which no factor of a zone explains. The residual contradicts the stated noise, and the standard
+/// deviations follow from the residual. They once followed from the stated noise, without a warning.
+#[test]
+fn a_misfit_is_noticed_and_widens_the_sigmas() {
+    let start = zoned([1.0; 5]);
+    let mut thinner = zoned([0.7, 1.0, 1.0, 1.0, 1.0]).description().clone();
+    thinner.ribs.strip.as_mut().expect("elastic ribs").thickness_mm *= 0.8;
+    let truth = Finger::new(thinner).expect("a possible finger");
+    let unknowns = [Unknown::Modulus, Unknown::Zones(vec![0])];
+    let cases_of = |finger: &Finger| {
+        let mut rng = ChaCha8Rng::seed_from_u64(4);
+        let mut cases = measured(finger, &LARGE);
+        cases.iter_mut().for_each(|it| it.measurement.add_noise(CAMERA_NOISE_MM, || StandardNormal.sample(&mut rng)));
+        cases
+    };
+    let fit = |cases: &[CalibrationCase], noise_mm: f64| {
+        let model = FactorModel { noise_mm: Some(noise_mm), ..LARGE };
+        robust_factors(&start, cases, &unknowns, &model).expect("factors")
+    };
+    let explained = fit(&cases_of(&zoned([0.7, 1.0, 1.0, 1.0, 1.0])), CAMERA_NOISE_MM);
+    assert_eq!((explained.contradiction, explained.estimate.noise_mm), (None, CAMERA_NOISE_MM));
+    let cases = cases_of(&truth);
+    let misfit = fit(&cases, CAMERA_NOISE_MM);
+    let test = misfit.contradiction.expect("a misfit");
+    assert!(test.residual_sd_mm > 1.1 * CAMERA_NOISE_MM, "{test:?}");
+    // The standard deviations are those of a noise as large as the residual.
+    let expected = fit(&cases, test.residual_sd_mm).estimate.relative_sigmas;
+    for (sigma, expected) in misfit.estimate.relative_sigmas.iter().zip(expected) {
+        assert!((sigma / expected - 1.0).abs() < 1e-9, "{sigma} {expected}");
+    }
+}
+
+/// One marker is off by 1 mm. It is named, and the factors of zones change by less than their standard deviations.
+#[test]
+fn an_outlying_marker_hardly_changes_the_factors_of_zones() {
+    let (start, truth) = (zoned([1.0; 5]), zoned([0.7, 1.0, 1.0, 0.6, 1.0]));
+    let unknowns = [Unknown::Modulus, Unknown::Zones(vec![0]), Unknown::Zones(vec![3])];
+    let mut rng = ChaCha8Rng::seed_from_u64(6);
+    let mut cases = measured(&truth, &LARGE);
+    cases.iter_mut().for_each(|it| it.measurement.add_noise(CAMERA_NOISE_MM, || StandardNormal.sample(&mut rng)));
+    let stated = FactorModel { noise_mm: Some(CAMERA_NOISE_MM), ..LARGE };
+    let clean = robust_factors(&start, &cases, &unknowns, &stated).expect("factors").estimate;
+    let mut markers = cases[2].measurement.markers().to_vec();
+    markers[13].displacement.x += 1.0;
+    cases[2].measurement = Measurement::new(&start, markers.clone()).expect("the same markers");
+    let RobustFactors { estimate, outliers, .. } = robust_factors(&start, &cases, &unknowns, &stated).expect("factors");
+    let named: Vec<_> = outliers.iter().map(|outlier| (outlier.case, outlier.node)).collect();
+    assert_eq!(named, [(2, markers[13].node)]);
+    for k in 0..3 {
+        let change = (estimate.factors[k] / clean.factors[k]).ln() / clean.relative_sigmas[k];
+        assert!(change.abs() < 1.0, "{k}: {change}");
+    }
 }

@@ -3,15 +3,22 @@
 mod images;
 mod modulus;
 mod notes;
+mod zones;
 
 use crate::commands::parse::kinematics;
 use crate::commands::prelude::*;
 use finray_files::measurements;
 use finray_model::Kinematics;
-use finray_model::calibration::{self, CalibrationError, FactorEstimate, FactorModel, Unknown};
-use finray_model::estimators::ELEMENTS;
+use finray_model::calibration::{CalibrationError, OutlyingMarker};
 use finray_model::finger::FingerDescription;
+use finray_model::sensing::{ResidualTest, Warning};
 use nalgebra::DMatrix;
+
+/// Mesh elements per member. With only four elements per member, the modulus factor errs by 3e-4 for weights that bend the paper's finger by 15 mm.
+/// This error of the modulus factor is a fifth of the factor's standard deviation due to noise.
+const ELEMENTS: usize = 8;
+/// Largest number of outlying markers that warnings name.
+const MOST_NAMED: usize = 3;
 
 /// Help text below the options.
 const AFTER_HELP: &str = "\
@@ -101,43 +108,10 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     hints::of_moduli(&arguments.scene, &finger);
     let noise_mm = arguments.noise_mm.or(scene.noise_mm);
     let cases = measurements::load(measured, &finger, noise_mm)?;
-    let Some(groups) = &arguments.zones else { return modulus::run(arguments, &finger, &cases, noise_mm) };
-    let unknowns = unknowns(groups, finger.description().zones.len())?;
-    let is_linear = arguments.kinematics == Kinematics::Linear;
-    let elements = if is_linear { 1 } else { ELEMENTS };
-    let model = FactorModel { kinematics: arguments.kinematics, elements, noise_mm };
-    let estimate = calibration::factors(&finger, &cases, &unknowns, &model).map_err(failure)?;
-    // The factor on all moduli is the first unknown.
-    if let Some(factor) = estimate.factors.first() {
-        warn_of_modulus(*factor);
+    match &arguments.zones {
+        None => modulus::run(arguments, &finger, &cases, noise_mm),
+        Some(groups) => zones::run(arguments, groups, &finger, &cases, noise_mm),
     }
-    if is_linear {
-        let model = FactorModel { kinematics: Kinematics::Corotational, elements: ELEMENTS, noise_mm };
-        let closer = calibration::factors(&finger, &cases, &unknowns, &model).ok();
-        if let Some(closer) =
-            closer.filter(|other| other.residual_rms_mm < estimate.residual_rms_mm && estimate.differs_from(other))
-        {
-            print_message(format_args!(
-                "warning: the co-rotational finger is closer to the measured nodes ({:.3} mm rms) than the linear \
-                    finger ({:.3} mm rms), and its fitted factors differ from the linear ones: displacements are too \
-                    large for --kinematics linear",
-                closer.residual_rms_mm, estimate.residual_rms_mm
-            ));
-        }
-    }
-    for (i, j, correlation) in estimate.entangled() {
-        let [one, other] = [i, j].map(|k| &estimate.unknowns[k]);
-        print_message(format_args!("warning: {one} and {other} are hardly separable: correlation {correlation:.3}"));
-    }
-    let mut files = Vec::new();
-    if let Some(path) = &arguments.correlations {
-        let names: Vec<String> = estimate.unknowns.iter().map(ToString::to_string).collect();
-        files.push((path.clone(), csv_text(correlations(&names, &estimate.correlation))?));
-    }
-    files.push((arguments.out.clone(), csv_text(factor_rows(&finger, &estimate))?));
-    write_all_or_nothing(&files)?;
-    let done = format!("{} estimated from {}", count(estimate.factors.len(), "factor"), count(cases.len(), "case"));
-    Ok(summary(done, files.iter().map(|(path, _)| path)))
 }
 
 /// Largest plausible modulus factor; the smallest plausible factor is its reciprocal. A factor outside this range suggests a wrong unit.
@@ -152,59 +126,33 @@ fn warn_of_modulus(factor: f64) {
     }
 }
 
+/// Warns of outlying markers, those with the largest distances first. Also warns if the residual contradicts the stated noise.
+fn warn_of_contradictions(outliers: &[OutlyingMarker], contradiction: Option<ResidualTest>) {
+    let mut outliers = outliers.to_vec();
+    outliers.sort_by(|a, b| b.distance_mm.total_cmp(&a.distance_mm));
+    for outlier in outliers.iter().take(MOST_NAMED) {
+        print_message(format_args!(
+            "warning: case {} in the order of the file: node {} is {:.2} mm from its computed position, so its row \
+                gets little weight; check the row's node number and the load",
+            outlier.case + 1,
+            outlier.node,
+            outlier.distance_mm
+        ));
+    }
+    if let Some(more) = outliers.len().checked_sub(MOST_NAMED).filter(|more| *more > 0) {
+        print_message(format_args!("warning: {more} further nodes are far from their computed positions"));
+    }
+    if let Some(test) = contradiction {
+        print_message(format_args!("warning: {}; sigma follows from the residual", Warning::Residual(test)));
+    }
+}
+
 fn failure(error: CalibrationError) -> Failure {
     match error {
         CalibrationError::Statics(inner) => inner.into(),
         CalibrationError::NoMinimum => not_computed(error),
         other => bad_input(other),
     }
-}
-
-/// The unknown factors for a value of `--zones` such as `1+2,3`: one on all moduli, then one per group of zones. Zones are numbered from 1.
-fn unknowns(groups: &str, zone_count: usize) -> Result<Vec<Unknown>, Failure> {
-    let bad = |reason: String| bad_input(format!("--zones: {reason}"));
-    if zone_count == 0 {
-        return Err(bad("expected tables [[finger.zone]] in the scene, found none".to_owned()));
-    }
-    let zones: Vec<Vec<usize>> = if groups == EACH {
-        (0..zone_count).map(|zone| vec![zone]).collect()
-    } else {
-        let zone = |text: &str| {
-            let number = text.trim().parse::<usize>().ok().filter(|number| (1..=zone_count).contains(number));
-            number.map(|number| number - 1).ok_or_else(|| {
-                bad(format!(
-                    "expected groups of zones, 1 to {zone_count}, where + joins the zones of a group and a comma \
-                    separates groups, for instance 1+2,3; found \"{text}\""
-                ))
-            })
-        };
-        groups.split(',').map(|group| group.split('+').map(zone).collect()).collect::<Result<_, _>>()?
-    };
-    let mut named: Vec<usize> = zones.concat();
-    named.sort_unstable();
-    if let Some(twice) = named.windows(2).find(|pair| pair[0] == pair[1]) {
-        return Err(bad(format!("zone {} is named twice", twice[0] + 1)));
-    }
-    Ok(std::iter::once(Unknown::Modulus).chain(zones.into_iter().map(Unknown::Zones)).collect())
-}
-
-/// Rows of a result: the moduli, the factor on all moduli, then the factor of each estimated zone.
-fn factor_rows(finger: &Finger, estimate: &FactorEstimate) -> Vec<Row> {
-    let relative = |k: usize| estimate.relative_sigmas[k];
-    let mut rows = Vec::new();
-    for (k, unknown) in estimate.unknowns.iter().enumerate() {
-        match unknown {
-            Unknown::Modulus => {
-                let factor = estimate.factors[k];
-                rows.extend(modulus_rows(finger, factor, factor * relative(k)));
-            }
-            Unknown::Zones(zones) => rows.extend(zones.iter().map(|&zone| {
-                let value = estimate.finger.description().zones[zone].modulus_factor;
-                Row { parameter: Unknown::Zones(vec![zone]).to_string(), value, sigma: Some(value * relative(k)) }
-            })),
-        }
-    }
-    rows
 }
 
 /// One row per pair of parameters, with the correlation of their errors.

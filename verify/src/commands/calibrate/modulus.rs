@@ -1,16 +1,9 @@
 //! `finray calibrate --measurements` without `--zones`: one factor on all moduli.
 
-use super::{Arguments, failure, modulus_rows, warn_of_modulus};
+use super::{Arguments, ELEMENTS, failure, modulus_rows, warn_of_contradictions, warn_of_modulus};
 use crate::commands::prelude::*;
 use finray_model::Kinematics;
-use finray_model::calibration::{self, CalibrationCase, ModulusEstimate};
-use finray_model::sensing::Warning;
-
-/// Mesh elements per member. With only four elements per member, the modulus factor errs by 3e-4 for weights that bend the paper's finger by 15 mm.
-/// This error of the modulus factor is a fifth of the factor's standard deviation due to noise.
-const ELEMENTS: usize = 8;
-/// Largest number of outlying markers that warnings name.
-const MOST_NAMED: usize = 3;
+use finray_model::calibration::{self, CalibrationCase};
 
 /// Estimates one factor on all moduli: by fitting the co-rotational finger, or by the paper's eq. (11) for the linear finger. Prints a warning if the
 /// kinematics that were not chosen fit the measured displacements better, and their factor differs by more than sigma.
@@ -31,7 +24,7 @@ pub fn run(
         ));
     }
     warn_of_modulus(factor);
-    warn_of_contradictions(found);
+    warn_of_contradictions(&found.outliers, found.contradiction);
     if let (Ok(linear), Ok(corotational)) = (&linear, &corotational) {
         let distances_mm = [linear.mean_distance_mm, corotational.mean_distance_mm];
         let difference = (linear.factor - corotational.factor).abs();
@@ -59,25 +52,4 @@ pub fn run(
     }
     write_file(&arguments.out, &csv_text(modulus_rows(finger, factor, sigma))?)?;
     Ok(summary(format!("modulus estimated from {}", count(cases.len(), "case")), [&arguments.out]))
-}
-
-/// Warns of outlying markers, those with the largest distances first. Also warns if the residual contradicts the stated noise.
-fn warn_of_contradictions(found: &ModulusEstimate) {
-    let mut outliers = found.outliers.clone();
-    outliers.sort_by(|a, b| b.distance_mm.total_cmp(&a.distance_mm));
-    for outlier in outliers.iter().take(MOST_NAMED) {
-        print_message(format_args!(
-            "warning: case {} in the order of the file: node {} is {:.2} mm from its computed position, so its row \
-                gets little weight; check the row's node number and the load",
-            outlier.case + 1,
-            outlier.node,
-            outlier.distance_mm
-        ));
-    }
-    if let Some(more) = outliers.len().checked_sub(MOST_NAMED).filter(|more| *more > 0) {
-        print_message(format_args!("warning: {more} further nodes are far from their computed positions"));
-    }
-    if let Some(test) = found.contradiction {
-        print_message(format_args!("warning: {}; sigma follows from the residual", Warning::Residual(test)));
-    }
 }
