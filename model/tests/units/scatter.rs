@@ -8,11 +8,13 @@ use rand_distr::{Distribution, StandardNormal};
 /// Combinations with standard deviation `noise`. `values` are multiples of `noise`.
 fn scatter(noise: f64, values: &[f64]) -> Scatter {
     let precision = 1.0 / (noise * noise);
-    let combination = |value: &f64| Combination { precision, seen: precision * noise * value, carried: vec![0.0] };
+    let combination =
+        |value: &f64| Combination { precision, seen: precision * noise * value, carried: vec![0.0], shared: vec![0.0] };
     Scatter {
         combinations: values.iter().map(combination).collect(),
         of_parameters: vec![0.0],
         of_markers: vec![noise * noise],
+        of_shared: vec![0.0],
     }
 }
 
@@ -60,6 +62,19 @@ fn few_forces_leave_the_scatter_open_as_students_t_has_it() {
     }
 }
 
+/// The modulus is a common factor on all forces. Without noise, the interval of the mean of four forces follows Student's t with 3 degrees of freedom
+/// (3.182 standard deviations, Abramowitz and Stegun, table 26.10).
+#[test]
+fn few_forces_widen_the_interval_of_the_modulus_by_students_t() {
+    let (noise, off) = (1e-6_f64, DVector::from_row_slice(&[0.03, -0.01, 0.02, 0.0]));
+    let by = DMatrix::from_fn(4, 5, |i, j| if j == 0 || j == 1 + i { 1.0 / noise } else { 0.0 });
+    let new =
+        NewImage { by_shared: DVector::from_element(1, -1.0), variance: noise * noise, of_markers: noise * noise };
+    let found = Scatter::new(&by.tr_mul(&by), &DVector::zeros(5), 1, &off, &[new]).unwrap().of_shared(0).unwrap();
+    let of_mean = (off.map(|value| (value - off.mean()).powi(2)).sum() / 3.0 / 4.0).sqrt();
+    assert!((found / of_mean * 1.959_964 / 3.1824 - 1.0).abs() < 1e-3, "{found} for {of_mean}");
+}
+
 /// In each draw, images determine some of ten forces up to ten times as accurately as others. 95 % intervals contain a new force in 91 to 98.5 % of
 /// the draws, for a scatter of zero, near the noise, and far above the noise.
 #[test]
@@ -73,10 +88,10 @@ fn intervals_hold_whatever_the_scatter() {
                 let noise = 2.5e-4 * 10.0_f64.powf(chance.random());
                 let normal: f64 = StandardNormal.sample(chance);
                 let precision = noise.powi(-2);
-                Combination { precision, seen: precision * noise.hypot(true_scatter) * normal, carried: vec![0.0] }
+                let seen = precision * noise.hypot(true_scatter) * normal;
+                Combination { precision, seen, carried: vec![0.0], shared: vec![0.0] }
             });
-            let combinations = combinations.collect();
-            let found = Scatter { combinations, of_parameters: vec![0.0], of_markers: vec![1.0] }.of_new_force();
+            let found = Scatter { combinations: combinations.collect(), ..scatter(1.0, &[]) }.of_new_force();
             let noise = 2.5e-4 * 4.0_f64.powf(chance.random());
             let stated = found.expect("nine differences").hypot(noise);
             within += (1.0 - erfc(TWO_SIDED_95 * stated / (2.0_f64.sqrt() * true_scatter.hypot(noise)))) / DRAWS as f64;

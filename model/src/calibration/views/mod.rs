@@ -15,6 +15,7 @@ mod outliers;
 mod positions;
 mod problem;
 mod quantity;
+mod refine;
 mod rig;
 mod scatter;
 mod shape_motion;
@@ -27,6 +28,7 @@ pub use friction::{FrictionEstimate, FrictionQuestion, LeftOutObject, MeasuredLe
 pub use one_view::{ForceInView, OneView, SensedBefore, force_in_view};
 pub use outliers::{Outlier, OutlierKind};
 pub use quantity::{Quantity, Sought};
+pub use refine::refined_views;
 pub use rig::{RigEstimate, RigQuestion, UNSTATED_BASE, calibrate_rig};
 pub use view::{LocatedView, View, ViewError};
 
@@ -37,7 +39,7 @@ use crate::measurement::MarkerErrors;
 use crate::optimise::{Convergence, LevenbergMarquardt, Refusal};
 use crate::sensing::{Lean, Normal, Pad, UnloadedError};
 use nalgebra::{DMatrix, Isometry2};
-use problem::{Candidate, OWN, Problem, ViewUnknowns};
+use problem::{Candidate, OWN, Point, Problem, ViewUnknowns};
 use scatter::{AddedForceError, Scatter};
 
 /// Parameters of finger and camera that are the same in all views.
@@ -64,7 +66,8 @@ pub struct FoundQuantity {
     pub sought: Sought,
     /// Value in the quantity's unit. For a modulus, `value` is the dimensionless factor on the scene's modulus.
     pub value: f64,
-    /// Standard deviation in the unit of `value`.
+    /// Standard deviation in the unit of `value`. Half of a 95 % interval is 1.96 times this value, also if few measured forces leave their scatter
+    /// uncertain.
     pub sigma: f64,
 }
 
@@ -183,6 +186,26 @@ pub fn views(
     sought: &[Sought],
     model: &ViewModel,
 ) -> Result<ViewEstimate, CalibrationError> {
+    Ok(views_from(None, finger, views, sought, model)?.0)
+}
+
+/// Point and variances at which a fit has settled. The fit on a finer mesh starts from them.
+#[derive(Debug, Clone)]
+struct Settled {
+    point: Point,
+    errors: MarkerErrors,
+    scatter: Option<f64>,
+}
+
+/// Estimates like [`views`], and returns the settled fit. The search starts from `start`, the settled fit of the same views on another mesh. If `start`
+/// is `None`, the search starts from the scene's finger.
+fn views_from(
+    start: Option<Settled>,
+    finger: &Finger,
+    views: &[View],
+    sought: &[Sought],
+    model: &ViewModel,
+) -> Result<(ViewEstimate, Settled), CalibrationError> {
     let leaning = views.iter().filter(|view| view.force.is_none()).count();
     let shares_lean = !sought.is_empty() && leaning > 1 && model.lean.sd_deg > 0.0;
     let shared_lean = shares_lean.then_some(Sought { quantity: Quantity::Lean, prior_sd: Some(model.lean.sd_deg) });
@@ -211,7 +234,13 @@ pub fn views(
     if coordinates <= unknowns {
         return Err(CalibrationError::TooFewMarkers { unknowns, coordinates });
     }
-    let mut point = problem.start()?;
+    let mut point = match start {
+        None => problem.start()?,
+        Some(start) => {
+            (problem.errors, problem.scatter) = (start.errors, start.scatter);
+            start.point
+        }
+    };
     let mut found = None;
     for _ in 0..ROUNDS {
         let search = LevenbergMarquardt { convergence: CONVERGENCE, ..LevenbergMarquardt::default() };
@@ -232,11 +261,13 @@ pub fn views(
     }
     let (fitted, covariance, scatter) = found.ok_or(CalibrationError::NoMinimum)?;
     let sigma = |k: usize| covariance[(k, k)].sqrt();
+    // Few measured forces leave their scatter uncertain. The interval of a quantity then is wider than that of the most likely scatter.
+    let sigma_of_shared = |k: usize| scatter.as_ref().and_then(|scatter| scatter.of_shared(k)).unwrap_or(sigma(k));
     let open = |k: &usize| {
         let quantity = sought[*k].quantity;
         let limit = LARGEST_SIGMAS[usize::from(!quantity.is_modulus())];
         // If no view constrains a shared lean, the lean is as uncertain as its prior.
-        sigma(*k).is_nan() || sigma(*k) >= limit && quantity != Quantity::Lean
+        sigma_of_shared(*k).is_nan() || sigma_of_shared(*k) >= limit && quantity != Quantity::Lean
     };
     if (0..sought.len()).any(|k| open(&k)) {
         return Err(CalibrationError::NotIdentifiable { parameters: names(&mut (0..sought.len()).filter(open)) });
@@ -252,14 +283,16 @@ pub fn views(
     let point = &fitted.point;
     let candidate = problem.candidate(&point.shared).ok_or(CalibrationError::NoMinimum)?;
     let quantities = sought.iter().zip(&point.shared).enumerate();
-    let quantities = quantities.map(|(k, (sought, change))| problem.found_quantity(sought, *change, sigma(k)));
+    let quantities =
+        quantities.map(|(k, (sought, change))| problem.found_quantity(sought, *change, sigma_of_shared(k)));
     let found_view = |(view, own, _, column): (_, _, _, usize)| {
         let is_sought = problem.own_count(view) > OWN;
         let force_sigma_n = if is_sought { sigma(column + OWN) } else { 0.0 };
         problem.found_view(&candidate, view, own, force_sigma_n).ok_or(CalibrationError::NoMinimum)
     };
     let found_views = problem.parts(point).map(found_view).collect::<Result<Vec<_>, _>>()?;
-    Ok(ViewEstimate {
+    let settled = Settled { point: fitted.point.clone(), errors: problem.errors, scatter: problem.scatter };
+    let estimate = ViewEstimate {
         quantities: quantities.collect(),
         correlation: DMatrix::from_fn(sought.len(), sought.len(), |i, j| covariance[(i, j)] / (sigma(i) * sigma(j))),
         views: found_views,
@@ -274,7 +307,8 @@ pub fn views(
         marker_height_mm: candidate.marker_height_mm,
         base: candidate.base,
         finger: candidate.mesh.finger().clone(),
-    })
+    };
+    Ok((estimate, settled))
 }
 
 impl Problem<'_> {

@@ -2,7 +2,7 @@
 
 use super::{
     BaseCompliance, FrictionEstimate, FrictionQuestion, LocatedView, Quantity, Sought, View, ViewEstimate, ViewModel,
-    compliance_of, friction_of, views,
+    compliance_of, friction_of, refined_views, views,
 };
 use crate::calibration::CalibrationError;
 use crate::estimators::ELEMENTS;
@@ -88,7 +88,7 @@ pub fn calibrate_rig(
     };
     let all: Vec<View> = seen.iter().map(view).collect();
     let model = ViewModel::of_scene(scene, lean);
-    let found = views(&scene.finger, &all, &question.sought, &model)?;
+    let found = refined_views(&scene.finger, &all, &question.sought, &model)?;
     check_side(scene, &all, &question.sought, &model, &found)?;
     let measured = || seen.iter().zip(&found.views).filter(|(seen, _)| seen.view.force.is_some());
     let leans: Vec<_> = measured()

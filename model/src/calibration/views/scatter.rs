@@ -29,6 +29,8 @@ struct Combination {
     seen: f64,
     /// Squared change of each new image's relative force per unit of the combination.
     carried: Vec<f64>,
+    /// Squared change of each unknown that all images share per unit of the combination.
+    shared: Vec<f64>,
 }
 
 /// Force estimated from one image alone as if the image were new, relative to the measured force.
@@ -59,6 +61,8 @@ pub(super) struct Scatter {
     of_parameters: Vec<f64>,
     /// Variance of the relative force in each new image due to the noise of its markers.
     of_markers: Vec<f64>,
+    /// Variance of each unknown that all images share, if measured forces were exact.
+    of_shared: Vec<f64>,
 }
 
 impl Scatter {
@@ -90,11 +94,13 @@ impl Scatter {
             precision: independent.eigenvalues[i].max(0.0),
             seen: seen[i],
             carried: new.iter().map(|new| new.by_shared.dot(&shared_by.column(i)).powi(2)).collect(),
+            shared: shared_by.column(i).iter().map(|change| change * change).collect(),
         };
         Some(Scatter {
             combinations: (0..forces).map(combination).collect(),
             of_parameters: new.iter().map(|new| new.by_shared.dot(&(&left * &new.by_shared))).collect(),
             of_markers: new.iter().map(|new| new.of_markers).collect(),
+            of_shared: left.diagonal().iter().copied().collect(),
         })
     }
 
@@ -145,14 +151,9 @@ impl Scatter {
         Some((0.5 * (low + high)).sqrt())
     }
 
-    /// Relative standard deviation of a new force due to scatter. Half of a 95 % interval is 1.96 times this value. The scatter is uncertain if differences are
-    /// few or noise is large. The prior of the scatter is uniform in the logarithm from [`LEAST`] to [`LARGEST`], and the interval averages over the posterior.
-    /// `None` if there are no differences.
-    ///
-    /// # Reference
-    /// The result follows from the posterior predictive distribution of a normal value with an unknown variance (Gelman et al., Bayesian Data
-    /// Analysis, 3rd ed., sec. 3.2). If noise is small, the posterior predictive distribution is Student's t.
-    fn of_new_force(&self) -> Option<f64> {
+    /// Posterior of the scatter: weights and relative variances of measured forces. The prior of the scatter is uniform in the logarithm from [`LEAST`]
+    /// to [`LARGEST`]. `None` if there are no differences between forces.
+    fn posterior(&self) -> Option<Vec<(f64, f64)>> {
         if self.differences() == 0 {
             return None;
         }
@@ -160,7 +161,30 @@ impl Scatter {
         let largest = likelihoods.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let weighted = likelihoods.iter().zip(variances()).map(|(of, variance)| ((of - largest).exp(), variance));
         let likely: Vec<(f64, f64)> = weighted.collect();
-        likely.iter().all(|(weight, _)| weight.is_finite()).then(|| predictive_sd(&likely, [LEAST, FARTHEST * LARGEST]))
+        likely.iter().all(|(weight, _)| weight.is_finite()).then_some(likely)
+    }
+
+    /// Relative standard deviation of a new force due to scatter. Half of a 95 % interval is 1.96 times this value. The scatter is uncertain if differences are
+    /// few or noise is large, so the interval averages over the posterior of the scatter. `None` if there are no differences.
+    ///
+    /// # Reference
+    /// The result follows from the posterior predictive distribution of a normal value with an unknown variance (Gelman et al., Bayesian Data
+    /// Analysis, 3rd ed., sec. 3.2). If noise is small, the posterior predictive distribution is Student's t.
+    fn of_new_force(&self) -> Option<f64> {
+        self.posterior().map(|likely| predictive_sd(&likely, [LEAST, FARTHEST * LARGEST]))
+    }
+
+    /// Standard deviation of an unknown (by index) that all images share, in the unit of the unknown. Half of a 95 % interval is 1.96 times this value,
+    /// because the interval averages over the posterior of the scatter, as for a new force. `None` if there are no differences between forces.
+    pub fn of_shared(&self, unknown: usize) -> Option<f64> {
+        let of = |variance: f64| {
+            let carried = |it: &Combination| it.shared[unknown] / (1.0 / variance + it.precision);
+            self.of_shared[unknown] + self.combinations.iter().map(carried).sum::<f64>()
+        };
+        let likely = self.posterior()?.into_iter().map(|(weight, variance)| (weight, of(variance))).collect::<Vec<_>>();
+        // The variance grows with the scatter.
+        let bounds = [likely.first()?, likely.last()?].map(|(_, variance)| variance.sqrt());
+        Some(predictive_sd(&likely, bounds))
     }
 
     /// Variance of the relative force in a new image due to the calibrated finger, beyond the image's own noise and base.
