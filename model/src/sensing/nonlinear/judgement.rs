@@ -11,7 +11,7 @@ use crate::sensing::residual_test::noise_of;
 use crate::sensing::{
     Contact, ContactQuestion, Direction, Estimate, LARGEST_SPAN, ResidualTest, SensingError, Warning,
 };
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 /// A direction is not identifiable if its standard deviation exceeds this angle, degrees. A position is not identifiable if its standard deviation
 /// exceeds the share `LARGEST_POSITION_SIGMA` of the plate's length.
@@ -19,10 +19,12 @@ const LARGEST_ANGLE_SIGMA_DEG: f64 = 30.0;
 pub(crate) const LARGEST_POSITION_SIGMA: f64 = 0.25;
 /// Another minimum explains the data equally well if its misfit (sum of squared residuals) exceeds the smallest misfit by at most this many noise variances.
 /// The forces of the two minima count as different if one force differs by more than `ANOTHER_ANSWER_SIGMAS` standard deviations.
-const AS_GOOD: f64 = 9.0;
+pub(super) const AS_GOOD: f64 = 9.0;
 const ANOTHER_ANSWER_SIGMAS: f64 = 5.0;
 /// Without noise, forces count as equal up to a difference of this share of the largest force.
 const SAME_ANSWER: f64 = 1e-3;
+/// Other positions widen a standard deviation only if it grows by more than this factor. Smaller growth hardly changes how often intervals hold.
+const CURVED: f64 = 1.5;
 /// An estimate is confirmed if it fits at least this number of measured coordinates per force.
 const CONFIRMING_COORDINATES: usize = 4;
 
@@ -118,6 +120,59 @@ impl NonlinearEstimate {
         let confirmed =
             near || confirmations >= 2 || coordinates >= CONFIRMING_COORDINATES * self.forces.forces_n.len();
         if confirmed { Ok(()) } else { Err(SensingError::Unconfirmed) }
+    }
+}
+
+impl NonlinearEstimate {
+    /// Widens the covariance by another minimum with forces that count as equal, if the minimum explains the data equally well and is separate. The forces
+    /// of the other minimum are as likely as the ratio of the likelihoods states. The minimum that widens most counts. `minima` lists misfit, mm^2, and
+    /// forces, N, of each minimum, and `misfit` is the misfit of the estimate.
+    pub(super) fn widen_by_rivals(&mut self, misfit: f64, minima: &[(f64, Vec<f64>)]) {
+        let variance_mm2 = self.forces.noise_mm.powi(2);
+        let Estimate { forces_n, sigmas_n, .. } = &self.forces;
+        let off = |(other_misfit, other_n): &(f64, Vec<f64>)| {
+            let likelihood = (-0.5 * (other_misfit - misfit) / variance_mm2).exp().min(1.0);
+            DVector::from_iterator(
+                forces_n.len(),
+                forces_n.iter().zip(other_n).map(|(force_n, other_n)| likelihood.sqrt() * (other_n - force_n)),
+            )
+        };
+        let size = |off: &DVector<f64>| {
+            off.iter().zip(sigmas_n).map(|(off_n, sigma_n)| (off_n / sigma_n).powi(2)).sum::<f64>()
+        };
+        let largest =
+            minima.iter().map(off).filter(|off| size(off).is_finite()).max_by(|a, b| size(a).total_cmp(&size(b)));
+        let Some(off) = largest else { return };
+        self.covariance_n2 += &off * off.transpose();
+        for (sigma_n, off_n) in self.forces.sigmas_n.iter_mut().zip(&off) {
+            *sigma_n = sigma_n.hypot(*off_n);
+        }
+    }
+}
+
+impl NonlinearEstimate {
+    /// Widens standard deviations if the misfit grows less towards other forces than it does for a linear finger, for which it grows by the squared number of
+    /// standard deviations. A position may then change far, and the forces with it. `others` lists misfit, mm^2, and forces, N, for other positions, and `misfit`
+    /// is the misfit of the estimate.
+    pub(super) fn widen_by_positions(&mut self, misfit: f64, others: &[(f64, Vec<f64>)]) {
+        let variance_mm2 = self.forces.noise_mm.powi(2);
+        for (other_misfit, other_n) in others {
+            let growth = (other_misfit - misfit) / variance_mm2;
+            if growth > AS_GOOD || growth.is_nan() {
+                continue;
+            }
+            let growth = growth.max(1.0);
+            for (i, other_n) in other_n.iter().enumerate() {
+                let needed_n2 = (other_n - self.forces.forces_n[i]).powi(2) / growth;
+                let stated_n2 = self.forces.sigmas_n[i].powi(2);
+                if needed_n2 <= stated_n2 * CURVED * CURVED {
+                    continue;
+                }
+                let further_n2 = needed_n2 - stated_n2;
+                self.covariance_n2[(i, i)] += further_n2;
+                self.forces.sigmas_n[i] = self.forces.sigmas_n[i].hypot(further_n2.sqrt());
+            }
+        }
     }
 }
 

@@ -152,6 +152,11 @@ impl Linearised {
         self.rates[unknown * self.weights.len() + key_node]
     }
 
+    /// Weight of a marker: its own weight times its robust factor.
+    pub(super) fn weight(&self, marker: &Marker) -> f64 {
+        marker.weight * self.weights[marker.node.0 - 1]
+    }
+
     /// Sets the robust factor of each marker from the distance between its measured and computed positions. The factor is 1 up to a limit of the
     /// distance, and limit / distance beyond the limit. For large distances, the factor limit / distance is the square root of Cauchy's weight.
     pub(super) fn weigh(&mut self, shape: Posed, measurement: &Measurement, noise_mm: Option<f64>) {

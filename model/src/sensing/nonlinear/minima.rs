@@ -3,8 +3,10 @@
 //! Most measurements have one minimum, to which the first starting point leads. Few markers, few ribs and buckling plates cause several minima. If
 //! there may be several minima, the search also starts from multiples of the forces that fit the linear finger. For forces at known contacts, the
 //! search also starts from every minimum among all equilibria of the finger under forces at these contacts ([`scan`](super::scan)). The scan follows
-//! curves of equilibria and may miss minima between these curves.
+//! curves of equilibria and may miss minima between these curves. For unknown positions, the search also starts from the rivals of the best minimum in a
+//! [`profile`](super::profile) over the positions.
 
+use super::profile::{Rival, Rivals};
 use super::scan::{ScannedPoint, least};
 use super::search_history::SearchHistory;
 use super::start::Start;
@@ -26,13 +28,20 @@ pub(super) const MANY_COORDINATES: [usize; 2] = [16, 8];
 /// undetected error.
 const VERY_MANY: usize = 2;
 
+/// Rivals are sought for at most this number of unknown positions, because all combinations of positions are compared.
+const MOST_UNPLACED: usize = 3;
+/// At most this number of minima, each better than the one before, are compared with their rivals.
+const MOST_PROFILES: usize = 4;
+
 /// The minimum with the smallest misfit, and the other results of the searches.
 pub(super) struct Minima {
     pub best: Found,
-    /// Misfit, mm^2, and forces, N, of all minima.
+    /// Misfit, mm^2, and forces, N, of all minima, in the order of [`NonlinearEstimator::order`].
     pub all: Vec<(f64, Vec<f64>)>,
     /// Forces, N, and shapes from which the searches started.
     pub starts: Vec<(Vec<f64>, FrameMotion)>,
+    /// Misfit, mm^2, and forces, N, for other positions that explain the measurement, in the order of [`NonlinearEstimator::order`].
+    pub others: Vec<(f64, Vec<f64>)>,
     /// Points of the scan, one list per curve. Empty without a scan.
     pub scanned: Vec<Vec<ScannedPoint>>,
 }
@@ -48,6 +57,7 @@ struct Search<'s> {
     best: Option<Found>,
     failure: Option<SensingError>,
     all: Vec<(f64, Vec<f64>)>,
+    others: Vec<(f64, Vec<f64>)>,
 }
 
 impl NonlinearEstimator<'_> {
@@ -73,7 +83,7 @@ impl NonlinearEstimator<'_> {
         if std::mem::take(&mut self.is_chosen)
             && let Some(best) = best
         {
-            return Ok(Minima { best, all: Vec::new(), starts: Vec::new(), scanned: Vec::new() });
+            return Ok(Minima { best, all: Vec::new(), starts: Vec::new(), others: Vec::new(), scanned: Vec::new() });
         }
         let is_at_hand = is_good(&best, self);
         let many = MANY_COORDINATES[usize::from(self.questions.len() > 1)];
@@ -81,8 +91,8 @@ impl NonlinearEstimator<'_> {
         // Unknown positions, directions or base poses make a scan coarse and slow. A coarse scan is used only for few markers and without priors.
         let is_coarse = self.unknowns.len() > self.questions.len();
         let has_very_many = !is_coarse && !self.follows_plate() && coordinates >= VERY_MANY * many;
-        let (failure, all) = (None, Vec::new());
-        let mut search = Search { measurement, noise_mm, has_very_many, history, best, failure, all };
+        let (failure, all, others) = (None, Vec::new(), Vec::new());
+        let mut search = Search { measurement, noise_mm, has_very_many, history, best, failure, all, others };
         let starts = self.search_from_starts(&mut search, largest_misfit)?;
         let fits = search.best.as_ref().is_some_and(|it| self.misfit(&it.state, measurement) <= largest_misfit);
         // With many markers, a minimum that is far from explaining the measurement also counts as unique if two searches agree on this minimum.
@@ -91,9 +101,12 @@ impl NonlinearEstimator<'_> {
         let is_worth_it = !is_coarse || self.priors.count() == 0 && !has_many;
         let is_scanned = !is_at_hand && !is_only_one && is_worth_it;
         let scanned = if is_scanned { self.search_from_scan(&mut search) } else { Vec::new() };
-        let Search { best, failure, all, .. } = search;
+        if self.seeks_rivals(&search, is_at_hand) {
+            self.search_from_rivals(&mut search);
+        }
+        let Search { best, failure, all, others, .. } = search;
         let best = best.ok_or_else(|| failure.unwrap_or(SensingError::NoContact))?;
-        Ok(Minima { best, all, starts, scanned })
+        Ok(Minima { best, all, starts, others, scanned })
     }
 
     /// Searches from multiples of the forces that fit the linear finger until a good minimum is found. Returns the forces, N, and shapes of the starting
@@ -145,12 +158,65 @@ impl NonlinearEstimator<'_> {
         scanned
     }
 
+    /// Whether rivals of the best minimum are sought. A search for a single position keeps a minimum at hand, because the search for the first of similar
+    /// measurements has compared the minima. It also keeps a minimum whose residual exceeds [`POOR_FIT_SIGMAS`], because the estimate then carries a warning: the
+    /// finger is near a limit load, or differs from the scene. Several positions depend on the order of the contacts without a comparison.
+    fn seeks_rivals(&self, search: &Search, is_at_hand: bool) -> bool {
+        let coordinates = search.measurement.coordinate_count() as f64;
+        let largest_mm2 = search.noise_mm.map(|noise_mm| (POOR_FIT_SIGMAS * noise_mm).powi(2) * coordinates);
+        let is_within = |found: &Found| {
+            largest_mm2.is_none_or(|largest_mm2| self.misfit(&found.state, search.measurement) <= largest_mm2)
+        };
+        self.object.is_none()
+            && match self.unplaced().len() {
+                1 => !is_at_hand && search.best.as_ref().is_some_and(is_within),
+                several => (2..=MOST_UNPLACED).contains(&several),
+            }
+    }
+
+    /// Starts a search from each rival of the best minimum. If a search finds a better minimum, the rivals of that minimum follow.
+    fn search_from_rivals(&mut self, search: &mut Search) {
+        for _ in 0..MOST_PROFILES {
+            let Some(best) = &search.best else { return };
+            let (best, misfit_mm2) = (best.state.clone(), self.misfit(&best.state, search.measurement));
+            let profiled = self.rivals(&best, search.measurement, search.noise_mm);
+            let Ok(Rivals { rivals, others }) = profiled else { return };
+            search.others = others;
+            self.follow_rivals(search, &best, rivals);
+            let is_better = |found: &Found| self.misfit(&found.state, search.measurement) < misfit_mm2;
+            if !search.best.as_ref().is_some_and(is_better) {
+                return;
+            }
+        }
+    }
+
+    /// Starts a search from each rival of the minimum `best`.
+    fn follow_rivals(&mut self, search: &mut Search, best: &State, rivals: Vec<Rival>) {
+        let pushes = |state: &State| state.forces_n.iter().all(|force_n| *force_n >= 0.0);
+        for Rival { contacts, forces_n } in rivals {
+            let near = self.state_under(&contacts, &forces_n, Some(best));
+            let Some(mut start) = near.or_else(|| self.state_under(&contacts, &forces_n, None)) else { continue };
+            start.nuisances.base = best.nuisances.base;
+            let Ok(start) = self.resumed(start, search.measurement, search.noise_mm) else { continue };
+            search.history.begin();
+            let found = self.minimum_near(start, search.measurement, search.noise_mm, &mut search.history);
+            // Contacts push. A search from pushing forces that ends at a pulling force has left the rival.
+            let is_rival = |found: &Option<Found>| found.as_ref().is_none_or(|it| pushes(&it.state) || !pushes(best));
+            match found {
+                Ok(found) if is_rival(&found) => self.take(search, Ok(found)),
+                _ => _ = search.history.end(None),
+            }
+        }
+    }
+
     /// Records the result of a search.
     fn take(&self, search: &mut Search, found: Result<Option<Found>, SensingError>) {
         let misfit = |found: &Found| self.misfit(&found.state, search.measurement);
         match found {
             Ok(Some(found)) => {
-                search.all.extend(search.history.end(Some((misfit(&found), found.state.forces_n.clone()))));
+                let order = self.order(&found.state.contacts);
+                let forces_n = order.iter().map(|&i| found.state.forces_n[i]).collect();
+                search.all.extend(search.history.end(Some((misfit(&found), forces_n))));
                 if search.best.as_ref().is_none_or(|best| misfit(&found) < misfit(best)) {
                     search.best = Some(found);
                 }

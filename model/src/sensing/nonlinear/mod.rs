@@ -12,6 +12,7 @@ mod linear_range;
 mod linearised;
 mod minima;
 mod nuisances;
+mod profile;
 mod refine;
 mod scan;
 mod search;
@@ -332,17 +333,25 @@ impl<'m> NonlinearEstimator<'m> {
         if unknowns > coordinates {
             return Err(SensingError::TooFewMarkers { unknowns, coordinates });
         }
-        let Minima { best, all, starts, scanned } = self.minima(measurement, noise_mm)?;
+        let Minima { best, mut all, starts, mut others, scanned } = self.minima(measurement, noise_mm)?;
         let Found { mut state, steps, near } = best;
         let least_misfit = self.misfit(&state, measurement);
         let mut estimate = self.judged(&mut state, measurement, noise_mm, steps)?;
         estimate.check_against_nothing(least_misfit, state.linearised.misfit_at_rest(measurement))?;
         self.require_linear_range(&state, measurement, &estimate.forces.sigmas_n)?;
-        // With several unknown positions, two solutions may differ only in the order of the forces.
-        if self.questions.iter().filter(|question| question.position.is_none()).count() <= 1 {
-            let is_confirmed = near || !scanned.is_empty();
-            estimate.check_unconfirmed(coordinates, &starts)?;
-            estimate.check_rivals(least_misfit, &all, is_confirmed, coordinates)?;
+        let is_confirmed = near || !scanned.is_empty();
+        estimate.check_unconfirmed(coordinates, &starts)?;
+        for (_, forces_n) in all.iter_mut().chain(&mut others) {
+            let ordered_n = forces_n.clone();
+            self.order(&state.contacts).into_iter().zip(ordered_n).for_each(|(i, force_n)| forces_n[i] = force_n);
+        }
+        estimate.check_rivals(least_misfit, &all, is_confirmed, coordinates)?;
+        if !self.unplaced().is_empty() {
+            estimate.widen_by_rivals(least_misfit, &all);
+            estimate.widen_by_positions(least_misfit, &others);
+        }
+        // With several unknown positions, the forces of a starting point may belong to other contacts.
+        if self.unplaced().len() <= 1 {
             // At a starting point, the forces act along the undeformed normal, so a starting point cannot contradict forces along the deformed
             // normal.
             if !self.follows_plate() {

@@ -2,6 +2,7 @@
 
 mod hard_measurements;
 mod nuisances;
+mod rivals;
 
 use finray_model::frame::FrameLoad;
 use finray_model::measurement::{Marker, Measurement};
