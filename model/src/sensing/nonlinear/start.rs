@@ -4,14 +4,14 @@ use super::linearised::Linearised;
 use super::nuisances::Nuisances;
 use super::search_history::SearchHistory;
 use super::{Found, NonlinearEstimator, State};
-use crate::Vector;
 use crate::finger::{Finger, Plate};
-use crate::measurement::{Marker, Measurement};
+use crate::measurement::Measurement;
+use crate::rigid_fit::rigid_fit;
 use crate::sensing::{
     Contact, ContactPosition, ContactQuestion, Direction, Estimate, LinearEstimator, Prior, SensingError, halved_below,
 };
 use crate::statics::{Equilibrium, EquilibriumEquations, StaticsError};
-use nalgebra::{Isometry2, Point2, UnitComplex};
+use nalgebra::{Isometry2, Point2};
 use std::borrow::Cow;
 
 /// A starting point of the search.
@@ -229,24 +229,11 @@ impl NonlinearEstimator<'_> {
 
 /// Pose of the base, mm and rad, under the assumption that nothing bends the finger. The pose is the rigid motion that best fits the finger's markers
 /// to their measured positions.
-///
-/// # Reference
-/// Umeyama, IEEE Transactions on Pattern Analysis and Machine Intelligence 13 (1991), for the two-dimensional case.
 fn rigid_motion(finger: &Finger, measurement: &Measurement) -> Isometry2<f64> {
-    let markers = || measurement.markers().iter().map(|marker| (finger.marker_position(marker.node), marker));
-    let weight: f64 = markers().map(|(_, m)| m.weight * m.weight).sum();
-    let mean = |of: fn(Vector, &Marker) -> Vector| {
-        markers().map(|(rest, m)| of(rest, m) * m.weight * m.weight).sum::<Vector>() / weight
-    };
-    let (from, to) = (mean(|rest, _| rest), mean(|rest, m| rest + m.displacement));
-    let (mut along, mut across) = (0.0, 0.0);
-    for (rest, marker) in markers() {
-        let (a, b) = (rest - from, rest + marker.displacement - to);
-        along += marker.weight * marker.weight * a.dot(&b);
-        across += marker.weight * marker.weight * a.perp(&b);
-    }
-    let rotation = UnitComplex::new(across.atan2(along));
-    Isometry2::from_parts((to - rotation * from).into(), rotation)
+    rigid_fit(measurement.markers().iter().map(|marker| {
+        let rest = finger.marker_position(marker.node);
+        (rest, rest + marker.displacement, marker.weight)
+    }))
 }
 
 /// The measurement with its displacements, mm, expressed in the frame of a base with the pose `base`.
