@@ -75,7 +75,8 @@ struct MarkerLine {
 ///
 /// JSON has one line per frame: `{"t_s": 0.04, "markers": [{"node": 13, "x_mm": 146.1, "y_mm": 3.2, "sigma_mm": 0.02}, ...]}`. The keys `t_s`, `image` and
 /// `sigma_mm` may be omitted. CSV has a header and one line per marker. The columns, in any order, are `t_s` or `image`, `node`, `x_mm`, `y_mm`, and optionally
-/// `sigma_mm`. A CSV frame ends where `t_s` changes, or, without `t_s`, where `image` changes. In a stream of several fingers, each marker also has the key or column `finger`.
+/// `sigma_mm`. A CSV frame ends where `t_s` changes, or, without `t_s`, where `image` changes. In a stream of several fingers, each marker also has the key or
+/// column `finger`.
 pub struct PositionReader<R> {
     source: R,
     /// Columns of a table. `None` for JSON.

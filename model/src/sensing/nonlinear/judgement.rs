@@ -121,9 +121,7 @@ impl NonlinearEstimate {
             near || confirmations >= 2 || coordinates >= CONFIRMING_COORDINATES * self.forces.forces_n.len();
         if confirmed { Ok(()) } else { Err(SensingError::Unconfirmed) }
     }
-}
 
-impl NonlinearEstimate {
     /// Widens the covariance by another minimum with forces that count as equal, if the minimum explains the data equally well and is separate. The forces
     /// of the other minimum are as likely as the ratio of the likelihoods states. The minimum that widens most counts. `minima` lists misfit, mm^2, and
     /// forces, N, of each minimum, and `misfit` is the misfit of the estimate.
@@ -148,9 +146,7 @@ impl NonlinearEstimate {
             *sigma_n = sigma_n.hypot(*off_n);
         }
     }
-}
 
-impl NonlinearEstimate {
     /// Widens standard deviations if the misfit grows less towards other forces than it does for a linear finger, for which it grows by the squared number of
     /// standard deviations. A position may then change far, and the forces with it. `others` lists misfit, mm^2, and forces, N, for other positions, and `misfit`
     /// is the misfit of the estimate.
