@@ -1,6 +1,7 @@
 //! Estimates on successively finer meshes.
 
-use super::{NearForces, NonlinearEstimate, NonlinearEstimator, State};
+use super::estimator::{NearForces, NonlinearEstimate, NonlinearEstimator};
+use super::problem::{Seen, State};
 use crate::Finger;
 use crate::measurement::Measurement;
 use crate::mesh::Mesh;
@@ -99,7 +100,10 @@ impl<'f> Refinement<'f> {
             let estimate = match near {
                 None => estimator.estimate(measurement, noise_mm),
                 // A finer mesh starts from the forces that were chosen among all minima on the coarser mesh.
-                Some(near) => estimator.estimate_from(last.take(), near, level > 0, measurement, noise_mm),
+                Some(near) => {
+                    let seen = Seen { measurement, noise_mm };
+                    estimator.estimate_resuming(last.take(), near, level > 0, seen)
+                }
             };
             *last = estimator.last.take();
             estimate

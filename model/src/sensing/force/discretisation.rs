@@ -1,6 +1,7 @@
 //! Discretisation error of estimated forces, computed by comparison with a finer mesh.
 
-use super::{NonlinearEstimate, NonlinearEstimator, State};
+use super::estimator::{NonlinearEstimate, NonlinearEstimator};
+use super::problem::State;
 use crate::Kinematics;
 use crate::measurement::Measurement;
 use crate::mesh::Mesh;
@@ -80,7 +81,7 @@ impl<'m> Discretisation<'m> {
         let error_n = match self.known.iter().find(|known| self.serves(known, state)) {
             Some(known) => known.error_n.clone(),
             None => {
-                let error_n = self.error(estimator.pad, state, measurement)?;
+                let error_n = self.error(estimator.problem.pad, state, measurement)?;
                 if self.known.len() == MOST_KEPT {
                     self.known.clear();
                 }

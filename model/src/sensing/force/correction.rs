@@ -4,9 +4,10 @@
 //! forces by the Gauss-Newton method, which allows for the correction. Shape and forces are then corrected together, so both converge quadratically
 //! if the residuals are small. For a frame of a stream, two or three linearisations replace an equilibrium for every trial.
 
-use super::{NonlinearEstimator, SETTLED_ANGLE_DEG, State};
+use super::SETTLED_ANGLE_DEG;
+use super::derivatives::{differentiate, look_ahead};
+use super::problem::{ForceProblem, Seen, State};
 use crate::finger::Plate;
-use crate::measurement::Measurement;
 
 /// The correction fails after this number of steps. From one camera frame to the next, the correction needs three or four steps.
 const MAX_STEPS: usize = 12;
@@ -63,67 +64,49 @@ impl Progress {
     }
 }
 
-impl NonlinearEstimator<'_> {
-    /// Corrects a state in equilibrium with known derivatives, and returns the number of steps. If the minimum is not near, returns `None`, and the state
-    /// is unusable.
-    pub(super) fn correct(
-        &mut self,
-        state: &mut State,
-        measurement: &Measurement,
-        noise_mm: Option<f64>,
-    ) -> Option<usize> {
-        self.corrected(state, measurement, noise_mm, 0.0)
-    }
+/// Corrects a state in equilibrium with known derivatives, and returns the number of steps. If the minimum is not near, returns `None`, and the state
+/// is unusable.
+pub(super) fn correct(problem: &mut ForceProblem, state: &mut State, seen: Seen) -> Option<usize> {
+    corrected(problem, state, seen, 0.0)
+}
 
-    /// Corrects a state like [`correct`](Self::correct), but only until the next step is expected to be negligible compared with the noise.
-    pub(super) fn correct_below_noise(
-        &mut self,
-        state: &mut State,
-        measurement: &Measurement,
-        noise_mm: Option<f64>,
-    ) -> Option<usize> {
-        self.corrected(state, measurement, noise_mm, NEGLIGIBLE_SIGMAS * noise_mm.unwrap_or(0.0))
-    }
+/// Corrects a state like [`correct`](correct), but only until the next step is expected to be negligible compared with the noise.
+pub(super) fn correct_below_noise(problem: &mut ForceProblem, state: &mut State, seen: Seen) -> Option<usize> {
+    corrected(problem, state, seen, NEGLIGIBLE_SIGMAS * seen.noise_mm.unwrap_or(0.0))
+}
 
-    fn corrected(
-        &mut self,
-        state: &mut State,
-        measurement: &Measurement,
-        noise_mm: Option<f64>,
-        negligible_mm: f64,
-    ) -> Option<usize> {
-        let (mut progress, mut before) = (Progress::default(), Vec::new());
-        let length_mm = self.finger().plate_length_mm(Plate::Front);
-        let follows_shape = self.follows_plate() || !self.pad.is_none();
-        for steps in 1..=MAX_STEPS {
-            let moved_mm = state.solve(measurement, 0.0).ok()?.decrease.max(0.0).sqrt();
-            let change = self.relative_change(state);
-            before.clone_from(&state.loads);
-            let normal_turn_deg = self.advance(state).ok()?;
-            if steps == 1 && change <= SETTLED_STEP && normal_turn_deg <= SETTLED_ANGLE_DEG {
-                return Some(steps);
-            }
-            // In the first step, nothing is factored yet.
-            let turn = match steps == 1 || self.object.is_some() {
-                true => self.statics.corrected(&mut state.motion, &state.loads)?,
-                false => self.statics.corrected_under(&mut state.motion, &before, &state.loads)?,
-            };
-            progress.is_near_after(moved_mm, turn).then_some(())?;
-            // Directions follow the shape before its correction.
-            let direction_turn_deg = normal_turn_deg.max(if follows_shape { turn.to_degrees() } else { 0.0 });
-            let lags_by = |share: f64| turn <= share * state.motion.largest_rotation();
-            let is_settled = change <= SETTLED_STEP && lags_by(SETTLED_TURN)
-                || progress.is_negligible_after(length_mm, negligible_mm) && lags_by(LARGEST_LAG);
-            if is_settled && direction_turn_deg <= SETTLED_ANGLE_DEG {
-                state.linearised.is_in_equilibrium();
-                return Some(steps);
-            }
-            match self.object {
-                None => self.look_ahead(state)?,
-                Some(_) => self.differentiate(state).ok()?,
-            }
-            state.weigh(measurement, noise_mm);
+fn corrected(problem: &mut ForceProblem, state: &mut State, seen: Seen, negligible_mm: f64) -> Option<usize> {
+    let (mut progress, mut before) = (Progress::default(), Vec::new());
+    let length_mm = problem.finger().plate_length_mm(Plate::Front);
+    let follows_shape = problem.follows_plate() || !problem.pad.is_none();
+    for steps in 1..=MAX_STEPS {
+        let moved_mm = state.solve(seen.measurement, 0.0).ok()?.decrease.max(0.0).sqrt();
+        let change = problem.relative_change(state);
+        before.clone_from(&state.loads);
+        let normal_turn_deg = problem.advance(state).ok()?;
+        if steps == 1 && change <= SETTLED_STEP && normal_turn_deg <= SETTLED_ANGLE_DEG {
+            return Some(steps);
         }
-        None
+        // In the first step, nothing is factored yet.
+        let turn = match steps == 1 || problem.object.is_some() {
+            true => problem.statics.corrected(&mut state.motion, &state.loads)?,
+            false => problem.statics.corrected_under(&mut state.motion, &before, &state.loads)?,
+        };
+        progress.is_near_after(moved_mm, turn).then_some(())?;
+        // Directions follow the shape before its correction.
+        let direction_turn_deg = normal_turn_deg.max(if follows_shape { turn.to_degrees() } else { 0.0 });
+        let lags_by = |share: f64| turn <= share * state.motion.largest_rotation();
+        let is_settled = change <= SETTLED_STEP && lags_by(SETTLED_TURN)
+            || progress.is_negligible_after(length_mm, negligible_mm) && lags_by(LARGEST_LAG);
+        if is_settled && direction_turn_deg <= SETTLED_ANGLE_DEG {
+            state.linearised.is_in_equilibrium();
+            return Some(steps);
+        }
+        match problem.object {
+            None => look_ahead(problem, state)?,
+            Some(_) => differentiate(problem, state).ok()?,
+        }
+        state.weigh(seen);
     }
+    None
 }

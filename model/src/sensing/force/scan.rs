@@ -6,7 +6,7 @@
 //! directions pass near every minimum. Between two points of a curve, misfits follow from the displacements and the derivatives of the displacements
 //! at both points (cubic Hermite interpolation).
 
-use super::{NonlinearEstimator, State};
+use super::problem::{ForceProblem, State};
 use crate::Vector;
 use crate::finger::Plate;
 use crate::frame::FrameMotion;
@@ -74,109 +74,107 @@ fn change(from: &FrameMotion, to: &FrameMotion, length_mm: f64, step: [f64; 2]) 
     (moved_mm / (step[0] * length_mm)).max(turned.fold(0.0, f64::max) / step[1])
 }
 
-impl NonlinearEstimator<'_> {
-    /// Scans the equilibria under all forces at the contacts. `None` for more than two forces, for two forces of unknown position or direction, and for
-    /// contacts with an object.
-    pub(super) fn scanned(&mut self) -> Option<Scan> {
-        if self.object.is_some() {
-            return None;
+/// Scans the equilibria under all forces at the contacts. `None` for more than two forces, for two forces of unknown position or direction, and for
+/// contacts with an object.
+pub(super) fn scan(problem: &mut ForceProblem) -> Option<Scan> {
+    if problem.object.is_some() {
+        return None;
+    }
+    let curves = match problem.questions.clone()[..] {
+        [question] => {
+            let contacts = scanned_contacts(problem, &question);
+            let step = STEPS[usize::from(contacts.len() > 1)];
+            let of_contact = |contact: Contact| {
+                let rest = problem.state_under(&[contact], &[0.0], None)?;
+                Some(curve(problem, rest, 0, step))
+            };
+            contacts.into_iter().filter_map(of_contact).collect()
         }
-        let curves = match self.questions.clone()[..] {
-            [question] => {
-                let contacts = self.scanned_contacts(&question);
-                let step = STEPS[usize::from(contacts.len() > 1)];
-                let of_contact = |contact: Contact| {
-                    let rest = self.state_under(&[contact], &[0.0], None)?;
-                    Some(self.curve(rest, 0, step))
-                };
-                contacts.into_iter().filter_map(of_contact).collect()
-            }
-            [first, second] => {
-                let contacts = [first, second].map(|question| self.scanned_contacts(&question));
-                let [[first], [second]] = [&contacts[0][..], &contacts[1][..]] else { return None };
-                let rest = self.state_under(&[*first, *second], &[0.0; 2], None)?;
-                let of_first = self.curve(rest, 0, STEPS[1]);
-                of_first.points.into_iter().map(|point| self.curve(point, 1, STEPS[1])).collect()
-            }
-            _ => return None,
-        };
-        Some(Scan { curves })
-    }
+        [first, second] => {
+            let contacts = [first, second].map(|question| scanned_contacts(problem, &question));
+            let [[first], [second]] = [&contacts[0][..], &contacts[1][..]] else { return None };
+            let rest = problem.state_under(&[*first, *second], &[0.0; 2], None)?;
+            let of_first = curve(problem, rest, 0, STEPS[1]);
+            of_first.points.into_iter().map(|point| curve(problem, point, 1, STEPS[1])).collect()
+        }
+        _ => return None,
+    };
+    Some(Scan { curves })
+}
 
-    /// Contacts at which equilibria are scanned. A direction that follows the plate is replaced by the undeformed normal, and an unknown position or
-    /// direction by several values.
-    fn scanned_contacts(&self, question: &ContactQuestion) -> Vec<Contact> {
-        let length_mm = self.finger().plate_length_mm(Plate::Front);
-        let positions = match question.position {
-            Some(position) => vec![position],
-            None => POSITIONS.map(|share| ContactPosition::At(share * length_mm)).to_vec(),
-        };
-        let angles_deg = match question.direction {
-            Direction::Angle(angle_deg) => vec![angle_deg],
-            Direction::Leaning(lean) => vec![lean.angle_deg],
-            Direction::Auto => ANGLES_DEG.to_vec(),
-        };
-        let at = |position: ContactPosition| angles_deg.iter().map(move |&angle_deg| Contact { position, angle_deg });
-        positions.into_iter().flat_map(at).collect()
-    }
+/// Contacts at which equilibria are scanned. A direction that follows the plate is replaced by the undeformed normal, and an unknown position or
+/// direction by several values.
+fn scanned_contacts(problem: &ForceProblem, question: &ContactQuestion) -> Vec<Contact> {
+    let length_mm = problem.finger().plate_length_mm(Plate::Front);
+    let positions = match question.position {
+        Some(position) => vec![position],
+        None => POSITIONS.map(|share| ContactPosition::At(share * length_mm)).to_vec(),
+    };
+    let angles_deg = match question.direction {
+        Direction::Angle(angle_deg) => vec![angle_deg],
+        Direction::Leaning(lean) => vec![lean.angle_deg],
+        Direction::Auto => ANGLES_DEG.to_vec(),
+    };
+    let at = |position: ContactPosition| angles_deg.iter().map(move |&angle_deg| Contact { position, angle_deg });
+    positions.into_iter().flat_map(at).collect()
+}
 
-    /// Curve of equilibria through `start`, along which the force with index `varying` changes.
-    fn curve(&mut self, start: State, varying: usize, step: [f64; 2]) -> Curve {
-        let [mut less, more] = [-1.0, 1.0].map(|sign| self.half_curve(&start, varying, sign, step));
-        less.reverse();
-        less.push(start);
-        less.extend(more);
-        Curve { varying, points: less }
-    }
+/// Curve of equilibria through `start`, along which the force with index `varying` changes.
+fn curve(problem: &mut ForceProblem, start: State, varying: usize, step: [f64; 2]) -> Curve {
+    let [mut less, more] = [-1.0, 1.0].map(|sign| half_curve(problem, &start, varying, sign, step));
+    less.reverse();
+    less.push(start);
+    less.extend(more);
+    Curve { varying, points: less }
+}
 
-    /// Points of a curve on one side of its start.
-    fn half_curve(&mut self, start: &State, varying: usize, sign: f64, step: [f64; 2]) -> Vec<State> {
-        let length_mm = self.finger().plate_length_mm(Plate::Front);
-        let ends = |motion: &FrameMotion| {
-            motion.largest_displacement() > ENDS[0] * length_mm || motion.largest_rotation() > ENDS[1]
-        };
-        let mut points: Vec<State> = Vec::new();
-        let Some(mut by_n) = self.first_step_n(start, varying, length_mm * step[0]).map(|by_n| sign * by_n) else {
-            return points;
-        };
-        let mut failed = 0;
-        while points.len() < MOST_POINTS {
-            let last = points.last().unwrap_or(start);
-            let mut forces_n = last.forces_n.clone();
-            forces_n[varying] += by_n;
-            let contacts = last.contacts.clone();
-            let next = self.state_under(&contacts, &forces_n, Some(last));
-            let size = next.as_ref().map(|next| change(&last.motion, &next.motion, length_mm, step));
-            match (next, size) {
-                (Some(next), Some(size)) if size <= TOO_LONG => {
-                    let is_last = ends(&next.motion);
-                    points.push(next);
-                    if is_last {
-                        break;
-                    }
-                    by_n *= (1.0 / size.max(f64::MIN_POSITIVE)).clamp(0.5, 2.0);
-                    failed = 0;
+/// Points of a curve on one side of its start.
+fn half_curve(problem: &mut ForceProblem, start: &State, varying: usize, sign: f64, step: [f64; 2]) -> Vec<State> {
+    let length_mm = problem.finger().plate_length_mm(Plate::Front);
+    let ends = |motion: &FrameMotion| {
+        motion.largest_displacement() > ENDS[0] * length_mm || motion.largest_rotation() > ENDS[1]
+    };
+    let mut points: Vec<State> = Vec::new();
+    let Some(mut by_n) = first_step_n(problem, start, varying, length_mm * step[0]).map(|by_n| sign * by_n) else {
+        return points;
+    };
+    let mut failed = 0;
+    while points.len() < MOST_POINTS {
+        let last = points.last().unwrap_or(start);
+        let mut forces_n = last.forces_n.clone();
+        forces_n[varying] += by_n;
+        let contacts = last.contacts.clone();
+        let next = problem.state_under(&contacts, &forces_n, Some(last));
+        let size = next.as_ref().map(|next| change(&last.motion, &next.motion, length_mm, step));
+        match (next, size) {
+            (Some(next), Some(size)) if size <= TOO_LONG => {
+                let is_last = ends(&next.motion);
+                points.push(next);
+                if is_last {
+                    break;
                 }
-                (Some(_), _) => by_n *= 0.5,
-                (None, _) => {
-                    by_n *= SHORTER;
-                    failed += 1;
-                    let is_first = points.is_empty() && start.motion.is_at_rest();
-                    if failed >= if is_first { MOST_FAILED_AT_REST } else { MOST_FAILED } {
-                        break;
-                    }
+                by_n *= (1.0 / size.max(f64::MIN_POSITIVE)).clamp(0.5, 2.0);
+                failed = 0;
+            }
+            (Some(_), _) => by_n *= 0.5,
+            (None, _) => {
+                by_n *= SHORTER;
+                failed += 1;
+                let is_first = points.is_empty() && start.motion.is_at_rest();
+                if failed >= if is_first { MOST_FAILED_AT_REST } else { MOST_FAILED } {
+                    break;
                 }
             }
         }
-        points
     }
+    points
+}
 
-    /// Change of a force, N, that moves the fastest key node by `by_mm`, according to the tangent at the start.
-    fn first_step_n(&self, start: &State, varying: usize, by_mm: f64) -> Option<f64> {
-        let rate = |key_node| start.linearised.rate(varying, key_node).norm();
-        let fastest = (0..self.finger().key_node_count()).map(rate).fold(0.0, f64::max);
-        Some(by_mm / fastest).filter(|by_n| by_n.is_finite())
-    }
+/// Change of a force, N, that moves the fastest key node by `by_mm`, according to the tangent at the start.
+fn first_step_n(problem: &ForceProblem, start: &State, varying: usize, by_mm: f64) -> Option<f64> {
+    let rate = |key_node| start.linearised.rate(varying, key_node).norm();
+    let fastest = (0..problem.finger().key_node_count()).map(rate).fold(0.0, f64::max);
+    Some(by_mm / fastest).filter(|by_n| by_n.is_finite())
 }
 
 impl Curve {

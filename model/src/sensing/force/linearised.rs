@@ -1,16 +1,16 @@
 //! The problem linearised at a state: residuals and derivatives of the residuals with respect to the unknowns.
 
-use super::nuisances::{Nuisances, PriorRow, Priors};
-use super::unknowns::{BaseMotion, Unknown};
-use super::{NonlinearEstimator, State};
+use super::nuisances::{Nuisances, PriorRow};
+use super::problem::Seen;
+use super::unknowns::Unknown;
 use crate::Vector;
 use crate::finger::NodeId;
-use crate::frame::{FrameLoad, FrameMotion, NodeIndex};
+use crate::frame::{FrameMotion, NodeIndex};
 use crate::measurement::{Marker, Measurement};
-use crate::mesh::{LoadError, Mesh};
+use crate::mesh::Mesh;
 use crate::optimise::{GramSchmidt, Prediction, SingularParts};
-use crate::sensing::{Contact, Direction, LARGEST_SPAN, SensingError};
-use nalgebra::{DMatrix, Point2, UnitComplex};
+use crate::sensing::{Contact, LARGEST_SPAN, SensingError};
+use nalgebra::DMatrix;
 
 /// A marker is down-weighted if its residual exceeds this many standard deviations (Cauchy's weight).
 const OUTLIER_SIGMAS: f64 = 4.5;
@@ -23,18 +23,17 @@ const ALL_ALIKE: SensingError = SensingError::IllConditioned { span: f64::INFINI
 #[derive(Debug, Clone)]
 pub(super) struct Linearised {
     /// Point of the mesh to which each marker belongs.
-    marker_points: Vec<MarkerPoint>,
+    pub marker_points: Vec<MarkerPoint>,
     /// Displacements of all key nodes, mm per unit of each unknown, one unknown after the other.
-    rates: Vec<Vector>,
+    pub rates: Vec<Vector>,
     /// Buffer for displacements of all key nodes.
-    across: Vec<Vector>,
+    pub across: Vec<Vector>,
     /// Displacements of all key nodes by a correction of the shape that follows, mm. Zero if the shape is in equilibrium.
-    ahead: Vec<Vector>,
+    pub ahead: Vec<Vector>,
     /// Robust factor on the weight of each marker: 1, or less for an outlier.
     weights: Vec<f64>,
-    /// The priors. `prior_rows` contains the rows of the priors in the least-squares problem at the linearised state.
-    pub priors: Priors,
-    prior_rows: Vec<PriorRow>,
+    /// Rows of the priors at the linearised state.
+    pub prior_rows: Vec<PriorRow>,
     /// Violations, at the linearised state, of the conditions for contact with an object, mm. Each violation is divided by its standard deviation and
     /// multiplied by the noise.
     misses_mm: Vec<f64>,
@@ -55,12 +54,12 @@ pub(super) struct Linearised {
 
 /// Point of the mesh to which a marker belongs.
 #[derive(Debug, Clone, Copy)]
-struct MarkerPoint {
-    node: NodeIndex,
+pub(super) struct MarkerPoint {
+    pub node: NodeIndex,
     /// Index of the marker's key node, from 0.
     key_node: usize,
     /// Undeformed position, finger frame, mm.
-    rest: Vector,
+    pub rest: Vector,
 }
 
 /// A shape of the finger: its deformation, its forces, and the pose of its base.
@@ -68,6 +67,8 @@ struct MarkerPoint {
 pub(super) struct Posed<'s> {
     /// Displacements and rotations of the mesh.
     pub motion: &'s FrameMotion,
+    /// Position and direction of each contact.
+    pub contacts: &'s [Contact],
     /// Force of each contact, N.
     pub forces_n: &'s [f64],
     /// Base pose, leans (angles between force and normal), object pose and shared errors.
@@ -91,7 +92,7 @@ impl MarkerPoint {
 }
 
 impl Linearised {
-    pub(super) fn new(mesh: &Mesh, unknowns: &[Unknown], priors: Priors) -> Linearised {
+    pub(super) fn new(mesh: &Mesh, unknowns: &[Unknown]) -> Linearised {
         let forces = unknowns.iter().filter(|unknown| matches!(unknown, Unknown::Force(_))).count();
         let unknowns = unknowns.len();
         let finger = mesh.finger();
@@ -107,10 +108,9 @@ impl Linearised {
             across: vec![Vector::zeros(); key_nodes],
             ahead: vec![Vector::zeros(); key_nodes],
             weights: vec![1.0; key_nodes],
-            prior_rows: Vec::with_capacity(priors.count()),
+            prior_rows: Vec::new(),
             misses_mm: Vec::new(),
             touch_rates: DMatrix::zeros(0, unknowns),
-            priors,
             scales: vec![1.0; unknowns],
             forces,
             step: Vec::with_capacity(unknowns),
@@ -133,12 +133,10 @@ impl Linearised {
         }
     }
 
-    /// Sets the violations of the contact conditions at a state, mm, and the rows of the priors.
-    pub(super) fn take_misses(&mut self, misses_mm: Vec<f64>, nuisances: &Nuisances, forces_n: &[f64]) {
+    /// Sets the violations of the contact conditions at a state, mm.
+    pub(super) fn take_misses(&mut self, misses_mm: Vec<f64>) {
         self.touch_rates = DMatrix::zeros(misses_mm.len(), self.scales.len());
         self.misses_mm = misses_mm;
-        self.prior_rows.clear();
-        self.prior_rows.extend(self.priors.rows(nuisances, forces_n));
     }
 
     /// Displacement of a key node's marker in a shape, mm, relative to the expected pose of the base.
@@ -159,7 +157,7 @@ impl Linearised {
 
     /// Sets the robust factor of each marker from the distance between its measured and computed positions. The factor is 1 up to a limit of the
     /// distance, and limit / distance beyond the limit. For large distances, the factor limit / distance is the square root of Cauchy's weight.
-    pub(super) fn weigh(&mut self, shape: Posed, measurement: &Measurement, noise_mm: Option<f64>) {
+    pub(super) fn weigh(&mut self, shape: Posed, Seen { measurement, noise_mm }: Seen) {
         let markers = measurement.markers();
         self.distances.clear();
         let distance = |marker: &Marker| {
@@ -181,11 +179,10 @@ impl Linearised {
         self.ahead.fill(Vector::zeros());
     }
 
-    /// Misfit of a shape, mm^2: sum of the squared weighted differences from the measurement and the squared deviations from the priors.
+    /// Misfit of a shape to the markers, mm^2: sum of the squared weighted differences.
     pub(super) fn misfit(&self, shape: Posed, measurement: &Measurement) -> f64 {
         let weighted = |marker: &Marker| distance(&self.marker_points, marker, shape) * self.weights[marker.node.0 - 1];
-        let markers: f64 = measurement.markers().iter().map(|marker| weighted(marker).norm_squared()).sum();
-        markers + self.priors.misfit(shape.nuisances, shape.forces_n)
+        measurement.markers().iter().map(|marker| weighted(marker).norm_squared()).sum()
     }
 
     /// Misfit of the unloaded finger to the markers, mm^2.
@@ -315,102 +312,4 @@ impl Linearised {
             }
         }
     }
-}
-
-impl NonlinearEstimator<'_> {
-    /// Linearises a shape that is near an equilibrium under its loads. Residuals are those after Newton's correction of the shape, which is left to
-    /// [`corrected_under`](crate::statics::Statics::corrected_under). `None` if the tangent is not positive definite.
-    pub(super) fn look_ahead(&mut self, state: &mut State) -> Option<()> {
-        self.statics.linearise(&state.motion, &state.loads).then_some(())?;
-        self.differentiate(state).ok()?;
-        let State { motion, nuisances, linearised, .. } = state;
-        self.statics.equations().corrected_markers(motion, &mut linearised.ahead);
-        let turn = nuisances.base.rotation;
-        if turn != UnitComplex::identity() {
-            linearised.ahead.iter_mut().for_each(|ahead| *ahead = turn * *ahead);
-        }
-        Some(())
-    }
-
-    /// Computes the derivatives of the shape with respect to the unknowns from the factored tangent.
-    pub(super) fn differentiate(&mut self, state: &mut State) -> Result<(), SensingError> {
-        let finger = self.finger();
-        self.rescale(state);
-        if self.object.is_some() {
-            return self.differentiate_by_differences(state);
-        }
-        let count = self.pad.load_count();
-        let State { forces_n, contacts, nuisances, plate_turns_rad, loads, motion, linearised } = state;
-        linearised.prior_rows.clear();
-        linearised.prior_rows.extend(linearised.priors.rows(nuisances, forces_n));
-        let (base, points, across) = (nuisances.base, &linearised.marker_points, &mut linearised.across);
-        let turned = base.rotation != UnitComplex::identity();
-        let ladder = self.statics.equations_mut();
-        for (unknown, rates) in self.unknowns.iter().zip(linearised.rates.chunks_exact_mut(finger.key_node_count())) {
-            match *unknown {
-                Unknown::Position(i) => {
-                    let of_contact = loads[i * count..][..count].iter().map(|load| Ok(*load));
-                    add_up(of_contact, rates, across, |load, out| ladder.moved_load(motion, load, out))?;
-                }
-                Unknown::Force(i) | Unknown::Across(i) => {
-                    let across_deg = if *unknown == Unknown::Force(i) { 0.0 } else { 90.0 };
-                    let along = Contact { angle_deg: contacts[i].angle_deg + across_deg, ..contacts[i] };
-                    let of_contact = self.pad.loads(self.mesh, &along, 1.0, plate_turns_rad[i]);
-                    add_up(of_contact, rates, across, |load, out| ladder.added_load(motion, load, out))?;
-                }
-                // The pose of an object is unknown only if the estimator has an object.
-                Unknown::Object(_) => continue,
-                Unknown::Shared(k) => {
-                    rates.copy_from_slice(&self.shared_errors[k]);
-                    continue;
-                }
-                Unknown::Base(way) => {
-                    for (rate, point) in rates.iter_mut().zip(points) {
-                        let position = base * Point2::from(point.rest + motion.displacements[point.node]);
-                        *rate = match way {
-                            BaseMotion::X => Vector::x(),
-                            BaseMotion::Y => Vector::y(),
-                            BaseMotion::Turn => Vector::new(-position.y, position.x),
-                        };
-                    }
-                    // In the frame of the rotated base, a force of known direction rotates opposite to the base.
-                    let held =
-                        self.questions.iter().enumerate().filter(|(_, q)| matches!(q.direction, Direction::Angle(_)));
-                    for (i, _) in held.filter(|_| way == BaseMotion::Turn) {
-                        let across_contact = Contact { angle_deg: contacts[i].angle_deg + 90.0, ..contacts[i] };
-                        for load in self.pad.loads(self.mesh, &across_contact, 1.0, plate_turns_rad[i]) {
-                            ladder.added_load(motion, &load?, across);
-                            for (rate, across) in rates.iter_mut().zip(&*across) {
-                                *rate -= base.rotation * *across * forces_n[i];
-                            }
-                        }
-                    }
-                    continue;
-                }
-            }
-            if turned {
-                rates.iter_mut().for_each(|rate| *rate = base.rotation * *rate);
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Sums the effects of the loads on each key node, and writes the sums to `rates`. `room` is a buffer for one load.
-fn add_up(
-    loads: impl Iterator<Item = Result<FrameLoad, LoadError>>,
-    rates: &mut [Vector],
-    room: &mut [Vector],
-    mut of: impl FnMut(&FrameLoad, &mut [Vector]),
-) -> Result<(), LoadError> {
-    for (i, load) in loads.enumerate() {
-        match i {
-            0 => of(&load?, rates),
-            _ => {
-                of(&load?, room);
-                rates.iter_mut().zip(&*room).for_each(|(rate, further)| *rate += further);
-            }
-        }
-    }
-    Ok(())
 }

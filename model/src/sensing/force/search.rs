@@ -5,12 +5,15 @@
 //! equilibrium. The trust region therefore limits steps to the range in which earlier predictions were accurate. A step also ends at an equilibrium
 //! whose misfit is much larger than the misfit at the start of the step ([`follow`](super::follow)).
 
+use super::SETTLED_ANGLE_DEG;
+use super::correction::correct;
+use super::derivatives::linearise;
+use super::follow::{follow, part_of_step};
+use super::minima::Found;
+use super::problem::{ForceProblem, Seen, State};
 use super::search_history::SearchHistory;
-use super::{Found, NonlinearEstimator, SETTLED_ANGLE_DEG, State};
-use crate::measurement::Measurement;
 use crate::optimise::{Convergence, Prediction, TrustRegion};
 use crate::sensing::SensingError;
-use crate::statics::StaticsError;
 
 /// The search ends after this number of steps. From a good starting point, the search needs three steps.
 const MAX_STEPS: usize = 60;
@@ -31,9 +34,8 @@ const TURNING_SLACK: f64 = 0.5;
 
 /// One search for a minimum.
 struct Search<'s, 'm> {
-    estimator: &'s mut NonlinearEstimator<'m>,
-    measurement: &'s Measurement,
-    noise_mm: Option<f64>,
+    problem: &'s mut ForceProblem<'m>,
+    seen: Seen<'s>,
     history: &'s mut SearchHistory,
     /// Current state.
     state: State,
@@ -57,45 +59,33 @@ enum End {
     Met,
 }
 
-impl NonlinearEstimator<'_> {
-    /// Searches for a minimum by Gauss-Newton steps. Each step ends at an equilibrium. A step is shortened if it does not reduce the misfit (sum of
-    /// squared residuals). The minimum counts as near if every step was taken in full and decreased the misfit about as much as predicted. `None` if
-    /// the search meets an earlier path of `history`.
-    ///
-    /// # Errors
-    /// [`SensingError`] if the unknowns are not identifiable, or the steps do not converge.
-    pub(super) fn search(
-        &mut self,
-        mut state: State,
-        measurement: &Measurement,
-        noise_mm: Option<f64>,
-        history: &mut SearchHistory,
-    ) -> Result<Option<Found>, SensingError> {
-        self.linearise(&mut state)?;
-        state.weigh(measurement, noise_mm);
-        let moved_mm = state.linearised.misfit_at_rest(measurement).sqrt();
-        let search = Search {
-            estimator: self,
-            measurement,
-            noise_mm,
-            history,
-            state,
-            reach: TrustRegion::of_scale(moved_mm),
-            is_settled: false,
-            last_change: f64::INFINITY,
-            near: MAY_BE_NEAR,
-            is_straight: true,
-        };
-        search.run()
-    }
-
-    /// Factors the tangent at a state and computes the derivatives of the shape with respect to the unknowns.
-    fn linearise(&mut self, state: &mut State) -> Result<(), SensingError> {
-        if !self.statics.linearise(&state.motion, &state.loads) {
-            return Err(SensingError::Statics(StaticsError::NoEquilibrium { converged_fraction: 1.0 }));
-        }
-        self.differentiate(state)
-    }
+/// Searches for a minimum by Gauss-Newton steps. Each step ends at an equilibrium. A step is shortened if it does not reduce the misfit (sum of
+/// squared residuals). The minimum counts as near if every step was taken in full and decreased the misfit about as much as predicted. `None` if
+/// the search meets an earlier path of `history`.
+///
+/// # Errors
+/// [`SensingError`] if the unknowns are not identifiable, or the steps do not converge.
+pub(super) fn search(
+    problem: &mut ForceProblem,
+    mut state: State,
+    seen: Seen,
+    history: &mut SearchHistory,
+) -> Result<Option<Found>, SensingError> {
+    linearise(problem, &mut state)?;
+    state.weigh(seen);
+    let moved_mm = state.linearised.misfit_at_rest(seen.measurement).sqrt();
+    let search = Search {
+        problem,
+        seen,
+        history,
+        state,
+        reach: TrustRegion::of_scale(moved_mm),
+        is_settled: false,
+        last_change: f64::INFINITY,
+        near: MAY_BE_NEAR,
+        is_straight: true,
+    };
+    search.run()
 }
 
 impl Search<'_, '_> {
@@ -104,7 +94,7 @@ impl Search<'_, '_> {
         while steps < MAX_STEPS && !self.reach.is_exhausted() {
             steps += 1;
             let misfit_mm2 = self.misfit_mm2();
-            let whole = self.state.solve(self.measurement, 0.0)?;
+            let whole = self.state.solve(self.seen.measurement, 0.0)?;
             let end = match self.end_at(misfit_mm2, whole) {
                 None => self.step(misfit_mm2, whole)?,
                 end => end,
@@ -118,7 +108,7 @@ impl Search<'_, '_> {
         if self.reach.is_exhausted() || self.last_change <= SMALL_ENOUGH {
             return Ok(Some(self.found(steps)));
         }
-        let forces = self.state.linearised.step.iter().take(self.estimator.questions.len());
+        let forces = self.state.linearised.step.iter().take(self.problem.questions.len());
         let change_n = forces.fold(0.0, |m: f64, x| m.max(x.abs()));
         Err(SensingError::NotConverged { iterations: steps, change_n })
     }
@@ -127,8 +117,8 @@ impl Search<'_, '_> {
         Found { state: self.state, steps, near: self.is_straight }
     }
 
-    pub(super) fn misfit_mm2(&self) -> f64 {
-        self.estimator.misfit(&self.state, self.measurement)
+    fn misfit_mm2(&self) -> f64 {
+        self.problem.misfit(&self.state, self.seen.measurement)
     }
 
     /// End of the search at the current state. `None` if the search goes on. `next` is the prediction for the next step.
@@ -138,8 +128,8 @@ impl Search<'_, '_> {
             self.is_straight = false;
             return Some(End::Minimum(0));
         }
-        let of_residual_mm2 = misfit_mm2 / self.measurement.coordinate_count() as f64;
-        let variance_mm2 = f64::max(self.noise_mm.unwrap_or(0.0).powi(2), of_residual_mm2);
+        let of_residual_mm2 = misfit_mm2 / self.seen.measurement.coordinate_count() as f64;
+        let variance_mm2 = f64::max(self.seen.noise_mm.unwrap_or(0.0).powi(2), of_residual_mm2);
         let is_there = self.is_settled && CONVERGENCE.is_small_decrease(next.decrease, variance_mm2);
         if is_there || self.last_change <= self.near {
             let corrected = self.corrected();
@@ -154,7 +144,7 @@ impl Search<'_, '_> {
     /// Corrects forces and shape together. `None` if the minimum is not near enough.
     fn corrected(&mut self) -> Option<End> {
         let mut corrected = self.state.clone();
-        let steps = self.estimator.correct(&mut corrected, self.measurement, self.noise_mm)?;
+        let steps = correct(self.problem, &mut corrected, self.seen)?;
         self.state = corrected;
         self.history.reach(&self.state);
         Some(End::Minimum(steps))
@@ -164,10 +154,10 @@ impl Search<'_, '_> {
     /// damping.
     fn step(&mut self, misfit_mm2: f64, whole: Prediction) -> Result<Option<End>, SensingError> {
         let prediction = self.within_reach(whole)?;
-        let change = self.estimator.relative_change(&self.state);
+        let change = self.problem.relative_change(&self.state);
         let mut next = self.state.clone();
-        self.is_settled = self.estimator.advance(&mut next)? <= SETTLED_ANGLE_DEG;
-        let (followed, best) = self.estimator.follow(&self.state, &mut next, self.measurement, misfit_mm2);
+        self.is_settled = self.problem.advance(&mut next)? <= SETTLED_ANGLE_DEG;
+        let (followed, best) = follow(self.problem, &self.state, &mut next, self.seen.measurement, misfit_mm2);
         if let Ok(after_mm2) = followed {
             let slack = if self.is_settled { SETTLED_SLACK } else { TURNING_SLACK };
             if after_mm2 <= misfit_mm2 * (1.0 + slack) || CONVERGENCE.is_small_step(change) {
@@ -176,7 +166,7 @@ impl Search<'_, '_> {
         }
         self.is_straight = false;
         if let Some((share, state)) =
-            best.and_then(|best| self.estimator.part_of_step(&self.state, best, self.measurement, misfit_mm2))
+            best.and_then(|best| part_of_step(self.problem, &self.state, best, self.seen.measurement, misfit_mm2))
         {
             self.arrive_at(state)?;
             self.reach.take_part(prediction, share);
@@ -193,7 +183,7 @@ impl Search<'_, '_> {
             return Ok(whole);
         }
         self.is_straight = false;
-        self.reach.shortened(|damping| self.state.solve(self.measurement, damping))
+        self.reach.shortened(|damping| self.state.solve(self.seen.measurement, damping))
     }
 
     /// Accepts a complete step.
@@ -219,8 +209,8 @@ impl Search<'_, '_> {
 
     fn arrive_at(&mut self, state: State) -> Result<(), SensingError> {
         self.state = state;
-        self.estimator.linearise(&mut self.state)?;
-        self.state.weigh(self.measurement, self.noise_mm);
+        linearise(self.problem, &mut self.state)?;
+        self.state.weigh(self.seen);
         Ok(())
     }
 }

@@ -6,7 +6,7 @@
 //! A minimum far from explaining the measurement does not need full accuracy. If two searches agree on a minimum far from explaining the measurement,
 //! no search starts from further multiples of the forces of the linear finger.
 
-use super::State;
+use super::problem::State;
 use super::unknowns::Unknown;
 use crate::sensing::{ContactQuestion, Direction};
 

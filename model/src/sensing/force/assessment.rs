@@ -1,0 +1,140 @@
+//! Covariance and identifiability tests of an estimate.
+
+use super::estimator::NonlinearEstimate;
+use super::largest_explained_rms_mm;
+use super::leaning::FoundLean;
+use super::problem::{ForceProblem, Seen, State};
+use super::unknowns::Unknown;
+use crate::finger::Plate;
+use crate::sensing::residual_test::noise_of;
+use crate::sensing::{
+    Contact, ContactQuestion, Direction, Estimate, LARGEST_SPAN, ResidualTest, SensingError, Warning,
+};
+use nalgebra::DMatrix;
+
+/// A direction is not identifiable if its standard deviation exceeds this angle, degrees. A position is not identifiable if its standard deviation
+/// exceeds the share `LARGEST_POSITION_SIGMA` of the plate's length.
+const LARGEST_ANGLE_SIGMA_DEG: f64 = 30.0;
+pub(crate) const LARGEST_POSITION_SIGMA: f64 = 0.25;
+/// The estimated contact. A known direction replaces the estimated direction. The angle is reduced to the range from -180 to 180 degrees.
+fn answered(contact: &Contact, question: &ContactQuestion) -> Contact {
+    let angle_deg = match question.direction {
+        Direction::Angle(angle_deg) => angle_deg,
+        _ => contact.angle_deg,
+    };
+    Contact { angle_deg: angle_deg - 360.0 * ((angle_deg + 180.0) / 360.0).floor(), ..*contact }
+}
+
+/// Estimated lean (angle between force and normal) of a contact. `None` unless the direction is [`Direction::Leaning`]. `covariance_n2` returns the
+/// covariance of each force with the force across the contact's direction, N^2. `variance_n2` is the variance of the force across the direction.
+fn found_lean(
+    problem: &ForceProblem,
+    state: &State,
+    contact: usize,
+    covariance_n2: impl Fn(usize) -> f64,
+    variance_n2: f64,
+    second_order_n2: f64,
+) -> Option<FoundLean> {
+    let Direction::Leaning(lean) = problem.questions[contact].direction else { return None };
+    let force_n = state.forces_n[contact];
+    let deg_per_n = (1.0 / force_n).to_degrees();
+    Some(FoundLean {
+        contact,
+        lean_deg: lean.mean_deg(force_n) + state.nuisances.further_leans_deg[contact],
+        sd_deg: variance_n2.sqrt() * deg_per_n.abs(),
+        second_order_n2,
+        by_lean_n: (0..problem.questions.len()).map(|j| covariance_n2(j) / (variance_n2 * deg_per_n)).collect(),
+    })
+}
+
+/// Refuses positions and directions whose standard deviation is too large. `sigma` returns the standard deviation of each unknown in its unit.
+fn require_determined(
+    problem: &ForceProblem,
+    forces_n: &[f64],
+    sigma: impl Fn(usize) -> f64,
+) -> Result<(), SensingError> {
+    for (j, unknown) in problem.unknowns.iter().enumerate() {
+        let (what, contact, sigma, limit, unit) = match *unknown {
+            Unknown::Force(_) | Unknown::Base(_) | Unknown::Object(_) | Unknown::Shared(_) => continue,
+            Unknown::Position(i) => {
+                let limit = LARGEST_POSITION_SIGMA * problem.finger().plate_length_mm(Plate::Front);
+                ("the position", i + 1, sigma(j), limit, "mm")
+            }
+            Unknown::Across(i) => {
+                let sigma_deg = (sigma(j) / forces_n[i].abs()).to_degrees();
+                ("the direction", i + 1, sigma_deg, LARGEST_ANGLE_SIGMA_DEG, "deg")
+            }
+        };
+        if sigma > limit {
+            return Err(SensingError::Undetermined { what, contact, sigma, unit });
+        }
+    }
+    Ok(())
+}
+
+/// Computes the standard deviations of an estimate, and refuses estimates whose unknowns are not identifiable.
+///
+/// # Errors
+/// [`SensingError`] if an unknown is not identifiable, or the shape does not explain the measurement.
+pub(super) fn assess(
+    problem: &ForceProblem,
+    state: &mut State,
+    Seen { measurement, noise_mm }: Seen,
+    steps: usize,
+) -> Result<NonlinearEstimate, SensingError> {
+    let (coordinates, count) = (measurement.coordinate_count(), problem.unknowns.len());
+    let misfit = problem.misfit(state, measurement);
+    let residual_rms_mm = (misfit / coordinates as f64).sqrt();
+    let moved: f64 = measurement.markers().iter().map(|marker| marker.displacement.norm_squared()).sum();
+    let moved_rms_mm = (moved / coordinates as f64).sqrt();
+    if noise_mm.is_some_and(|noise_mm| residual_rms_mm > largest_explained_rms_mm(noise_mm, moved_rms_mm)) {
+        return Err(SensingError::Unexplained { residual_rms_mm, moved_rms_mm });
+    }
+    let degrees_of_freedom = coordinates + problem.known_count() - count;
+    let test = ResidualTest::new(noise_mm, misfit, degrees_of_freedom);
+    // A residual that the stated noise does not explain adds to the uncertainty.
+    let noise_mm = noise_of(test, noise_mm, misfit, degrees_of_freedom);
+    problem.rescale(state);
+    let parts = state.linearised.singular_parts(measurement)?;
+    let span = parts.span();
+    if span.is_nan() || span > LARGEST_SPAN {
+        let weakest = problem.unknowns[parts.weakest().iamax()].contact().unwrap_or_default() + 1;
+        return Err(SensingError::IllConditioned { span, limit: LARGEST_SPAN, weakest });
+    }
+    let scales = &state.linearised.scales;
+    let linear = |i: usize, j: usize| scales[i] * scales[j] * parts.covariance(i, j) * noise_mm * noise_mm;
+    // A force b across the direction adds b^2 / (2 f) to the force f, to second order. If the force b has the standard deviation s, the mean
+    // square of b^2 / (2 f) is 3 s^4 / (4 f^2). Terms of higher order are negligible if the direction is known to within some degrees.
+    let by_direction = |i: usize| {
+        let across = problem.unknowns.iter().position(|unknown| *unknown == Unknown::Across(i));
+        across.map_or(0.0, |j| 0.75 * (linear(j, j) / state.forces_n[i]).powi(2))
+    };
+    let covariance = |i: usize, j: usize| linear(i, j) + if i == j { by_direction(i) } else { 0.0 };
+    require_determined(problem, &state.forces_n, |j| linear(j, j).sqrt())?;
+    let leans = problem.unknowns.iter().enumerate().filter_map(|(k, unknown)| match *unknown {
+        Unknown::Across(i) => found_lean(problem, state, i, |j| linear(j, k), linear(k, k), by_direction(i)),
+        _ => None,
+    });
+    Ok(NonlinearEstimate {
+        leans: leans.collect(),
+        forces: Estimate {
+            forces_n: state.forces_n.clone(),
+            sigmas_n: (0..problem.questions.len()).map(|i| covariance(i, i).sqrt()).collect(),
+            model_error_n: vec![0.0; problem.questions.len()],
+            misfit_factor: 1.0,
+            noise_mm,
+            warning: test.filter(ResidualTest::contradicts).map(Warning::Residual),
+            residual_rms_mm,
+            singular_values: parts.descending(),
+        },
+        covariance_n2: DMatrix::from_fn(problem.questions.len(), problem.questions.len(), covariance),
+        contacts: state
+            .contacts
+            .iter()
+            .zip(&problem.questions)
+            .map(|(contact, question)| answered(contact, question))
+            .collect(),
+        steps,
+        shared_errors: state.nuisances.shared.clone(),
+    })
+}

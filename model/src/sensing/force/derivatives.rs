@@ -1,0 +1,164 @@
+//! Derivatives of the shape with respect to the unknowns of a force problem.
+
+use super::problem::{ForceProblem, State};
+use super::unknowns::{BaseMotion, Unknown};
+use crate::Vector;
+use crate::frame::FrameLoad;
+use crate::mesh::LoadError;
+use crate::sensing::{Contact, Direction, SensingError};
+use crate::statics::StaticsError;
+use nalgebra::{Point2, UnitComplex};
+
+/// Step of the difference quotients, as a share of each unknown's scale. The differenced quantities are almost linear within such a small step.
+const STEP: f64 = 1e-5;
+/// Number of times that the loads are updated to the bent shape, which determines their directions and levers.
+const FOLLOWED: usize = 3;
+
+/// Factors the tangent at a state and computes the derivatives of the shape with respect to the unknowns.
+///
+/// # Errors
+/// [`SensingError::Statics`] if the tangent is not positive definite.
+pub(super) fn linearise(problem: &mut ForceProblem, state: &mut State) -> Result<(), SensingError> {
+    if !problem.statics.linearise(&state.motion, &state.loads) {
+        return Err(SensingError::Statics(StaticsError::NoEquilibrium { converged_fraction: 1.0 }));
+    }
+    differentiate(problem, state)
+}
+
+/// Linearises a shape that is near an equilibrium under its loads. Residuals are those after Newton's correction of the shape, which is left to
+/// [`corrected_under`](crate::statics::Statics::corrected_under). `None` if the tangent is not positive definite.
+pub(super) fn look_ahead(problem: &mut ForceProblem, state: &mut State) -> Option<()> {
+    problem.statics.linearise(&state.motion, &state.loads).then_some(())?;
+    differentiate(problem, state).ok()?;
+    let State { motion, nuisances, linearised, .. } = state;
+    problem.statics.equations().corrected_markers(motion, &mut linearised.ahead);
+    let turn = nuisances.base.rotation;
+    if turn != UnitComplex::identity() {
+        linearised.ahead.iter_mut().for_each(|ahead| *ahead = turn * *ahead);
+    }
+    Some(())
+}
+
+/// Computes the derivatives of the shape with respect to the unknowns from the factored tangent.
+pub(super) fn differentiate(problem: &mut ForceProblem, state: &mut State) -> Result<(), SensingError> {
+    let finger = problem.finger();
+    problem.rescale(state);
+    state.linearised.prior_rows.clear();
+    state.linearised.prior_rows.extend(problem.priors.rows(&state.nuisances, &state.forces_n));
+    if problem.object.is_some() {
+        return differentiate_by_differences(problem, state);
+    }
+    let count = problem.pad.load_count();
+    let State { forces_n, contacts, nuisances, plate_turns_rad, loads, motion, linearised } = state;
+    let (base, points, across) = (nuisances.base, &linearised.marker_points, &mut linearised.across);
+    let turned = base.rotation != UnitComplex::identity();
+    let ladder = problem.statics.equations_mut();
+    for (unknown, rates) in problem.unknowns.iter().zip(linearised.rates.chunks_exact_mut(finger.key_node_count())) {
+        match *unknown {
+            Unknown::Position(i) => {
+                let of_contact = loads[i * count..][..count].iter().map(|load| Ok(*load));
+                add_up(of_contact, rates, across, |load, out| ladder.moved_load(motion, load, out))?;
+            }
+            Unknown::Force(i) | Unknown::Across(i) => {
+                let across_deg = if *unknown == Unknown::Force(i) { 0.0 } else { 90.0 };
+                let along = Contact { angle_deg: contacts[i].angle_deg + across_deg, ..contacts[i] };
+                let of_contact = problem.pad.loads(problem.mesh, &along, 1.0, plate_turns_rad[i]);
+                add_up(of_contact, rates, across, |load, out| ladder.added_load(motion, load, out))?;
+            }
+            // The pose of an object is unknown only if the estimator has an object.
+            Unknown::Object(_) => continue,
+            Unknown::Shared(k) => {
+                rates.copy_from_slice(&problem.shared_errors[k]);
+                continue;
+            }
+            Unknown::Base(way) => {
+                for (rate, point) in rates.iter_mut().zip(points) {
+                    let position = base * Point2::from(point.rest + motion.displacements[point.node]);
+                    *rate = match way {
+                        BaseMotion::X => Vector::x(),
+                        BaseMotion::Y => Vector::y(),
+                        BaseMotion::Turn => Vector::new(-position.y, position.x),
+                    };
+                }
+                // In the frame of the rotated base, a force of known direction rotates opposite to the base.
+                let held =
+                    problem.questions.iter().enumerate().filter(|(_, q)| matches!(q.direction, Direction::Angle(_)));
+                for (i, _) in held.filter(|_| way == BaseMotion::Turn) {
+                    let across_contact = Contact { angle_deg: contacts[i].angle_deg + 90.0, ..contacts[i] };
+                    for load in problem.pad.loads(problem.mesh, &across_contact, 1.0, plate_turns_rad[i]) {
+                        ladder.added_load(motion, &load?, across);
+                        for (rate, across) in rates.iter_mut().zip(&*across) {
+                            *rate -= base.rotation * *across * forces_n[i];
+                        }
+                    }
+                }
+                continue;
+            }
+        }
+        if turned {
+            rates.iter_mut().for_each(|rate| *rate = base.rotation * *rate);
+        }
+    }
+    Ok(())
+}
+
+/// Sums the effects of the loads on each key node, and writes the sums to `rates`. `room` is a buffer for one load.
+fn add_up(
+    loads: impl Iterator<Item = Result<FrameLoad, LoadError>>,
+    rates: &mut [Vector],
+    room: &mut [Vector],
+    mut of: impl FnMut(&FrameLoad, &mut [Vector]),
+) -> Result<(), LoadError> {
+    for (i, load) in loads.enumerate() {
+        match i {
+            0 => of(&load?, rates),
+            _ => {
+                of(&load?, room);
+                rates.iter_mut().zip(&*room).for_each(|(rate, further)| *rate += further);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Computes the same derivatives as [`differentiate`], but by first-order differences of states. Here,
+/// directions follow the object, and the differences include the effect of changed directions on the shape.
+///
+/// # Errors
+/// [`SensingError::Statics`] if the tangent does not belong to an equilibrium.
+fn differentiate_by_differences(problem: &mut ForceProblem, state: &mut State) -> Result<(), SensingError> {
+    let Some(touching) = problem.object.clone() else { return Ok(()) };
+    let noise_mm = problem.priors.noise_mm();
+    let misses = |state: &State| -> Vec<f64> { touching.misses_mm(problem.mesh, state.posed(), noise_mm).collect() };
+    let before = followed(problem, state, None)?;
+    let before_misses = misses(&before);
+    let at_state = misses(state);
+    state.linearised.take_misses(at_state);
+    for unknown in 0..problem.unknowns.len() {
+        let step = STEP * state.linearised.scales[unknown];
+        let after = followed(problem, state, Some((unknown, step)))?;
+        let after_misses = misses(&after);
+        let states = [(&before, &before_misses), (&after, &after_misses)]
+            .map(|(state, misses)| (state.posed(), misses.as_slice()));
+        state.linearised.take_differences(unknown, states, step);
+    }
+    Ok(())
+}
+
+/// State after a step of one unknown (index and change). The tangent determines the new shape, and the new shape determines the loads. If `step`
+/// is `None`, no unknown changes.
+fn followed(problem: &mut ForceProblem, state: &State, step: Option<(usize, f64)>) -> Result<State, SensingError> {
+    let none = SensingError::Statics(StaticsError::NoEquilibrium { converged_fraction: 1.0 });
+    let mut state = state.clone();
+    state.linearised.step.clear();
+    state.linearised.step.resize(problem.unknowns.len(), 0.0);
+    if let Some((unknown, by)) = step {
+        state.linearised.step[unknown] = by;
+    }
+    for _ in 0..FOLLOWED {
+        problem.advance(&mut state)?;
+        problem.statics.corrected(&mut state.motion, &state.loads).ok_or(none.clone())?;
+        state.linearised.step.fill(0.0);
+    }
+    Ok(state)
+}

@@ -1,0 +1,263 @@
+//! The nonlinear estimator, and the course of one estimate: find the minima, assess the best, compare it with others, widen its intervals.
+
+use super::alternatives::{
+    check_against_nothing, check_other_forces, check_rivals, check_unconfirmed, widen_by_positions, widen_by_rivals,
+};
+use super::assessment::assess;
+use super::correction::correct_below_noise;
+use super::leaning::{FoundLean, widen_by_leans};
+use super::linear_range::{require_linear_range, widen_by_curvature};
+use super::linearised::Posed;
+use super::minima::{Found, KeptScan, MANY_COORDINATES, Minima, Near, find_minima};
+use super::nuisances::Nuisances;
+use super::problem::{ForceProblem, Seen, State};
+use crate::measurement::Measurement;
+use crate::mesh::Mesh;
+use crate::sensing::{Contact, ContactQuestion, Estimate, ModelError, Pad, SensingError, TouchedObject, Warning};
+use nalgebra::{DMatrix, DVector};
+
+/// Estimated forces with the positions and directions of their contacts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NonlinearEstimate {
+    /// Forces with their standard deviations, noise and residual.
+    pub forces: Estimate,
+    /// Covariance of the forces, N^2, in the order of the contacts. The covariance includes the uncertainty of estimated positions and directions.
+    pub covariance_n2: DMatrix<f64>,
+    /// Position and direction of each contact, given or estimated.
+    pub contacts: Vec<Contact>,
+    /// Number of Gauss-Newton steps.
+    pub steps: usize,
+    /// Estimated errors that all markers share, each in units of its standard deviation.
+    pub shared_errors: Vec<f64>,
+    /// Estimated leans (angles between force and normal).
+    pub(super) leans: Vec<FoundLean>,
+}
+
+impl NonlinearEstimate {
+    /// Adds an error of the model, N, to the standard deviations and the covariance.
+    pub(super) fn add_model_error(&mut self, error_n: Vec<f64>, warning: fn(ModelError) -> Warning) {
+        let error = DVector::from_column_slice(&error_n);
+        self.covariance_n2 += &error * error.transpose();
+        self.forces.add_model_error(error_n, warning);
+    }
+}
+
+/// Forces and contacts near the result of a measurement, from the previous frame or from a coarser mesh.
+#[derive(Debug, Clone, Copy)]
+pub struct NearForces<'n> {
+    /// Position and direction of each contact.
+    pub contacts: &'n [Contact],
+    /// Force of each contact along its direction, N.
+    pub forces_n: &'n [f64],
+}
+
+/// Estimates forces with the co-rotational finger on one mesh. Each estimate after the first starts from the previous estimate, which suits a stream
+/// of camera frames. For unrelated measurements, call [`reset`](NonlinearEstimator::reset) before each measurement. Use one clone per thread.
+///
+/// # Requirements
+/// Requires at least as many measured coordinates as unknowns. The unknowns are one force per contact, and each unknown position or direction. The
+/// ratio of the largest to the smallest singular value of the derivatives must be at most [`LARGEST_SPAN`](super::LARGEST_SPAN).
+///
+/// # Reference
+/// For measured displacements u, the Levenberg-Marquardt method minimises |W (u - u(f, s, angle))|^2 (Nocedal and Wright, Numerical Optimization,
+/// sec. 10.3). The function u(f, s, angle) gives the displacements of the co-rotational finger in equilibrium, with derivatives from the factored
+/// tangent. Outlying markers are down-weighted (iteratively reweighted least squares).
+#[derive(Debug, Clone)]
+pub struct NonlinearEstimator<'m> {
+    pub(super) problem: ForceProblem<'m>,
+    /// State of the last estimate.
+    pub(super) last: Option<State>,
+    /// The held state, from which estimates start after a [`reset`](NonlinearEstimator::reset).
+    held: Option<State>,
+    scan: KeptScan,
+}
+
+impl<'m> NonlinearEstimator<'m> {
+    /// Prepares the estimator for contacts on a mesh.
+    ///
+    /// # Errors
+    /// [`SensingError`] if no contact is given, a contact is not on the free front plate, or two contacts are equal.
+    pub fn new(mesh: &'m Mesh, questions: &[ContactQuestion]) -> Result<NonlinearEstimator<'m>, SensingError> {
+        let problem = ForceProblem::new(mesh, questions, Pad::default())?;
+        Ok(NonlinearEstimator { problem, last: None, held: None, scan: None })
+    }
+
+    /// This estimator with a pad between objects and the plate. Set the pad before the object ([`with_object`](NonlinearEstimator::with_object)).
+    pub fn with_pad(mut self, pad: Pad) -> NonlinearEstimator<'m> {
+        self.problem.pad = pad;
+        self.forget();
+        self
+    }
+
+    /// This estimator with an object of known shape, for contacts whose lean (angle between force and normal) is measured from
+    /// [`Normal::Object`](crate::sensing::Normal::Object).
+    pub fn with_object(mut self, object: Option<&TouchedObject>) -> NonlinearEstimator<'m> {
+        self.problem = self.problem.with_object(object);
+        self.forget();
+        self
+    }
+
+    /// Forgets the last estimate. The next estimate starts from the held estimate or, without one, from least squares.
+    pub fn reset(&mut self) {
+        self.last.clone_from(&self.held);
+    }
+
+    /// Holds the last estimate: estimates after a [`reset`](NonlinearEstimator::reset) start from the held estimate. Suits measurements that differ
+    /// only by noise.
+    pub fn hold(&mut self) {
+        self.held.clone_from(&self.last);
+    }
+
+    /// Holds the equilibrium under known forces, N: estimates after a [`reset`](NonlinearEstimator::reset) start from this equilibrium. The
+    /// computation of error bounds at known forces uses this method. Holds nothing if positions or directions are unknown, or if the finger has no
+    /// equilibrium under the forces.
+    pub fn hold_at(&mut self, forces_n: &[f64]) {
+        let before = self.held.take();
+        self.last = None;
+        self.held = self.state_at(forces_n, before);
+    }
+
+    /// State under known forces, N, followed from the state `from`, or from rest if `from` is `None`. `None` if no equilibrium is found, a position
+    /// or direction is unknown, or the estimator has an object.
+    fn state_at(&mut self, forces_n: &[f64], from: Option<State>) -> Option<State> {
+        self.problem.object.is_none().then_some(())?;
+        let contacts: Vec<Contact> =
+            self.problem.questions.iter().map(ContactQuestion::known).collect::<Option<_>>()?;
+        let near = from.and_then(|from| self.problem.state_under(&contacts, forces_n, Some(&from)));
+        near.or_else(|| self.problem.state_under(&contacts, forces_n, None))
+    }
+
+    /// Forgets the last estimate, the held estimate and the scanned equilibria.
+    pub fn forget(&mut self) {
+        (self.last, self.held, self.scan) = (None, None, None);
+    }
+
+    /// Estimates the forces. `noise_mm` is the standard deviation of one coordinate, mm. The noise is estimated from the residual if `noise_mm` is `None` or
+    /// contradicts the residual.
+    ///
+    /// # Errors
+    /// [`SensingError`] if the unknowns are not identifiable, no equilibrium explains the measurement, or the search does not converge.
+    pub fn estimate(
+        &mut self,
+        measurement: &Measurement,
+        noise_mm: Option<f64>,
+    ) -> Result<NonlinearEstimate, SensingError> {
+        let seen = Seen { measurement, noise_mm };
+        self.expect(seen)?;
+        let state = self.last.take();
+        self.estimate_from(Near { state, is_chosen: false }, seen)
+    }
+
+    /// Estimates the forces like [`estimate`](NonlinearEstimator::estimate), but the search starts from `near`: forces and contacts near the result.
+    /// If no minimum near the forces of `near` explains the measurement, the search of `estimate` follows. With so few markers that another minimum
+    /// may explain the measurement, only the search of `estimate` runs. If `near` was chosen among all minima on a coarser mesh (`is_chosen`), only
+    /// the nearest minimum is sought.
+    ///
+    /// # Errors
+    /// [`SensingError`] as for `estimate`.
+    pub fn estimate_near(
+        &mut self,
+        near: NearForces,
+        is_chosen: bool,
+        measurement: &Measurement,
+        noise_mm: Option<f64>,
+    ) -> Result<NonlinearEstimate, SensingError> {
+        self.estimate_resuming(None, near, is_chosen, Seen { measurement, noise_mm })
+    }
+
+    /// Estimates the forces like [`estimate_near`](NonlinearEstimator::estimate_near). If a minimum is near the state `kept`, an earlier estimate on
+    /// this mesh with the same contacts, the search starts from `kept`. Otherwise the search starts from the equilibrium under the forces of `near`.
+    pub(super) fn estimate_resuming(
+        &mut self,
+        kept: Option<State>,
+        near: NearForces,
+        is_chosen: bool,
+        seen: Seen,
+    ) -> Result<NonlinearEstimate, SensingError> {
+        self.expect(seen)?;
+        (self.last, self.held) = (None, None);
+        let problem = &mut self.problem;
+        let many = MANY_COORDINATES[usize::from(problem.questions.len() > 1)];
+        let is_unique = is_chosen || seen.measurement.coordinate_count() >= many;
+        let mut state = None;
+        if is_unique && problem.object.is_none() && near.contacts.len() == problem.questions.len() {
+            let at_minimum = kept.and_then(|state| minimum_of_earlier(problem, state, seen));
+            state = at_minimum.or_else(|| problem.state_under(near.contacts, near.forces_n, None));
+        }
+        let is_chosen = is_chosen && state.is_some();
+        self.estimate_from(Near { state, is_chosen }, seen)
+    }
+
+    fn estimate_from(&mut self, near: Near, seen: Seen) -> Result<NonlinearEstimate, SensingError> {
+        let (estimate, state) = estimate(&mut self.problem, near, &mut self.scan, seen)?;
+        self.last = Some(state);
+        Ok(estimate)
+    }
+
+    /// Prepares the problem for a measurement. Forgets all states if they have other unknowns.
+    fn expect(&mut self, seen: Seen) -> Result<(), SensingError> {
+        if self.problem.expect(seen)? {
+            self.forget();
+        }
+        Ok(())
+    }
+}
+
+/// The minimum near a state of an earlier estimate, so near that the rest is negligible compared with the noise. The estimate then corrects forces and
+/// contacts further if needed. `None` if there is no minimum, or if the state has other unknowns.
+fn minimum_of_earlier(problem: &mut ForceProblem, mut state: State, seen: Seen) -> Option<State> {
+    (state.linearised.scales.len() == problem.unknowns.len()).then_some(())?;
+    correct_below_noise(problem, &mut state, seen)?;
+    Some(state)
+}
+
+/// Estimates the forces of a problem that [expects](ForceProblem::expect) the measurement. Returns the estimate and its state.
+///
+/// # Errors
+/// [`SensingError`] if the unknowns are not identifiable, no equilibrium explains the measurement, or the search does not converge.
+pub(super) fn estimate(
+    problem: &mut ForceProblem,
+    near: Near,
+    scan: &mut KeptScan,
+    seen: Seen,
+) -> Result<(NonlinearEstimate, State), SensingError> {
+    let measurement = seen.measurement;
+    let coordinates = measurement.coordinate_count();
+    // Priors and conditions of an object count as measured coordinates.
+    let unknowns = problem.unknowns.len().saturating_sub(problem.known_count());
+    if unknowns > coordinates {
+        return Err(SensingError::TooFewMarkers { unknowns, coordinates });
+    }
+    let Minima { best, mut all, starts, mut others, scanned } = find_minima(problem, near, scan, seen)?;
+    let Found { mut state, steps, near } = best;
+    let least_misfit = problem.misfit(&state, measurement);
+    let mut estimate = assess(problem, &mut state, seen, steps)?;
+    check_against_nothing(&estimate, least_misfit, state.linearised.misfit_at_rest(measurement))?;
+    require_linear_range(problem, &state, measurement, &estimate.forces.sigmas_n)?;
+    let is_confirmed = near || !scanned.is_empty();
+    check_unconfirmed(&estimate, coordinates, &starts)?;
+    for (_, forces_n) in all.iter_mut().chain(&mut others) {
+        let ordered_n = forces_n.clone();
+        problem.order(&state.contacts).into_iter().zip(ordered_n).for_each(|(i, force_n)| forces_n[i] = force_n);
+    }
+    check_rivals(&estimate, least_misfit, &all, is_confirmed, coordinates)?;
+    let unplaced = problem.unplaced().len();
+    if unplaced > 0 {
+        widen_by_rivals(&mut estimate, least_misfit, &all);
+        widen_by_positions(&mut estimate, least_misfit, &others);
+    }
+    // With several unknown positions, the forces of a starting point may belong to other contacts. At a starting point, the forces act along the
+    // undeformed normal, so a starting point cannot contradict forces along the deformed normal.
+    if unplaced <= 1 && !problem.follows_plate() {
+        let expected = Nuisances::expected(problem.questions.len(), &problem.shared_errors);
+        let starts = starts.iter().map(|(forces_n, motion)| {
+            let shape = Posed { motion, contacts: &state.contacts, forces_n, nuisances: &expected };
+            (problem.misfit_of(shape, &state.linearised, measurement), forces_n)
+        });
+        let scanned = scanned.iter().flatten().map(|point| (point.misfit_mm2, &point.forces_n));
+        check_other_forces(&estimate, least_misfit, starts.chain(scanned))?;
+    }
+    widen_by_curvature(problem, &state, measurement, &mut estimate)?;
+    widen_by_leans(problem, &state, seen, &mut estimate)?;
+    Ok((estimate, state))
+}

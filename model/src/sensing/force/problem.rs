@@ -1,0 +1,351 @@
+//! The force problem: least squares for the forces that bend a finger as measured.
+//!
+//! The unknowns are blocks ([`Unknown`]): forces, their positions and directions, the pose of the base, the pose of an object, and errors that all
+//! markers share. The rows are the markers, the priors ([`Priors`]) and the conditions of contact with an object ([`Touching`]). A [`State`] holds
+//! values of the unknowns, the equilibrium for these values, and the problem linearised at this equilibrium. Search, assessment and widening are
+//! functions of other files over a problem and its states.
+
+use super::derivatives::differentiate;
+use super::linearised::{Linearised, Posed};
+use super::nuisances::{Nuisances, Priors};
+use super::touching::{Touching, settle, touches_object};
+use super::unknowns::{BaseMotion, Unknown};
+use crate::finger::Plate;
+use crate::frame::{FrameLoad, FrameMotion};
+use crate::measurement::{Measurement, SharedError};
+use crate::mesh::{LoadError, Mesh};
+use crate::optimise::Prediction;
+use crate::sensing::{
+    Contact, ContactPosition, ContactQuestion, Direction, Normal, Pad, SensingError, TouchedObject, check_questions,
+};
+use crate::statics::{Ladder, Statics};
+use crate::{Finger, Kinematics};
+use nalgebra::{Translation2, UnitComplex};
+
+/// A position changes by at most this share of the plate's length in one step.
+const LONGEST_MOVE: f64 = 0.2;
+/// A position stays at least this share of the plate's length away from the base. Measurements cannot distinguish a contact closer to the base from a
+/// contact at the clamp.
+const NEAREST_TO_BASE: f64 = 0.01;
+/// Scale of a rotation of the base, rad. A rotation of the base by this angle moves the tip about as far as a force of 1 N does.
+const TURN_UNIT: f64 = 0.01;
+
+/// A measurement, and the standard deviation of one coordinate, mm. `None` if the noise is to be estimated from the residual.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Seen<'m> {
+    pub measurement: &'m Measurement,
+    pub noise_mm: Option<f64>,
+}
+
+/// Contacts on a mesh, what is known of them, and the finger's equations.
+#[derive(Debug, Clone)]
+pub(super) struct ForceProblem<'m> {
+    pub mesh: &'m Mesh,
+    pub questions: Vec<ContactQuestion>,
+    pub pad: Pad,
+    pub object: Option<Touching>,
+    pub unknowns: Vec<Unknown>,
+    /// Errors that all markers of the measurement share.
+    pub shared_errors: Vec<SharedError>,
+    pub priors: Priors,
+    pub statics: Statics<Ladder<'m>>,
+}
+
+/// Values of the unknowns, the equilibrium for these values, and the problem linearised at this equilibrium.
+#[derive(Debug, Clone)]
+pub(super) struct State {
+    pub forces_n: Vec<f64>,
+    pub contacts: Vec<Contact>,
+    pub nuisances: Nuisances,
+    /// Rotation of the plate under the pad at each contact, rad.
+    pub plate_turns_rad: Vec<f64>,
+    /// Loads of all contacts in the order of the contacts. Each contact has `Pad::load_count` loads.
+    pub loads: Vec<FrameLoad>,
+    pub motion: FrameMotion,
+    pub linearised: Linearised,
+}
+
+impl State {
+    /// Shape of the state.
+    pub fn posed(&self) -> Posed<'_> {
+        let State { forces_n, contacts, nuisances, motion, .. } = self;
+        Posed { motion, contacts, forces_n, nuisances }
+    }
+
+    /// Shape of the state, and the problem linearised at the state.
+    fn split(&mut self) -> (Posed<'_>, &mut Linearised) {
+        let State { forces_n, contacts, nuisances, motion, linearised, .. } = self;
+        (Posed { motion, contacts, forces_n, nuisances }, linearised)
+    }
+
+    /// Weights the markers by their distances from the shape.
+    pub fn weigh(&mut self, seen: Seen) {
+        let (shape, linearised) = self.split();
+        linearised.weigh(shape, seen);
+    }
+
+    /// Computes the step for a damping.
+    ///
+    /// # Errors
+    /// [`SensingError::IllConditioned`] if the unknowns are not identifiable.
+    pub fn solve(&mut self, measurement: &Measurement, damping: f64) -> Result<Prediction, SensingError> {
+        let (shape, linearised) = self.split();
+        linearised.solve(shape, measurement, damping)
+    }
+}
+
+/// Misfit of a shape to the priors and to the conditions of contact with an object, mm^2.
+pub(super) fn known_misfit(mesh: &Mesh, priors: &Priors, object: Option<&Touching>, shape: Posed) -> f64 {
+    let touched = object.map_or(0.0, |object| object.misfit(mesh, shape, priors.noise_mm()));
+    priors.misfit(shape.nuisances, shape.forces_n) + touched
+}
+
+impl<'m> ForceProblem<'m> {
+    /// The problem for contacts on a mesh.
+    ///
+    /// # Errors
+    /// [`SensingError`] if no contact is given, a contact is not on the free front plate, or two contacts are equal.
+    pub fn new(mesh: &'m Mesh, questions: &[ContactQuestion], pad: Pad) -> Result<ForceProblem<'m>, SensingError> {
+        check_questions(mesh.finger(), questions)?;
+        Ok(ForceProblem {
+            mesh,
+            questions: questions.to_vec(),
+            pad,
+            object: None,
+            unknowns: Unknown::of(questions, false, None, 0),
+            shared_errors: Vec::new(),
+            priors: Priors::default(),
+            statics: Statics::ladder(mesh, Kinematics::Corotational),
+        })
+    }
+
+    /// This problem with an object that its contacts touch.
+    pub fn with_object(self, object: Option<&TouchedObject>) -> ForceProblem<'m> {
+        let object = object.and_then(|object| Touching::new(&self.questions, object, self.pad.thickness_mm));
+        let unknowns = Unknown::of(&self.questions, false, object.as_ref().map(|it| &it.object), 0);
+        ForceProblem { object, unknowns, shared_errors: Vec::new(), ..self }
+    }
+
+    /// The problem for other contacts, with the same mesh, pad and object.
+    pub fn with_questions(&self, questions: &[ContactQuestion]) -> Result<ForceProblem<'m>, SensingError> {
+        let object = self.object.as_ref().map(|touching| &touching.object);
+        Ok(ForceProblem::new(self.mesh, questions, self.pad)?.with_object(object))
+    }
+
+    /// Prepares the problem for the uncertain base, the shared errors and the noise of a measurement. Returns whether the unknowns are others than
+    /// before, so that earlier states do not fit them.
+    ///
+    /// # Errors
+    /// [`SensingError::NoiseNotStated`] if a prior or an object requires a stated noise, [`SensingError::NoObject`] if a direction requires an
+    /// object.
+    pub fn expect(&mut self, Seen { measurement, noise_mm }: Seen) -> Result<bool, SensingError> {
+        if let Some(i) = self.questions.iter().position(touches_object).filter(|_| self.object.is_none()) {
+            return Err(SensingError::NoObject { contact: i + 1 });
+        }
+        let object = self.object.as_ref().map(|touching| &touching.object);
+        let is_base_sought = measurement.base().is_some();
+        let has_base = self.unknowns.iter().any(|unknown| matches!(unknown, Unknown::Base(_)));
+        let is_other = is_base_sought != has_base || self.shared_errors != measurement.shared_errors();
+        if is_other {
+            self.shared_errors = measurement.shared_errors().to_vec();
+            self.unknowns = Unknown::of(&self.questions, is_base_sought, object, self.shared_errors.len());
+        }
+        self.priors = Priors::new(&self.unknowns, &self.questions, object, measurement, noise_mm);
+        if (self.priors.count() > 0 || object.is_some()) && noise_mm.is_none() {
+            return Err(SensingError::NoiseNotStated);
+        }
+        Ok(is_other)
+    }
+
+    pub fn finger(&self) -> &'m Finger {
+        self.mesh.finger()
+    }
+
+    /// Number of rows that are no markers: priors and conditions of contact with an object.
+    pub fn known_count(&self) -> usize {
+        self.priors.count() + self.object.as_ref().map_or(0, Touching::row_count)
+    }
+
+    /// Whether a direction is a [`Direction::Leaning`], which may follow the deformed plate.
+    pub fn follows_plate(&self) -> bool {
+        self.questions.iter().any(|question| matches!(question.direction, Direction::Leaning(_)))
+    }
+
+    /// Indices of the contacts whose position is unknown.
+    pub fn unplaced(&self) -> Vec<usize> {
+        (0..self.questions.len()).filter(|&i| self.questions[i].position.is_none()).collect()
+    }
+
+    /// Order of the contacts in which contacts with equal questions and unknown positions are sorted by position. Without this order, the same result with two
+    /// contacts exchanged would count as another result.
+    pub fn order(&self, contacts: &[Contact]) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..contacts.len()).collect();
+        let at_mm = |i: usize| contacts[i].position_mm(self.finger()).unwrap_or(f64::NAN);
+        let unplaced = self.unplaced();
+        for (k, &i) in unplaced.iter().enumerate() {
+            for &j in &unplaced[k + 1..] {
+                if self.questions[i] == self.questions[j] && at_mm(order[j]) < at_mm(order[i]) {
+                    order.swap(i, j);
+                }
+            }
+        }
+        order
+    }
+
+    /// Misfit of a state, mm^2: sum of the squared rows of markers, priors and contact conditions.
+    pub fn misfit(&self, state: &State, measurement: &Measurement) -> f64 {
+        self.misfit_of(state.posed(), &state.linearised, measurement)
+    }
+
+    /// Misfit of a shape, mm^2, with the robust weights of `weighted`, which may belong to another shape.
+    pub fn misfit_of(&self, shape: Posed, weighted: &Linearised, measurement: &Measurement) -> f64 {
+        weighted.misfit(shape, measurement) + known_misfit(self.mesh, &self.priors, self.object.as_ref(), shape)
+    }
+
+    /// State under forces, N, at contacts, followed from the state `from`, or from rest if `from` is `None`. `None` if no equilibrium is found.
+    pub fn state_under(&mut self, contacts: &[Contact], forces_n: &[f64], from: Option<&State>) -> Option<State> {
+        let of_contacts = contacts.iter().zip(forces_n).flat_map(|(c, f)| self.pad.loads(self.mesh, c, *f, 0.0));
+        let loads = of_contacts.collect::<Result<Vec<_>, _>>().ok()?;
+        let equilibrium = match from {
+            Some(from) => self.statics.tried(&from.motion, [&from.loads, &loads], 1, |_, _| true),
+            None => self.statics.equilibrium(&loads),
+        };
+        let nuisances = Nuisances::expected(contacts.len(), &self.shared_errors);
+        let mut state = self.state(contacts.to_vec(), forces_n.to_vec(), nuisances, loads, equilibrium.ok()?.motion);
+        self.statics.linearise(&state.motion, &state.loads).then_some(())?;
+        differentiate(self, &mut state).ok()?;
+        Some(state)
+    }
+
+    /// A state in equilibrium, without derivatives.
+    pub fn state(
+        &self,
+        contacts: Vec<Contact>,
+        forces_n: Vec<f64>,
+        nuisances: Nuisances,
+        loads: Vec<FrameLoad>,
+        motion: FrameMotion,
+    ) -> State {
+        let plate_turns_rad = vec![0.0; contacts.len()];
+        let linearised = Linearised::new(self.mesh, &self.unknowns);
+        State { forces_n, contacts, nuisances, plate_turns_rad, loads, motion, linearised }
+    }
+
+    /// Linearises the state of a problem with other unknowns for the unknowns of this problem.
+    ///
+    /// # Errors
+    /// [`SensingError`] if loads that follow an object have no equilibrium.
+    pub fn resumed(&mut self, state: State, seen: Seen) -> Result<State, SensingError> {
+        let mut state = State { linearised: Linearised::new(self.mesh, &self.unknowns), ..state };
+        if self.object.is_some() {
+            settle(self, &mut state)?;
+        }
+        self.statics.linearise(&state.motion, &state.loads);
+        differentiate(self, &mut state)?;
+        state.weigh(seen);
+        Ok(state)
+    }
+
+    /// Sets the scale of each unknown: 1 N for forces, [`TURN_UNIT`] for rotations, 1 mm for translations, and one standard deviation for errors that
+    /// all markers share. The scale of a position is a shift of the contact that moves the finger about as far as a force of 1 N does.
+    pub fn rescale(&self, state: &mut State) {
+        let largest = state.forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
+        for (scale, unknown) in state.linearised.scales.iter_mut().zip(&self.unknowns) {
+            *scale = match *unknown {
+                Unknown::Base(BaseMotion::Turn) | Unknown::Object(BaseMotion::Turn) => TURN_UNIT,
+                Unknown::Force(_) | Unknown::Across(_) | Unknown::Base(_) | Unknown::Object(_) | Unknown::Shared(_) => {
+                    1.0
+                }
+                Unknown::Position(i) => {
+                    let force = state.forces_n[i].abs().max(1e-3 * largest).max(f64::MIN_POSITIVE);
+                    0.1 * self.finger().plate_length_mm(Plate::Front) / force
+                }
+            };
+        }
+    }
+
+    /// Largest relative change of an unknown by the state's step. Changes of forces are relative to the largest force, and changes of positions and
+    /// translations to the plate's length. Changes of rotations are in rad.
+    pub fn relative_change(&self, state: &State) -> f64 {
+        let largest = state.forces_n.iter().fold(f64::MIN_POSITIVE, |m, f| m.max(f.abs()));
+        let length = self.finger().plate_length_mm(Plate::Front);
+        let change = |(unknown, x): (&Unknown, &f64)| match unknown {
+            Unknown::Force(_) | Unknown::Across(_) => x.abs() / largest,
+            Unknown::Base(BaseMotion::Turn) | Unknown::Object(BaseMotion::Turn) => x.abs(),
+            // One standard deviation of a shared error moves markers by some tenths of a millimetre.
+            Unknown::Position(_) | Unknown::Base(_) | Unknown::Object(_) | Unknown::Shared(_) => x.abs() / length,
+        };
+        self.unknowns.iter().zip(&state.linearised.step).map(change).fold(0.0, f64::max)
+    }
+
+    /// Applies the state's step to forces, contacts and loads, but leaves the state's displacements and rotations unchanged. Returns the largest turn
+    /// of a direction that follows the deformed plate, degrees.
+    ///
+    /// # Errors
+    /// [`LoadError`] if a position is not on the plate, which the limits of positions prevent.
+    pub fn advance(&self, state: &mut State) -> Result<f64, LoadError> {
+        let finger = self.finger();
+        let State { forces_n, contacts, nuisances, plate_turns_rad, loads, motion, linearised } = state;
+        for (unknown, &x) in self.unknowns.iter().zip(&linearised.step) {
+            match *unknown {
+                Unknown::Force(i) => forces_n[i] += x,
+                // Forces are the first unknowns, so the force along the direction has already been updated.
+                Unknown::Across(i) => {
+                    let turned_deg = x.atan2(forces_n[i]).to_degrees();
+                    match self.questions[i].direction {
+                        // A lean (angle between force and normal) is small, so a force keeps its sign.
+                        Direction::Leaning(_) => {
+                            nuisances.further_leans_deg[i] += (x / forces_n[i]).atan().to_degrees();
+                            forces_n[i] = forces_n[i].signum() * forces_n[i].hypot(x);
+                        }
+                        _ => {
+                            contacts[i].angle_deg += turned_deg;
+                            forces_n[i] = forces_n[i].hypot(x);
+                        }
+                    }
+                }
+                Unknown::Base(BaseMotion::X) => nuisances.base.append_translation_mut(&Translation2::new(x, 0.0)),
+                Unknown::Base(BaseMotion::Y) => nuisances.base.append_translation_mut(&Translation2::new(0.0, x)),
+                Unknown::Base(BaseMotion::Turn) => nuisances.base.append_rotation_mut(&UnitComplex::new(x)),
+                Unknown::Object(way) => nuisances.object[way as usize] += x,
+                Unknown::Shared(k) => nuisances.share(k, &self.shared_errors[k], x),
+                Unknown::Position(i) => {
+                    if let ContactPosition::At(s_mm) = &mut contacts[i].position {
+                        let length = finger.plate_length_mm(Plate::Front);
+                        let x = x.clamp(-LONGEST_MOVE * length, LONGEST_MOVE * length);
+                        *s_mm = (*s_mm + x).clamp(NEAREST_TO_BASE * length, length);
+                    }
+                }
+            }
+        }
+        let mut largest_turn_deg = 0.0_f64;
+        for (i, (contact, question)) in contacts.iter_mut().zip(&self.questions).enumerate() {
+            // A known direction refers to the measured pose of the base.
+            if let Direction::Angle(angle_deg) = question.direction {
+                contact.angle_deg = angle_deg - nuisances.base.rotation.angle().to_degrees();
+            }
+            if let Direction::Leaning(lean) = question.direction {
+                let turned = match lean.from {
+                    Normal::Deformed { over_mm } => {
+                        self.mesh.normal_turn(motion, &contact.unit_load(finger), over_mm)?
+                    }
+                    // A plate is tangential to an outline that it touches.
+                    Normal::Object => self.mesh.normal_turn(motion, &contact.unit_load(finger), 0.0)?,
+                    Normal::Undeformed => 0.0,
+                };
+                let angle_deg = turned.to_degrees() + lean.mean_deg(forces_n[i]) + nuisances.further_leans_deg[i];
+                largest_turn_deg = largest_turn_deg.max((angle_deg - contact.angle_deg).abs());
+                contact.angle_deg = angle_deg;
+            }
+            let turn_rad = self.pad.plate_turn(self.mesh, contact, motion)?;
+            largest_turn_deg = largest_turn_deg.max((turn_rad - plate_turns_rad[i]).abs().to_degrees());
+            plate_turns_rad[i] = turn_rad;
+            let count = self.pad.load_count();
+            let of_contact = self.pad.loads(self.mesh, contact, forces_n[i], turn_rad);
+            for (load, found) in loads[i * count..].iter_mut().zip(of_contact) {
+                *load = found?;
+            }
+        }
+        Ok(largest_turn_deg)
+    }
+}
