@@ -54,8 +54,14 @@ pub struct Measurement {
     shared_errors: Vec<SharedError>,
 }
 
-/// An error that all markers share: displacement of each key node's marker, mm, for one standard deviation of the error.
-pub type SharedError = Vec<Vector>;
+/// An error that all markers share.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SharedError {
+    /// Displacement of each key node's marker, mm, for one standard deviation of the error.
+    pub pattern_mm: Vec<Vector>,
+    /// Amplitude at which a search starts, in standard deviations. The expected amplitude is zero.
+    pub start: f64,
+}
 
 /// Reason why a measurement does not fit the finger.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]

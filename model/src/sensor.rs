@@ -8,7 +8,6 @@ mod drift;
 mod means;
 mod rest;
 mod stream;
-mod unloaded;
 mod watched;
 
 pub use asked::{AskedContact, AskedContactsError, AskedDirection, MissingInScene};
@@ -26,11 +25,12 @@ use crate::mesh::Mesh;
 use crate::observation::{Observation, ObservationError, ObservedMeasurement};
 use crate::scene::Scene;
 use crate::sensing::{
-    Contact, ContactKnowledge, ContactQuestion, MeasuredContact, MeasuredContactForces, NearForces, Refinement,
-    SensingError, Warning, sense_measured_contacts,
+    AssemblyErrors, CameraAbove, Contact, ContactKnowledge, ContactQuestion, MeasuredContact, MeasuredContactForces,
+    NearForces, Refinement, SensingError, UnloadedFinger, Warning, sense_measured_contacts,
 };
 use crate::statics::StaticsError;
 use crate::validity::{Doubt, Validity};
+use nalgebra::{Isometry2, Point2};
 
 /// Half the width of a two-sided 95 % interval of a normal distribution, in standard deviations.
 pub const TWO_SIDED_95: f64 = 1.96;
@@ -329,6 +329,25 @@ impl<'s> Sensor<'s> {
         }
     }
 
+    /// Possible errors of the unloaded finger, as seen in one observation. `frame` transforms from the finger frame to the reference frame of the
+    /// camera's pose.
+    fn unloaded(&self, assembly: AssemblyErrors, frame: &Isometry2<f64>, seen: &Observation) -> UnloadedFinger {
+        let scene = self.scene;
+        let references = scene.base.as_ref().map_or(&[][..], |base| &base.references);
+        let camera = scene.camera.and_then(|camera| camera.pose).zip(scene.markers).map(|(pose, markers)| {
+            let eye = (frame.inverse() * Point2::from(pose.eye().xy())).coords;
+            // The camera is assumed to be equally high above base references and markers.
+            let middle = match references {
+                [] => eye,
+                some => some.iter().map(|reference| reference.at).sum::<Vector>() / some.len() as f64,
+            };
+            CameraAbove { eye, middle, distance_mm: pose.eye().z - markers.height_mm }
+        });
+        let base_sd_rad = scene.base.as_ref().and_then(|base| base.uncertainty).map_or(0.0, |base| base.sd_rad);
+        let measured_in_frame_sd_rad = seen.counts_from_rest(&scene.finger).then_some(base_sd_rad);
+        UnloadedFinger { assembly, camera, measured_in_frame_sd_rad }
+    }
+
     /// Relative standard deviation of a force due to scatter between images and the errors of beam theory.
     fn force_error(&self) -> f64 {
         self.scene.contact.force_error.hypot(self.scene.model_error)
@@ -342,10 +361,7 @@ impl<'s> Sensor<'s> {
                 let found = kept.sense(object, measurement, noise_mm, near)?;
                 (found.contacts, found.forces)
             }
-            None => {
-                let at_once = question.unloaded.and_then(|unloaded| self.all_at_once(question, unloaded));
-                at_once.unwrap_or_else(|| estimator.answer(&self.scene.finger, question))?
-            }
+            None => estimator.answer(&self.scene.finger, question)?,
         };
         // The residual of a linear model also contains the known error of linearisation, which the standard deviations already include.
         if estimator.searches() {

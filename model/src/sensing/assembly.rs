@@ -169,7 +169,7 @@ impl AssemblyErrors {
 
 /// Forces at contacts, with the pad between object and plate.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Pushed<'f> {
+pub(super) struct Pushed<'f> {
     /// For each contact, whether its position and its direction are known.
     pub questions: &'f [ContactQuestion],
     /// Position and direction of each contact.
@@ -194,19 +194,12 @@ impl Pushed<'_> {
 }
 
 impl UnloadedFinger {
-    /// Additional standard deviation of a displacement coordinate, in mm. It accounts for assembly errors in a search that starts without known
-    /// forces. The value is zero if displacements refer to the finger of the scene, because most errors of these displacements do not depend on the
-    /// forces.
-    pub(crate) fn unknown_without_forces_mm(&self) -> f64 {
-        if self.measured_in_frame_sd_rad.is_some() { self.assembly.joint_sd_mm } else { 0.0 }
-    }
-
     /// Corrects a measurement for the expected preload, and adds the assembly errors as errors that all markers share. The effects of the errors are
     /// linearised at the amplitudes `found`, in standard deviations, from an earlier search. If `found` is empty, the effects are linearised at zero.
     ///
     /// # Errors
     /// [`SensingError`] if a finger with one of the errors is impossible or has no equilibrium under the forces.
-    pub(crate) fn allowed_for(
+    pub(super) fn allowed_for(
         &self,
         finger: &Finger,
         measurement: &Measurement,
@@ -220,9 +213,9 @@ impl UnloadedFinger {
         let (here, found) = if all.finger(finger).is_some() { (all, found) } else { (none, &[][..]) };
         let bent = self.bent(finger, &here, pushed)?;
         let seen = self.seen(&here, &bent);
-        let mut shared: Vec<SharedError> = Vec::new();
+        let mut shared: Vec<Vec<Vector>> = Vec::new();
         for error in &errors {
-            let moved = |times: f64| -> Result<SharedError, SensingError> {
+            let moved = |times: f64| -> Result<Vec<Vector>, SensingError> {
                 let there = here.and(times, error);
                 let bent = if error.bends() { self.bent(finger, &there, pushed)? } else { bent.clone() };
                 Ok(self.seen(&there, &bent).iter().zip(&seen).map(|(there, here)| (there - here) * times).collect())
@@ -237,16 +230,16 @@ impl UnloadedFinger {
         for (shared, times) in shared.iter().zip(found) {
             offset.iter_mut().zip(shared).for_each(|(offset, shared)| *offset += shared * *times);
         }
+        let starts = found.iter().copied().chain(std::iter::repeat(0.0));
         let allowed_for = |marker: &crate::measurement::Marker| marker.displacement + offset[marker.node.0 - 1];
-        Ok(measurement
-            .clone()
-            .with_markers(|marker| marker.displacement = allowed_for(marker))
-            .with_shared_errors(shared))
+        Ok(measurement.clone().with_markers(|marker| marker.displacement = allowed_for(marker)).with_shared_errors(
+            shared.into_iter().zip(starts).map(|(pattern_mm, start)| SharedError { pattern_mm, start }).collect(),
+        ))
     }
 
     /// All independent errors, each with the size of one standard deviation. A joint without a bracket lies on its plate, so its error
     /// perpendicular to the plate is zero. Ribs with a common junction move together, and a joint in a corner of the base does not move.
-    pub(crate) fn independent_errors(&self, finger: &Finger) -> Vec<UnloadedError> {
+    fn independent_errors(&self, finger: &Finger) -> Vec<UnloadedError> {
         let ribs = finger.rib_count();
         let AssemblyErrors { joint_sd_mm, preload_sd_nmm, height_sd_mm, further, .. } = &self.assembly;
         let mut errors = Vec::new();

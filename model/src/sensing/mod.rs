@@ -15,13 +15,12 @@ mod pad;
 mod residual_test;
 mod response;
 
-pub(crate) use assembly::Pushed;
 pub use assembly::{AssemblyErrors, CameraAbove, UnloadedError, UnloadedFinger};
 pub use contact::{Contact, ContactPosition, ContactQuestion, Direction, check_contacts, check_questions};
 pub use error::SensingError;
 pub use estimate::{Estimate, ModelError, Warning};
-pub(crate) use force::{COUNTS, LARGEST_DEPARTURE, LARGEST_POSITION_SIGMA, REACH, WELL_KNOWN};
 pub use force::{Discretisation, NearForces, NonlinearEstimate, NonlinearEstimator, Refinement, sense_refining};
+pub(crate) use force::{LinearisedAssembly, linearise_assembly};
 pub use lean::{Lean, Normal};
 pub use linear::{LinearEstimator, Prior};
 pub use linearisation::Linearisation;

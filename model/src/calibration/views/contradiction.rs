@@ -55,66 +55,64 @@ impl Compared<'_> {
     }
 }
 
-impl Problem<'_> {
-    /// Force that the markers of a view show along the measured direction, estimated with the scene's finger. `None` if no force was measured or the
-    /// estimator returns no force.
-    pub(super) fn marker_force(&self, stated: &Candidate, view: &View) -> Option<MarkerForce> {
-        // The estimated force points inwards along the line of the measured force. The sign of the measured force is not used, because it may be
-        // wrong.
-        let angle_deg = self.finger.angle_deg(view.force?);
-        let outwards_deg: f64 = if angle_deg.abs() > 90.0 { 180.0 } else { 0.0 };
-        let direction = Direction::Angle(angle_deg - outwards_deg.copysign(angle_deg));
-        let questions = [ContactQuestion { position: None, direction }];
-        let mut estimator = NonlinearEstimator::new(&stated.mesh, &questions).ok()?.with_pad(self.model.pad);
-        let is_of_base = |it: &Sought| matches!(it.quantity, Quantity::BaseX | Quantity::BaseY | Quantity::BaseTurn);
-        let [sd_mm, sd_rad] = if self.sought.iter().any(is_of_base) { SOUGHT_BASE } else { [0.0; 2] };
-        let (sd_mm, sd_rad) = (view.base.sd_mm.hypot(sd_mm), view.base.sd_rad.hypot(sd_rad));
-        let measurement = view.measurement.clone().with_base(BaseUncertainty { sd_mm, sd_rad, ..view.base });
-        let sensed = estimator.estimate(&measurement, Some(view.noise_mm.hypot(UNCALIBRATED_MM))).ok()?;
-        let force_n = if outwards_deg > 0.0 { -sensed.forces.forces_n[0] } else { sensed.forces.forces_n[0] };
-        let own = ViewUnknowns::at(sensed.contacts[0].position_mm(self.finger)?, force_n);
-        Some(MarkerForce { own, sigma_n: sensed.forces.sigmas_n[0] })
-    }
+/// Force that the markers of a view show along the measured direction, estimated with the scene's finger. `None` if no force was measured or the
+/// estimator returns no force.
+pub(super) fn marker_force(problem: &Problem, stated: &Candidate, view: &View) -> Option<MarkerForce> {
+    // The estimated force points inwards along the line of the measured force. The sign of the measured force is not used, because it may be
+    // wrong.
+    let angle_deg = problem.finger.angle_deg(view.force?);
+    let outwards_deg: f64 = if angle_deg.abs() > 90.0 { 180.0 } else { 0.0 };
+    let direction = Direction::Angle(angle_deg - outwards_deg.copysign(angle_deg));
+    let questions = [ContactQuestion { position: None, direction }];
+    let mut estimator = NonlinearEstimator::new(&stated.mesh, &questions).ok()?.with_pad(problem.model.pad);
+    let is_of_base = |it: &Sought| matches!(it.quantity, Quantity::BaseX | Quantity::BaseY | Quantity::BaseTurn);
+    let [sd_mm, sd_rad] = if problem.sought.iter().any(is_of_base) { SOUGHT_BASE } else { [0.0; 2] };
+    let (sd_mm, sd_rad) = (view.base.sd_mm.hypot(sd_mm), view.base.sd_rad.hypot(sd_rad));
+    let measurement = view.measurement.clone().with_base(BaseUncertainty { sd_mm, sd_rad, ..view.base });
+    let sensed = estimator.estimate(&measurement, Some(view.noise_mm.hypot(UNCALIBRATED_MM))).ok()?;
+    let force_n = if outwards_deg > 0.0 { -sensed.forces.forces_n[0] } else { sensed.forces.forces_n[0] };
+    let own = ViewUnknowns::at(sensed.contacts[0].position_mm(problem.finger)?, force_n);
+    Some(MarkerForce { own, sigma_n: sensed.forces.sigmas_n[0] })
+}
 
-    /// Compares measured forces with marker forces (forces estimated from the markers). `marker_forces` has one entry per view.
-    ///
-    /// # Errors
-    /// [`CalibrationError::ForceScale`] if all forces deviate by a common factor, [`ViewError::Force`] for the view that deviates most from the others.
-    pub(super) fn check_forces(&self, marker_forces: &[Option<MarkerForce>]) -> Result<(), CalibrationError> {
-        let of_view = |(view, of_markers): (_, &Option<MarkerForce>)| Compared::of(view, (*of_markers)?);
-        let all: Vec<Compared> = self.views.iter().zip(marker_forces).filter_map(of_view).collect();
-        let Some(usual) = median(all.iter().map(|it| it.times)) else { return Ok(()) };
-        if !(LARGEST_FACTOR.recip()..=LARGEST_FACTOR).contains(&usual) {
-            return Err(CalibrationError::ForceScale { times: usual });
-        }
-        let off = |it: &Compared| if it.times > 0.0 { (it.times / usual).ln().abs() } else { f64::INFINITY };
-        match all.iter().filter(|it| it.is_surely_not(usual)).max_by(|a, b| off(a).total_cmp(&off(b))) {
-            Some(worst) if off(worst) > LARGEST_TIMES.ln() => {
-                Err(worst.view.wrong(ViewError::Force { times: worst.times, usual }))
-            }
-            _ => Ok(()),
-        }
+/// Compares measured forces with marker forces (forces estimated from the markers). `marker_forces` has one entry per view.
+///
+/// # Errors
+/// [`CalibrationError::ForceScale`] if all forces deviate by a common factor, [`ViewError::Force`] for the view that deviates most from the others.
+pub(super) fn check_forces(problem: &Problem, marker_forces: &[Option<MarkerForce>]) -> Result<(), CalibrationError> {
+    let of_view = |(view, of_markers): (_, &Option<MarkerForce>)| Compared::of(view, (*of_markers)?);
+    let all: Vec<Compared> = problem.views.iter().zip(marker_forces).filter_map(of_view).collect();
+    let Some(usual) = median(all.iter().map(|it| it.times)) else { return Ok(()) };
+    if !(LARGEST_FACTOR.recip()..=LARGEST_FACTOR).contains(&usual) {
+        return Err(CalibrationError::ForceScale { times: usual });
     }
+    let off = |it: &Compared| if it.times > 0.0 { (it.times / usual).ln().abs() } else { f64::INFINITY };
+    match all.iter().filter(|it| it.is_surely_not(usual)).max_by(|a, b| off(a).total_cmp(&off(b))) {
+        Some(worst) if off(worst) > LARGEST_TIMES.ln() => {
+            Err(worst.view.wrong(ViewError::Force { times: worst.times, usual }))
+        }
+        _ => Ok(()),
+    }
+}
 
-    /// Finds a marker of a view at the computed position of another node, after the best rigid motion of the finger. `None` if every marker has the right node.
-    pub(super) fn wrong_name(&self, stated: &Candidate, view: &View, own: &ViewUnknowns) -> Option<ViewError> {
-        let pressed = self.pressed(stated, view, own)?;
-        // Node, observed position and computed position of each marker.
-        let places: Vec<(NodeId, Vector, Vector)> = self
-            .residuals(stated, view, own, &pressed)
-            .map(|(marker, left)| {
-                let seen = self.finger.marker_position(marker.node) + marker.displacement;
-                (marker.node, seen, seen + left)
-            })
-            .collect();
-        let moved = motion_of_shape(&places.iter().map(|(_, seen, place)| (*place, seen - place)).collect::<Vec<_>>());
-        let away_mm = |seen: &Vector, place: &Vector| (seen - place - moved(place)).norm();
-        places.iter().find_map(|(node, seen, place)| {
-            let own_mm = away_mm(seen, place);
-            let others = places.iter().filter(|(other, ..)| other != node);
-            let is_there = |place: &Vector| away_mm(seen, place) < NEARER * own_mm;
-            let (other, ..) = others.into_iter().find(|(.., place)| is_there(place))?;
-            Some(ViewError::Name { node: *node, other: *other, away_mm: own_mm })
+/// Finds a marker of a view at the computed position of another node, after the best rigid motion of the finger. `None` if every marker has the right node.
+pub(super) fn wrong_name(problem: &Problem, stated: &Candidate, view: &View, own: &ViewUnknowns) -> Option<ViewError> {
+    let pressed = problem.pressed(stated, view, own)?;
+    // Node, observed position and computed position of each marker.
+    let places: Vec<(NodeId, Vector, Vector)> = problem
+        .residuals(stated, view, own, &pressed)
+        .map(|(marker, left)| {
+            let seen = problem.finger.marker_position(marker.node) + marker.displacement;
+            (marker.node, seen, seen + left)
         })
-    }
+        .collect();
+    let moved = motion_of_shape(&places.iter().map(|(_, seen, place)| (*place, seen - place)).collect::<Vec<_>>());
+    let away_mm = |seen: &Vector, place: &Vector| (seen - place - moved(place)).norm();
+    places.iter().find_map(|(node, seen, place)| {
+        let own_mm = away_mm(seen, place);
+        let others = places.iter().filter(|(other, ..)| other != node);
+        let is_there = |place: &Vector| away_mm(seen, place) < NEARER * own_mm;
+        let (other, ..) = others.into_iter().find(|(.., place)| is_there(place))?;
+        Some(ViewError::Name { node: *node, other: *other, away_mm: own_mm })
+    })
 }

@@ -1,11 +1,10 @@
 //! Supplies the optimiser with residuals and their derivatives by differences, priors, and bounds of the positions.
 
+use super::Quantity;
 use super::problem::{Point, Pressed, Problem, ViewUnknowns, free_part_mm};
-use super::{Quantity, View};
 use crate::calibration::CalibrationError;
 use crate::optimise::{LeastSquaresProblem, Prior, Refusal, StepBounds};
 use nalgebra::{DMatrix, DVector};
-use std::ops::Range;
 
 /// Steps of the difference quotients. `LENGTH_STEP` is for lengths (mm), and for shared quantities other than factors (in the quantity's unit).
 /// `SHARE_STEP` is for relative changes of factors and forces, and for rotations (rad). `ANGLE_STEP_DEG` is for the lean of a view (angle between
@@ -13,8 +12,6 @@ use std::ops::Range;
 const LENGTH_STEP: f64 = 1e-3;
 const SHARE_STEP: f64 = 1e-4;
 const ANGLE_STEP_DEG: f64 = 1e-2;
-/// Step of the difference quotients for an error of the unloaded finger, in standard deviations.
-const SIGMA_STEP: f64 = 1e-2;
 /// Refusal of a point at which the finger is impossible or has no equilibrium.
 const NOWHERE: Refusal<CalibrationError> = Refusal::Here(CalibrationError::NoMinimum);
 
@@ -39,7 +36,6 @@ impl LeastSquaresProblem for Problem<'_> {
         for (k, sought) in self.sought.iter().enumerate() {
             let step = match sought.quantity {
                 Quantity::Modulus | Quantity::PlateModulus(_) => SHARE_STEP,
-                Quantity::Unloaded(_) => SIGMA_STEP,
                 _ => LENGTH_STEP,
             };
             let mut changed = point.shared.clone();
@@ -47,7 +43,7 @@ impl LeastSquaresProblem for Problem<'_> {
             let other = self.candidate(&changed).ok_or(NOWHERE)?;
             for ((view, own, rows, _), here) in self.parts(point).zip(&here) {
                 let after = self.weighted(Some(here), &other, view, own);
-                let by = Problem::differences(after, &residual[rows.clone()], step)?;
+                let by = differences(after, &residual[rows.clone()], step)?;
                 jacobian.view_mut((rows.start, k), (rows.len(), 1)).copy_from(&by);
             }
         }
@@ -55,7 +51,7 @@ impl LeastSquaresProblem for Problem<'_> {
             for j in 0..self.own_count(view) {
                 let step = own.step(j);
                 let after = self.weighted(Some(here), &candidate, view, &own.moved(self.finger, j, step));
-                let by = Problem::differences(after, &residual[rows.clone()], step)?;
+                let by = differences(after, &residual[rows.clone()], step)?;
                 jacobian.view_mut((rows.start, column + j), (rows.len(), 1)).copy_from(&by);
             }
         }
@@ -85,37 +81,16 @@ impl LeastSquaresProblem for Problem<'_> {
     /// Bounds of a step that keep contacts on the plate, or at their known positions.
     fn step_bounds(&self, point: &Point) -> StepBounds {
         self.parts(point).fold(StepBounds::default(), |bounds, (_, own, _, position)| {
-            let within_mm = if self.is_position_known { [own.s_mm; 2] } else { free_part_mm(self.finger) };
+            let within_mm = free_part_mm(self.finger);
             bounds.and(position, own.s_mm, within_mm)
         })
     }
 }
 
-impl Problem<'_> {
-    /// Each view with its unknowns at a point, the rows of its residuals, and the first column of its unknowns.
-    pub(super) fn parts<'s, 'p>(
-        &'s self,
-        point: &'p Point,
-    ) -> impl Iterator<Item = (&'s View, &'p ViewUnknowns, Range<usize>, usize)> {
-        self.views.iter().zip(&point.own).scan((0, self.sought.len()), |(row, column), (view, own)| {
-            let (rows, first) = (*row..*row + self.row_count(view), *column);
-            (*row, *column) = (rows.end, first + self.own_count(view));
-            Some((view, own, rows, first))
-        })
-    }
-
-    /// Difference quotients of the residuals of one view: the change from `before` to `after`, divided by `step`.
-    fn differences(
-        after: Option<Vec<f64>>,
-        before: &[f64],
-        step: f64,
-    ) -> Result<DVector<f64>, Refusal<CalibrationError>> {
-        let after = after.ok_or(NOWHERE)?;
-        Ok(DVector::from_iterator(
-            before.len(),
-            after.iter().zip(before).map(|(after, before)| (after - before) / step),
-        ))
-    }
+/// Difference quotients of the residuals of one view: the change from `before` to `after`, divided by `step`.
+fn differences(after: Option<Vec<f64>>, before: &[f64], step: f64) -> Result<DVector<f64>, Refusal<CalibrationError>> {
+    let after = after.ok_or(NOWHERE)?;
+    Ok(DVector::from_iterator(before.len(), after.iter().zip(before).map(|(after, before)| (after - before) / step)))
 }
 
 impl ViewUnknowns {

@@ -26,36 +26,34 @@ struct CoordinateResidual {
     stated_mm: f64,
 }
 
-impl Problem<'_> {
-    /// Estimates the factor on the stated marker noise, and the model error, from the residuals of a fit. `covariance` is the covariance of the fit.
-    pub(super) fn marker_errors(&self, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> MarkerErrors {
-        let mut left = Vec::new();
-        for (view, _, rows, _) in self.parts(&fitted.point) {
-            let markers = view.measurement.markers().iter().flat_map(|marker| [marker; 2]);
-            for (row, marker) in rows.zip(markers) {
-                let stated_mm = view.noise_mm / marker.weight;
-                let by = fitted.jacobian.row(row);
-                let fitted_share = (by * covariance).dot(&by);
-                left.push(CoordinateResidual {
-                    square_mm2: (fitted.residual[row] * self.errors.sd_mm(stated_mm)).powi(2),
-                    free: (1.0 - fitted_share).max(0.0),
-                    stated_mm,
-                });
-            }
+/// Estimates the factor on the stated marker noise, and the model error, from the residuals of a fit. `covariance` is the covariance of the fit.
+pub(super) fn marker_errors(problem: &Problem, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> MarkerErrors {
+    let mut left = Vec::new();
+    for (view, _, rows, _) in problem.parts(&fitted.point) {
+        let markers = view.measurement.markers().iter().flat_map(|marker| [marker; 2]);
+        for (row, marker) in rows.zip(markers) {
+            let stated_mm = view.noise_mm / marker.weight;
+            let by = fitted.jacobian.row(row);
+            let fitted_share = (by * covariance).dot(&by);
+            left.push(CoordinateResidual {
+                square_mm2: (fitted.residual[row] * problem.errors.sd_mm(stated_mm)).powi(2),
+                free: (1.0 - fitted_share).max(0.0),
+                stated_mm,
+            });
         }
-        // A marker error that is equal in all images counts as geometry, so residuals do not show this error. Without measured forces, sensed forces
-        // depend on the geometry alone. Without measured forces, the stated noise is not reduced.
-        likeliest(left, self.scatter.is_some())
     }
+    // A marker error that is equal in all images counts as geometry, so residuals do not show this error. Without measured forces, sensed forces
+    // depend on the geometry alone. Without measured forces, the stated noise is not reduced.
+    likeliest(left, problem.scatter.is_some())
+}
 
-    /// Errors of the markers in a new view. The uncertainty of the geometry adds `share` (dimensionless) times the mean variance to the variance of each
-    /// marker.
-    pub(super) fn new_marker_errors(&self, share: f64) -> MarkerErrors {
-        let markers = || self.views.iter().flat_map(|view| view.measurement.markers().iter().map(move |it| (view, it)));
-        let variance_mm2 = |(view, marker): (&View, &Marker)| self.errors.sd_mm(view.noise_mm / marker.weight).powi(2);
-        let mean_mm2 = markers().map(variance_mm2).sum::<f64>() / markers().count() as f64;
-        MarkerErrors { model_mm: self.errors.model_mm.hypot((share * mean_mm2).sqrt()), ..self.errors }
-    }
+/// Errors of the markers in a new view. The uncertainty of the geometry adds `share` (dimensionless) times the mean variance to the variance of each
+/// marker.
+pub(super) fn new_marker_errors(problem: &Problem, share: f64) -> MarkerErrors {
+    let markers = || problem.views.iter().flat_map(|view| view.measurement.markers().iter().map(move |it| (view, it)));
+    let variance_mm2 = |(view, marker): (&View, &Marker)| problem.errors.sd_mm(view.noise_mm / marker.weight).powi(2);
+    let mean_mm2 = markers().map(variance_mm2).sum::<f64>() / markers().count() as f64;
+    MarkerErrors { model_mm: problem.errors.model_mm.hypot((share * mean_mm2).sqrt()), ..problem.errors }
 }
 
 /// Marker errors that maximise the likelihood of the residuals. The noise is the stated noise or, if `may_reduce_noise`, possibly smaller.

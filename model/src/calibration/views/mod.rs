@@ -10,9 +10,7 @@ mod derivatives;
 mod errors;
 mod forces;
 mod friction;
-mod one_view;
 mod outliers;
-mod positions;
 mod problem;
 mod quantity;
 mod refine;
@@ -25,7 +23,6 @@ mod view;
 
 pub use compliance::{BaseCompliance, compliance_of};
 pub use friction::{FrictionEstimate, FrictionQuestion, LeftOutObject, MeasuredLean, friction_of};
-pub use one_view::{ForceInView, OneView, SensedBefore, force_in_view};
 pub use outliers::{Outlier, OutlierKind};
 pub use quantity::{Quantity, Sought};
 pub use refine::refined_views;
@@ -38,9 +35,14 @@ use crate::finger::Finger;
 use crate::measurement::MarkerErrors;
 use crate::optimise::{Convergence, LevenbergMarquardt, Refusal};
 use crate::sensing::{Lean, Normal, Pad, UnloadedError};
+use errors::{marker_errors, new_marker_errors};
+use forces::scatter_of;
 use nalgebra::{DMatrix, Isometry2};
+use outliers::{check_use, outliers};
 use problem::{Candidate, OWN, Point, Problem, ViewUnknowns};
 use scatter::{AddedForceError, Scatter};
+use start::start_at_scene;
+use unloaded::unloaded_errors;
 
 /// Parameters of finger and camera that are the same in all views.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -213,17 +215,7 @@ fn views_from(
     let is_scaled = sought.iter().any(|sought| sought.quantity.is_modulus()) && views.iter().any(|v| v.force.is_some());
     let scatter = is_scaled.then_some(FIRST_SCATTER);
     let errors = MarkerErrors { noise_factor: 1.0, model_mm: FIRST_MODEL_ERROR_MM };
-    let mut problem = Problem {
-        finger,
-        views,
-        sought,
-        model,
-        errors,
-        scatter,
-        unloaded: &[],
-        is_position_known: false,
-        is_from_rest: false,
-    };
+    let mut problem = Problem { finger, views, sought, model, errors, scatter };
     let names = |quantities: &mut dyn Iterator<Item = usize>| {
         quantities.map(|k| sought[k].quantity.to_string()).collect::<Vec<_>>().join(", ")
     };
@@ -235,7 +227,7 @@ fn views_from(
         return Err(CalibrationError::TooFewMarkers { unknowns, coordinates });
     }
     let mut point = match start {
-        None => problem.start()?,
+        None => start_at_scene(&problem)?,
         Some(start) => {
             (problem.errors, problem.scatter) = (start.errors, start.scatter);
             start.point
@@ -249,8 +241,8 @@ fn views_from(
         let covariance = fitted.covariance();
         let covariance = covariance.ok_or_else(|| CalibrationError::NotSeparable { parameters: all() })?;
         let before = (problem.errors, problem.scatter);
-        problem.errors = problem.marker_errors(&fitted, &covariance);
-        let scatter = problem.scatter.and_then(|_| problem.scatter_of(&fitted));
+        problem.errors = marker_errors(&problem, &fitted, &covariance);
+        let scatter = problem.scatter.and_then(|_| scatter_of(&problem, &fitted));
         problem.scatter = problem.scatter.map(|_| {
             scatter.as_ref().and_then(Scatter::most_likely).map_or(FIRST_SCATTER, |share| share.max(LEAST_SCATTER))
         });
@@ -278,17 +270,17 @@ fn views_from(
     });
     let force_error = problem.scatter.zip(of_new).map(|(scatter, of_new)| ForceError { scatter, of_new: of_new.share });
     if !sought.is_empty() {
-        problem.check_use(&fitted, &covariance, force_error)?;
+        check_use(&problem, &fitted, &covariance, force_error)?;
     }
     let point = &fitted.point;
     let candidate = problem.candidate(&point.shared).ok_or(CalibrationError::NoMinimum)?;
     let quantities = sought.iter().zip(&point.shared).enumerate();
     let quantities =
-        quantities.map(|(k, (sought, change))| problem.found_quantity(sought, *change, sigma_of_shared(k)));
+        quantities.map(|(k, (sought, change))| found_quantity(&problem, sought, *change, sigma_of_shared(k)));
     let found_view = |(view, own, _, column): (_, _, _, usize)| {
         let is_sought = problem.own_count(view) > OWN;
         let force_sigma_n = if is_sought { sigma(column + OWN) } else { 0.0 };
-        problem.found_view(&candidate, view, own, force_sigma_n).ok_or(CalibrationError::NoMinimum)
+        found_view(&problem, &candidate, view, own, force_sigma_n).ok_or(CalibrationError::NoMinimum)
     };
     let found_views = problem.parts(point).map(found_view).collect::<Result<Vec<_>, _>>()?;
     let settled = Settled { point: fitted.point.clone(), errors: problem.errors, scatter: problem.scatter };
@@ -297,13 +289,13 @@ fn views_from(
         correlation: DMatrix::from_fn(sought.len(), sought.len(), |i, j| covariance[(i, j)] / (sigma(i) * sigma(j))),
         views: found_views,
         marker_errors: problem.errors,
-        new_marker_errors: problem.new_marker_errors(of_new.map_or(0.0, |of_new| of_new.of_markers)),
+        new_marker_errors: new_marker_errors(&problem, of_new.map_or(0.0, |of_new| of_new.of_markers)),
         unloaded_errors: match force_error {
             Some(_) => Vec::new(),
-            None => problem.unloaded_errors(&fitted, &candidate.base),
+            None => unloaded_errors(&problem, &fitted, &candidate.base),
         },
         force_error,
-        outliers: problem.outliers(&fitted, &covariance),
+        outliers: outliers(&problem, &fitted, &covariance),
         marker_height_mm: candidate.marker_height_mm,
         base: candidate.base,
         finger: candidate.mesh.finger().clone(),
@@ -311,31 +303,29 @@ fn views_from(
     Ok((estimate, settled))
 }
 
-impl Problem<'_> {
-    /// Estimates for a view with a candidate (finger and rig). `None` if the candidate has no equilibrium.
-    fn found_view(
-        &self,
-        candidate: &Candidate,
-        view: &View,
-        own: &ViewUnknowns,
-        force_sigma_n: f64,
-    ) -> Option<FoundView> {
-        let pressed = self.pressed(candidate, view, own)?;
-        Some(FoundView {
-            s_mm: own.s_mm,
-            force: pressed.force * (view.force.map_or(own.force_n, |force| force.norm()) / own.force_n),
-            force_sigma_n,
-            base: candidate.base * own.base,
-            normal_turn_rad: pressed.normal_turn_rad,
-            residuals_mm: self.residuals(candidate, view, own, &pressed).map(|(_, left)| left).collect(),
-        })
-    }
+/// Estimates for a view with a candidate (finger and rig). `None` if the candidate has no equilibrium.
+fn found_view(
+    problem: &Problem,
+    candidate: &Candidate,
+    view: &View,
+    own: &ViewUnknowns,
+    force_sigma_n: f64,
+) -> Option<FoundView> {
+    let pressed = problem.pressed(candidate, view, own)?;
+    Some(FoundView {
+        s_mm: own.s_mm,
+        force: pressed.force * (view.force.map_or(own.force_n, |force| force.norm()) / own.force_n),
+        force_sigma_n,
+        base: candidate.base * own.base,
+        normal_turn_rad: pressed.normal_turn_rad,
+        residuals_mm: problem.residuals(candidate, view, own, &pressed).map(|(_, left)| left).collect(),
+    })
+}
 
-    /// Estimate of a sought quantity. `change` is the value of the quantity's unknown, and `sigma` the unknown's standard deviation. For a factor,
-    /// `change` and `sigma` refer to the factor's logarithm. For any other quantity, `change` and `sigma` are in the quantity's unit.
-    fn found_quantity(&self, sought: &Sought, change: f64, sigma: f64) -> FoundQuantity {
-        let is_modulus = sought.quantity.is_modulus();
-        let value = if is_modulus { change.exp() } else { self.stated(sought.quantity) + change };
-        FoundQuantity { sought: *sought, value, sigma: sigma * if is_modulus { value } else { 1.0 } }
-    }
+/// Estimate of a sought quantity. `change` is the value of the quantity's unknown, and `sigma` the unknown's standard deviation. For a factor,
+/// `change` and `sigma` refer to the factor's logarithm. For any other quantity, `change` and `sigma` are in the quantity's unit.
+fn found_quantity(problem: &Problem, sought: &Sought, change: f64, sigma: f64) -> FoundQuantity {
+    let is_modulus = sought.quantity.is_modulus();
+    let value = if is_modulus { change.exp() } else { problem.stated(sought.quantity) + change };
+    FoundQuantity { sought: *sought, value, sigma: sigma * if is_modulus { value } else { 1.0 } }
 }

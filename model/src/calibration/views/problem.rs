@@ -6,10 +6,11 @@ use crate::finger::{Finger, Plate, RibPositions};
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::measurement::{Marker, MarkerErrors};
 use crate::mesh::Mesh;
-use crate::sensing::{AssemblyErrors, Contact, ContactPosition, Normal, UnloadedError};
+use crate::sensing::{AssemblyErrors, Contact, ContactPosition, Normal};
 use crate::statics::Statics;
 use crate::{Kinematics, Vector};
 use nalgebra::{Isometry2, Point2, UnitComplex};
+use std::ops::Range;
 
 /// Number of unknowns that every view has: position, base x, base y, rotation of the base. The fifth unknown of a view is the force, unless the force
 /// is exact. The last unknown of a view is the lean (angle between force and normal), unless the force was measured.
@@ -69,12 +70,6 @@ pub(super) struct Problem<'p> {
     pub finger: &'p Finger,
     pub views: &'p [View],
     pub sought: &'p [Sought],
-    /// Errors of the unloaded finger that [`Quantity::Unloaded`] scales; each has the size of one standard deviation.
-    pub unloaded: &'p [UnloadedError],
-    /// Whether the contact positions are known.
-    pub is_position_known: bool,
-    /// Whether displacements refer to an image of the unloaded finger, not to the scene's finger.
-    pub is_from_rest: bool,
     pub model: &'p ViewModel,
     /// Factor on the stated noise of the markers, and the model error that adds to this noise.
     pub errors: MarkerErrors,
@@ -90,9 +85,6 @@ pub(super) struct Pressed {
     pub motion: FrameMotion,
     /// Rotation of the plate's normal at the contact, rad.
     pub normal_turn_rad: f64,
-    /// Equilibrium without the force. `None` unless displacements refer to the equilibrium without the force.
-    at_rest: Option<FrameMotion>,
-    preload: Option<FrameLoad>,
     loads: Vec<FrameLoad>,
     plate_rad: f64,
 }
@@ -121,7 +113,6 @@ impl Problem<'_> {
         let mut description = self.finger.description().clone();
         let (mut marker_height_mm, mut at, mut turn_deg) = (self.model.marker_height_mm, Vector::zeros(), 0.0);
         let (mut preload_nmm, mut lean_deg) = (self.model.preload_nmm, 0.0);
-        let mut error = UnloadedError::none(self.finger.rib_count());
         for (sought, &change) in self.sought.iter().zip(shared) {
             match sought.quantity {
                 Quantity::MarkerHeight => marker_height_mm += change,
@@ -130,19 +121,25 @@ impl Problem<'_> {
                 Quantity::BaseTurn => turn_deg += change,
                 Quantity::Preload => preload_nmm += change,
                 Quantity::Lean => lean_deg += change,
-                Quantity::Unloaded(k) => error = error.and(change, &self.unloaded[k]),
                 of_finger => changed(&mut description, self.finger.rib_count(), of_finger, change),
             }
         }
-        let mut finger = Finger::new(description).ok()?;
-        if !self.unloaded.is_empty() {
-            finger = error.finger(&finger)?;
-            marker_height_mm += error.height_mm;
-            preload_nmm += error.preload_nmm;
-        }
-        let base = Isometry2::new(at + error.base, turn_deg.to_radians() + error.base_turn_rad);
+        let finger = Finger::new(description).ok()?;
+        let base = Isometry2::new(at, turn_deg.to_radians());
         let mesh = Mesh::with_elements_per_member(&finger, self.model.elements);
         Some(Candidate { mesh, marker_height_mm, base, preload_nmm, lean_deg })
+    }
+
+    /// Each view with its unknowns at a point, the rows of its residuals, and the first column of its unknowns.
+    pub(super) fn parts<'s, 'p>(
+        &'s self,
+        point: &'p Point,
+    ) -> impl Iterator<Item = (&'s View, &'p ViewUnknowns, Range<usize>, usize)> {
+        self.views.iter().zip(&point.own).scan((0, self.sought.len()), |(row, column), (view, own)| {
+            let (rows, first) = (*row..*row + self.row_count(view), *column);
+            (*row, *column) = (rows.end, first + self.own_count(view));
+            Some((view, own, rows, first))
+        })
     }
 
     /// Number of unknowns of a view.
@@ -199,14 +196,6 @@ impl Problem<'_> {
         // rotation.
         let preload = AssemblyErrors::load(finger, candidate.preload_nmm);
         let preload = candidate.mesh.frame_load(&preload).ok().filter(|_| candidate.preload_nmm != 0.0);
-        let at_rest = match self.is_from_rest {
-            false => None,
-            true => {
-                let near = near.and_then(|near| Some((near.at_rest.as_ref()?, near.preload.as_slice())));
-                let near = near.and_then(|(rest, from)| statics.shifted(rest, from, preload.as_slice()).ok());
-                Some(near.map_or_else(|| statics.equilibrium(preload.as_slice()), Ok).ok()?.motion)
-            }
-        };
         let turns_lean = matches!((view.force, self.model.lean.from), (None, Normal::Deformed { .. }));
         let mut normal_rad = near.filter(|_| turns_lean).map_or(0.0, |near| near.normal_turn_rad);
         let mut plate_rad = near.map_or(0.0, |near| near.plate_rad);
@@ -230,7 +219,7 @@ impl Problem<'_> {
             }
             plate_rad = pad.plate_turn(&candidate.mesh, &contact, &motion).ok()?;
             if (normal_rad - before[0]).abs().max((plate_rad - before[1]).abs()) <= SETTLED_RAD {
-                return Some(Pressed { force, motion, normal_turn_rad, at_rest, preload, loads, plate_rad });
+                return Some(Pressed { force, motion, normal_turn_rad, loads, plate_rad });
             }
             last = Some((motion, loads));
         }
@@ -246,25 +235,15 @@ impl Problem<'_> {
         pressed: &'v Pressed,
     ) -> impl Iterator<Item = (&'v Marker, Vector)> {
         let (finger, stated) = (candidate.mesh.finger(), self.finger);
-        let (placed, own) = (candidate.base * own.base, *own);
+        let placed = candidate.base * own.base;
         let height_mm = self.model.camera_height_mm;
         // Markers above their stated height appear farther from the camera's axis than they are.
         let nearer = (height_mm - candidate.marker_height_mm) / (height_mm - self.model.marker_height_mm);
         view.measurement.markers().iter().map(move |marker| {
             let (at, node) = (finger.marker_position(marker.node), candidate.mesh.marker_node(marker.node));
             let bent = at + pressed.motion.displacements[node];
-            let left = match &pressed.at_rest {
-                None => {
-                    let seen = stated.marker_position(marker.node) + marker.displacement;
-                    (placed * Point2::from(bent)).coords - (view.eye + (seen - view.eye) * nearer)
-                }
-                // A motion of the finger that is common to the image under force and the image of the unloaded finger cancels in the displacement.
-                Some(rest) => {
-                    let moved = (own.base * Point2::from(bent)).coords - (at + rest.displacements[node]);
-                    candidate.base.rotation * moved - marker.displacement * nearer
-                }
-            };
-            (marker, left)
+            let seen = stated.marker_position(marker.node) + marker.displacement;
+            (marker, (placed * Point2::from(bent)).coords - (view.eye + (seen - view.eye) * nearer))
         })
     }
 

@@ -33,8 +33,6 @@ pub enum Quantity {
     /// Deviation of the lean (angle between force and normal) from the scene's mean lean, degrees, common to all forces that were not measured. All
     /// forces that were not measured share the deviation, because one object has one coefficient of friction.
     Lean,
-    /// Amplitude of one stated error of the unloaded finger, in standard deviations of this error. The field is the index of the error, from 0.
-    Unloaded(usize),
 }
 
 /// Name in results: `modulus_factor`, `front_bracket_mm`, `back_rib_3_mm`.
@@ -55,7 +53,6 @@ impl fmt::Display for Quantity {
             Quantity::BaseTurn => f.write_str("base_deg"),
             Quantity::Preload => f.write_str("preload_nmm"),
             Quantity::Lean => f.write_str("lean_deg"),
-            Quantity::Unloaded(k) => write!(f, "unloaded_error_{}", k + 1),
         }
     }
 }
@@ -113,7 +110,6 @@ pub(super) fn changed(description: &mut FingerDescription, rib_count: usize, qua
         | Quantity::BaseY
         | Quantity::BaseTurn
         | Quantity::Preload
-        | Quantity::Lean
-        | Quantity::Unloaded(_) => {}
+        | Quantity::Lean => {}
     }
 }

@@ -1,13 +1,17 @@
 //! Starting point of a calibration.
 
 use super::contradiction::MarkerForce;
-use super::one_view::{Found, best_in_view};
+use super::contradiction::{check_forces, marker_force, wrong_name};
 use super::problem::{Candidate, Point, Problem, ViewUnknowns};
 use super::shape_motion::misfit_of_shape;
-use super::{FIRST_MODEL_ERROR_MM, OneView, View, ViewError};
+use super::unloaded::unloaded_error;
+use super::{FIRST_MODEL_ERROR_MM, View, ViewError};
 use crate::calibration::CalibrationError;
 use crate::finger::Plate;
-use crate::sensing::{ContactQuestion, Direction, Lean, NonlinearEstimator, UnloadedError};
+use crate::sensing::{
+    AssemblyErrors, CameraAbove, ContactQuestion, Direction, Lean, NonlinearEstimator, UnloadedError, UnloadedFinger,
+    linearise_assembly,
+};
 use nalgebra::Isometry2;
 
 /// The plate is divided into this number of sections. The search for a contact first tries the points between the sections.
@@ -23,100 +27,100 @@ struct Beginning {
     of_markers: Option<MarkerForce>,
 }
 
-impl Problem<'_> {
-    /// Starting point of the search. For each view, the starting point contains the unknowns with which the scene's finger explains the view best.
-    ///
-    /// # Errors
-    /// [`CalibrationError`] if the scene's finger does not explain a view, or a view contradicts the finger or the other views.
-    pub(super) fn start(&self) -> Result<Point, CalibrationError> {
-        let shared = vec![0.0; self.sought.len()];
-        let stated = self.candidate(&shared).ok_or(CalibrationError::NoMinimum)?;
-        let of_view = |view: &View| self.beginning(&stated, view).map_err(|error| view.wrong(error));
-        let begins: Vec<Beginning> = self.views.iter().map(of_view).collect::<Result<_, _>>()?;
-        let marker_forces: Vec<Option<MarkerForce>> = begins.iter().map(|beginning| beginning.of_markers).collect();
-        // A calibration without sought quantities only compares the unchanged finger with the measured forces, so no force is refused.
-        if !self.sought.is_empty() {
-            self.check_forces(&marker_forces)?;
+/// Starting point of the search. For each view, the starting point contains the unknowns with which the scene's finger explains the view best.
+///
+/// # Errors
+/// [`CalibrationError`] if the scene's finger does not explain a view, or a view contradicts the finger or the other views.
+pub(super) fn start_at_scene(problem: &Problem) -> Result<Point, CalibrationError> {
+    let shared = vec![0.0; problem.sought.len()];
+    let stated = problem.candidate(&shared).ok_or(CalibrationError::NoMinimum)?;
+    let of_view = |view: &View| beginning(problem, &stated, view).map_err(|error| view.wrong(error));
+    let begins: Vec<Beginning> = problem.views.iter().map(of_view).collect::<Result<_, _>>()?;
+    let marker_forces: Vec<Option<MarkerForce>> = begins.iter().map(|beginning| beginning.of_markers).collect();
+    // A calibration without sought quantities only compares the unchanged finger with the measured forces, so no force is refused.
+    if !problem.sought.is_empty() {
+        check_forces(problem, &marker_forces)?;
+    }
+    let own = begins.iter().zip(problem.views).map(|(beginning, view)| {
+        let force_n = view.force.map_or(0.0, |force| force.norm());
+        beginning.own.ok_or_else(|| view.wrong(ViewError::NotCarried { force_n }))
+    });
+    Ok(Point { shared, own: own.collect::<Result<_, _>>()? })
+}
+
+fn beginning(problem: &Problem, stated: &Candidate, view: &View) -> Result<Beginning, ViewError> {
+    let Some(force) = view.force else {
+        let own = start_of_unknown(problem, stated, view)?;
+        return wrong_name(problem, stated, view, &own).map_or(Ok(Beginning { own: Some(own), of_markers: None }), Err);
+    };
+    let (own, of_markers) = (start_of_known(problem, stated, view, force.norm()), marker_force(problem, stated, view));
+    // The measured force or the force from the markers may be wrong, so node numbers are refused only if they look wrong with each of the two
+    // forces.
+    let explained = own.into_iter().chain(of_markers.map(|of_markers| of_markers.own));
+    let names: Vec<Option<ViewError>> = explained.map(|own| wrong_name(problem, stated, view, &own)).collect();
+    match names.into_iter().reduce(|first, second| first.filter(|_| second.is_some())).flatten() {
+        Some(error) => Err(error),
+        None => Ok(Beginning { own, of_markers }),
+    }
+}
+
+/// Position along the plate at which the measured force explains the markers best, after the best rigid motion of the finger. `None` if the finger has no
+/// equilibrium under the force at any position.
+fn start_of_known(problem: &Problem, stated: &Candidate, view: &View, force_n: f64) -> Option<ViewUnknowns> {
+    let length_mm = problem.finger.plate_length_mm(Plate::Front);
+    let at = |i: usize| ViewUnknowns {
+        s_mm: length_mm * i as f64 / PLACES as f64,
+        base: Isometry2::identity(),
+        force_n,
+        further_lean_deg: 0.0,
+    };
+    let misfit = |own: &ViewUnknowns| {
+        let pressed = problem.pressed(stated, view, own)?;
+        Some(misfit_of_shape(
+            &problem
+                .residuals(stated, view, own, &pressed)
+                .map(|(marker, left)| (problem.finger.marker_position(marker.node) + marker.displacement, left))
+                .collect::<Vec<_>>(),
+        ))
+    };
+    let tried = (1..PLACES).map(at).filter_map(|own| misfit(&own).map(|misfit| (misfit, own)));
+    tried.min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, own)| own)
+}
+
+/// Force and position with which the scene's finger explains the view best. If the scene's finger does not explain the view, the search also varies the
+/// sought quantities within their priors.
+fn start_of_unknown(problem: &Problem, stated: &Candidate, view: &View) -> Result<ViewUnknowns, ViewError> {
+    let direction = Direction::Leaning(Lean { sd_deg: 0.0, ..problem.model.lean });
+    let question = ContactQuestion { position: None, direction };
+    let own =
+        |s_mm: f64, force_n: f64| ViewUnknowns { s_mm, base: Isometry2::identity(), force_n, further_lean_deg: 0.0 };
+    let questions = [question];
+    let mut estimator = NonlinearEstimator::new(&stated.mesh, &questions)?.with_pad(problem.model.pad);
+    let measurement = view.measurement.clone().with_base(view.base);
+    let sensed = estimator.estimate(&measurement, Some(view.noise_mm.hypot(FIRST_MODEL_ERROR_MM)));
+    let refused = match sensed {
+        Ok(sensed) => {
+            let s_mm = sensed.contacts[0].position_mm(problem.finger).unwrap_or_default();
+            return Ok(own(s_mm, sensed.forces.forces_n[0]));
         }
-        let own = begins.iter().zip(self.views).map(|(beginning, view)| {
-            let force_n = view.force.map_or(0.0, |force| force.norm());
-            beginning.own.ok_or_else(|| view.wrong(ViewError::NotCarried { force_n }))
-        });
-        Ok(Point { shared, own: own.collect::<Result<_, _>>()? })
-    }
-
-    fn beginning(&self, stated: &Candidate, view: &View) -> Result<Beginning, ViewError> {
-        let Some(force) = view.force else {
-            let own = self.start_of_unknown(stated, view)?;
-            return self.wrong_name(stated, view, &own).map_or(Ok(Beginning { own: Some(own), of_markers: None }), Err);
-        };
-        let (own, of_markers) = (self.start_of_known(stated, view, force.norm()), self.marker_force(stated, view));
-        // The measured force or the force from the markers may be wrong, so node numbers are refused only if they look wrong with each of the two
-        // forces.
-        let explained = own.into_iter().chain(of_markers.map(|of_markers| of_markers.own));
-        let names: Vec<Option<ViewError>> = explained.map(|own| self.wrong_name(stated, view, &own)).collect();
-        match names.into_iter().reduce(|first, second| first.filter(|_| second.is_some())).flatten() {
-            Some(error) => Err(error),
-            None => Ok(Beginning { own, of_markers }),
-        }
-    }
-
-    /// Position along the plate at which the measured force explains the markers best, after the best rigid motion of the finger. `None` if the finger has no
-    /// equilibrium under the force at any position.
-    fn start_of_known(&self, stated: &Candidate, view: &View, force_n: f64) -> Option<ViewUnknowns> {
-        let length_mm = self.finger.plate_length_mm(Plate::Front);
-        let at = |i: usize| ViewUnknowns {
-            s_mm: length_mm * i as f64 / PLACES as f64,
-            base: Isometry2::identity(),
-            force_n,
-            further_lean_deg: 0.0,
-        };
-        let misfit = |own: &ViewUnknowns| {
-            let pressed = self.pressed(stated, view, own)?;
-            Some(misfit_of_shape(
-                &self
-                    .residuals(stated, view, own, &pressed)
-                    .map(|(marker, left)| (self.finger.marker_position(marker.node) + marker.displacement, left))
-                    .collect::<Vec<_>>(),
-            ))
-        };
-        let tried = (1..PLACES).map(at).filter_map(|own| misfit(&own).map(|misfit| (misfit, own)));
-        tried.min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, own)| own)
-    }
-
-    /// Force and position with which the scene's finger explains the view best. If the scene's finger does not explain the view, the search also varies the
-    /// sought quantities within their priors.
-    fn start_of_unknown(&self, stated: &Candidate, view: &View) -> Result<ViewUnknowns, ViewError> {
-        let direction = Direction::Leaning(Lean { sd_deg: 0.0, ..self.model.lean });
-        let question = ContactQuestion { position: None, direction };
-        let own = |s_mm: f64, force_n: f64| ViewUnknowns {
-            s_mm,
-            base: Isometry2::identity(),
-            force_n,
-            further_lean_deg: 0.0,
-        };
-        let questions = [question];
-        let mut estimator = NonlinearEstimator::new(&stated.mesh, &questions)?.with_pad(self.model.pad);
-        let measurement = view.measurement.clone().with_base(view.base);
-        let sensed = estimator.estimate(&measurement, Some(view.noise_mm.hypot(FIRST_MODEL_ERROR_MM)));
-        let refused = match sensed {
-            Ok(sensed) => {
-                let s_mm = sensed.contacts[0].position_mm(self.finger).unwrap_or_default();
-                return Ok(own(s_mm, sensed.forces.forces_n[0]));
-            }
-            Err(refused) => refused,
-        };
-        let errors: Vec<UnloadedError> = (0..self.sought.len())
-            .filter_map(|k| {
-                let mut changes = vec![0.0; self.sought.len()];
-                changes[k] = self.sought[k].prior_sd?;
-                Some(self.unloaded_error(&changes, &Isometry2::identity()))
-            })
-            .collect();
-        let noise_mm = view.noise_mm.hypot(FIRST_MODEL_ERROR_MM);
-        let view = View { noise_mm, ..view.clone() };
-        let asked = OneView { view: &view, is_from_rest: false, question };
-        let found = best_in_view(self.finger, asked, self.model, &errors, None);
-        found.map(|Found { force, .. }| own(force.s_mm, force.force_n)).map_err(|_| refused.into())
-    }
+        Err(refused) => refused,
+    };
+    let errors: Vec<UnloadedError> = (0..problem.sought.len())
+        .filter_map(|k| {
+            let mut changes = vec![0.0; problem.sought.len()];
+            changes[k] = problem.sought[k].prior_sd?;
+            Some(unloaded_error(problem, &changes, &Isometry2::identity()))
+        })
+        .collect();
+    let height_mm = problem.model.camera_height_mm - problem.model.marker_height_mm;
+    let unloaded = UnloadedFinger {
+        assembly: AssemblyErrors { further: errors, ..AssemblyErrors::default() },
+        camera: Some(CameraAbove { eye: view.eye, middle: view.eye, distance_mm: height_mm }),
+        measured_in_frame_sd_rad: None,
+    };
+    let noise_mm = view.noise_mm.hypot(FIRST_MODEL_ERROR_MM);
+    let pressed = (problem.model.pad, None);
+    let found = linearise_assembly(problem.finger, &questions, pressed, &unloaded, &measurement, noise_mm, None);
+    let found = found.map_err(|_| refused)?;
+    Ok(own(found.contacts[0].position_mm(problem.finger).unwrap_or_default(), found.forces_n[0]))
 }

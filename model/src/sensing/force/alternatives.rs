@@ -1,6 +1,6 @@
 //! Other forces that explain a measurement as well as an estimate does: they refuse the estimate or widen its standard deviations.
 
-use super::estimator::NonlinearEstimate;
+use super::estimate::NonlinearEstimate;
 use crate::frame::FrameMotion;
 use crate::sensing::{Estimate, SensingError};
 use nalgebra::DVector;

@@ -1,9 +1,10 @@
 //! Covariance and identifiability tests of an estimate.
 
-use super::estimator::NonlinearEstimate;
+use super::estimate::FoundLean;
+use super::estimate::NonlinearEstimate;
 use super::largest_explained_rms_mm;
-use super::leaning::FoundLean;
-use super::problem::{ForceProblem, Seen, State};
+use super::linearised::Seen;
+use super::problem::{ForceProblem, State};
 use super::unknowns::Unknown;
 use crate::finger::Plate;
 use crate::sensing::residual_test::noise_of;
@@ -15,7 +16,7 @@ use nalgebra::DMatrix;
 /// A direction is not identifiable if its standard deviation exceeds this angle, degrees. A position is not identifiable if its standard deviation
 /// exceeds the share `LARGEST_POSITION_SIGMA` of the plate's length.
 const LARGEST_ANGLE_SIGMA_DEG: f64 = 30.0;
-pub(crate) const LARGEST_POSITION_SIGMA: f64 = 0.25;
+pub(super) const LARGEST_POSITION_SIGMA: f64 = 0.25;
 /// The estimated contact. A known direction replaces the estimated direction. The angle is reduced to the range from -180 to 180 degrees.
 fn answered(contact: &Contact, question: &ContactQuestion) -> Contact {
     let angle_deg = match question.direction {
@@ -111,6 +112,12 @@ pub(super) fn assess(
     };
     let covariance = |i: usize, j: usize| linear(i, j) + if i == j { by_direction(i) } else { 0.0 };
     require_determined(problem, &state.forces_n, |j| linear(j, j).sqrt())?;
+    let mut position_sds_mm = vec![0.0; problem.questions.len()];
+    for (j, unknown) in problem.unknowns.iter().enumerate() {
+        if let Unknown::Position(i) = *unknown {
+            position_sds_mm[i] = linear(j, j).sqrt();
+        }
+    }
     let leans = problem.unknowns.iter().enumerate().filter_map(|(k, unknown)| match *unknown {
         Unknown::Across(i) => found_lean(problem, state, i, |j| linear(j, k), linear(k, k), by_direction(i)),
         _ => None,
@@ -135,6 +142,6 @@ pub(super) fn assess(
             .map(|(contact, question)| answered(contact, question))
             .collect(),
         steps,
-        shared_errors: state.nuisances.shared.clone(),
+        position_sds_mm,
     })
 }

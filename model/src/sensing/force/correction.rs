@@ -6,7 +6,8 @@
 
 use super::SETTLED_ANGLE_DEG;
 use super::derivatives::{differentiate, look_ahead};
-use super::problem::{ForceProblem, Seen, State};
+use super::linearised::Seen;
+use super::problem::{ForceProblem, State};
 use crate::finger::Plate;
 
 /// The correction fails after this number of steps. From one camera frame to the next, the correction needs three or four steps.

@@ -68,7 +68,7 @@ pub(super) fn differentiate(problem: &mut ForceProblem, state: &mut State) -> Re
             // The pose of an object is unknown only if the estimator has an object.
             Unknown::Object(_) => continue,
             Unknown::Shared(k) => {
-                rates.copy_from_slice(&problem.shared_errors[k]);
+                rates.copy_from_slice(&problem.shared_errors[k].pattern_mm);
                 continue;
             }
             Unknown::Base(way) => {

@@ -1,6 +1,7 @@
 //! Discretisation error of estimated forces, computed by comparison with a finer mesh.
 
-use super::estimator::{NonlinearEstimate, NonlinearEstimator};
+use super::estimate::NonlinearEstimate;
+use super::estimator::NonlinearEstimator;
 use super::problem::State;
 use crate::Kinematics;
 use crate::measurement::Measurement;

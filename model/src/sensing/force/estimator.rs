@@ -4,43 +4,21 @@ use super::alternatives::{
     check_against_nothing, check_other_forces, check_rivals, check_unconfirmed, widen_by_positions, widen_by_rivals,
 };
 use super::assessment::assess;
-use super::correction::correct_below_noise;
-use super::leaning::{FoundLean, widen_by_leans};
+use super::correction::{correct, correct_below_noise};
+use super::estimate::NonlinearEstimate;
+use super::leaning::widen_by_leans;
 use super::linear_range::{require_linear_range, widen_by_curvature};
-use super::linearised::Posed;
-use super::minima::{Found, KeptScan, MANY_COORDINATES, Minima, Near, find_minima};
+use super::linearised::{Posed, Seen};
+use super::minima::{KeptScan, MANY_COORDINATES, Minima, find_minima, minimum_near};
 use super::nuisances::Nuisances;
-use super::problem::{ForceProblem, Seen, State};
+use super::object_start::{require_touch, without_object};
+use super::position::widen_by_position;
+use super::problem::{ForceProblem, State};
+use super::search_history::SearchHistory;
+use super::states::{Found, resume, state_under};
 use crate::measurement::Measurement;
 use crate::mesh::Mesh;
-use crate::sensing::{Contact, ContactQuestion, Estimate, ModelError, Pad, SensingError, TouchedObject, Warning};
-use nalgebra::{DMatrix, DVector};
-
-/// Estimated forces with the positions and directions of their contacts.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NonlinearEstimate {
-    /// Forces with their standard deviations, noise and residual.
-    pub forces: Estimate,
-    /// Covariance of the forces, N^2, in the order of the contacts. The covariance includes the uncertainty of estimated positions and directions.
-    pub covariance_n2: DMatrix<f64>,
-    /// Position and direction of each contact, given or estimated.
-    pub contacts: Vec<Contact>,
-    /// Number of Gauss-Newton steps.
-    pub steps: usize,
-    /// Estimated errors that all markers share, each in units of its standard deviation.
-    pub shared_errors: Vec<f64>,
-    /// Estimated leans (angles between force and normal).
-    pub(super) leans: Vec<FoundLean>,
-}
-
-impl NonlinearEstimate {
-    /// Adds an error of the model, N, to the standard deviations and the covariance.
-    pub(super) fn add_model_error(&mut self, error_n: Vec<f64>, warning: fn(ModelError) -> Warning) {
-        let error = DVector::from_column_slice(&error_n);
-        self.covariance_n2 += &error * error.transpose();
-        self.forces.add_model_error(error_n, warning);
-    }
-}
+use crate::sensing::{Contact, ContactQuestion, Pad, SensingError, TouchedObject};
 
 /// Forces and contacts near the result of a measurement, from the previous frame or from a coarser mesh.
 #[derive(Debug, Clone, Copy)]
@@ -123,8 +101,8 @@ impl<'m> NonlinearEstimator<'m> {
         self.problem.object.is_none().then_some(())?;
         let contacts: Vec<Contact> =
             self.problem.questions.iter().map(ContactQuestion::known).collect::<Option<_>>()?;
-        let near = from.and_then(|from| self.problem.state_under(&contacts, forces_n, Some(&from)));
-        near.or_else(|| self.problem.state_under(&contacts, forces_n, None))
+        let near = from.and_then(|from| state_under(&mut self.problem, &contacts, forces_n, Some(&from)));
+        near.or_else(|| state_under(&mut self.problem, &contacts, forces_n, None))
     }
 
     /// Forgets the last estimate, the held estimate and the scanned equilibria.
@@ -182,7 +160,7 @@ impl<'m> NonlinearEstimator<'m> {
         let mut state = None;
         if is_unique && problem.object.is_none() && near.contacts.len() == problem.questions.len() {
             let at_minimum = kept.and_then(|state| minimum_of_earlier(problem, state, seen));
-            state = at_minimum.or_else(|| problem.state_under(near.contacts, near.forces_n, None));
+            state = at_minimum.or_else(|| state_under(problem, near.contacts, near.forces_n, None));
         }
         let is_chosen = is_chosen && state.is_some();
         self.estimate_from(Near { state, is_chosen }, seen)
@@ -203,6 +181,15 @@ impl<'m> NonlinearEstimator<'m> {
     }
 }
 
+/// Where the search for a minimum starts.
+#[derive(Debug, Default)]
+pub(super) struct Near {
+    /// State near the minimum. Without a state, searches start from least squares on the linear finger.
+    pub state: Option<State>,
+    /// Whether the minimum near the state was chosen among all minima, for example on a coarser mesh.
+    pub is_chosen: bool,
+}
+
 /// The minimum near a state of an earlier estimate, so near that the rest is negligible compared with the noise. The estimate then corrects forces and
 /// contacts further if needed. `None` if there is no minimum, or if the state has other unknowns.
 fn minimum_of_earlier(problem: &mut ForceProblem, mut state: State, seen: Seen) -> Option<State> {
@@ -215,7 +202,7 @@ fn minimum_of_earlier(problem: &mut ForceProblem, mut state: State, seen: Seen) 
 ///
 /// # Errors
 /// [`SensingError`] if the unknowns are not identifiable, no equilibrium explains the measurement, or the search does not converge.
-pub(super) fn estimate(
+fn estimate(
     problem: &mut ForceProblem,
     near: Near,
     scan: &mut KeptScan,
@@ -228,7 +215,12 @@ pub(super) fn estimate(
     if unknowns > coordinates {
         return Err(SensingError::TooFewMarkers { unknowns, coordinates });
     }
-    let Minima { best, mut all, starts, mut others, scanned } = find_minima(problem, near, scan, seen)?;
+    let at_hand = minimum_at_hand(problem, near.state, seen)?;
+    let minima = match at_hand {
+        Some(best) if near.is_chosen => Minima::only(best),
+        at_hand => find_minima(problem, at_hand, scan, seen)?,
+    };
+    let Minima { best, mut all, starts, mut others, scanned } = minima;
     let Found { mut state, steps, near } = best;
     let least_misfit = problem.misfit(&state, measurement);
     let mut estimate = assess(problem, &mut state, seen, steps)?;
@@ -258,6 +250,33 @@ pub(super) fn estimate(
         check_other_forces(&estimate, least_misfit, starts.chain(scanned))?;
     }
     widen_by_curvature(problem, &state, measurement, &mut estimate)?;
+    widen_by_position(problem, &state, seen, &mut estimate)?;
     widen_by_leans(problem, &state, seen, &mut estimate)?;
     Ok((estimate, state))
+}
+
+/// Minimum of the misfit near a state or, for contacts with an object, near the estimate from markers alone. `None` without such a minimum.
+fn minimum_at_hand(problem: &mut ForceProblem, near: Option<State>, seen: Seen) -> Result<Option<Found>, SensingError> {
+    if let Some(mut state) = near
+        && let Some(steps) = correct(problem, &mut state, seen)
+    {
+        return Ok(Some(Found { state, steps, near: true }));
+    }
+    if problem.object.is_none() {
+        return Ok(None);
+    }
+    let Some(start) = sense_without_object(problem, seen)? else { return Ok(None) };
+    Ok(minimum_near(problem, start, seen, &mut SearchHistory::default()).ok().flatten())
+}
+
+/// The estimate from markers alone, as a starting point. `None` if the markers do not identify the unknowns.
+///
+/// # Errors
+/// [`SensingError::NotTouching`] if the object cannot touch the plate.
+fn sense_without_object(problem: &mut ForceProblem, seen: Seen) -> Result<Option<State>, SensingError> {
+    let mut plain = without_object(problem)?;
+    let found = plain.expect(seen).and_then(|_| estimate(&mut plain, Near::default(), &mut None, seen));
+    let Ok((_, state)) = found else { return Ok(None) };
+    require_touch(problem, &state, seen)?;
+    resume(problem, state, seen).map(Some)
 }

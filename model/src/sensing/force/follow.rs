@@ -2,6 +2,7 @@
 
 use super::linearised::Posed;
 use super::problem::{ForceProblem, State, known_misfit};
+use super::projection::project;
 use crate::frame::FrameMotion;
 use crate::measurement::Measurement;
 use crate::statics::StaticsError;
@@ -32,9 +33,14 @@ pub(super) fn follow(
     measurement: &Measurement,
     current_mm2: f64,
 ) -> (Result<f64, f64>, Option<OnTheWay>) {
-    let ForceProblem { mesh, object, priors, statics, .. } = problem;
-    let misfit_mm2 = |motion: &FrameMotion| {
+    let ForceProblem { mesh, object, unknowns, shared_errors, priors, statics, .. } = problem;
+    let projected = |motion: &FrameMotion| {
         let shape = Posed { motion, ..next.posed() };
+        project((unknowns, shared_errors, priors), &state.linearised, shape, measurement)
+    };
+    let misfit_mm2 = |motion: &FrameMotion| {
+        let projected = projected(motion);
+        let shape = Posed { motion, nuisances: projected.as_ref().unwrap_or(&next.nuisances), ..next.posed() };
         state.linearised.misfit(shape, measurement) + known_misfit(mesh, priors, object.as_ref(), shape)
     };
     let mut best: Option<OnTheWay> = None;
@@ -49,7 +55,9 @@ pub(super) fn follow(
     let misfit_mm2 = match tried {
         Ok(equilibrium) => {
             let after_mm2 = misfit_mm2(&equilibrium.motion);
+            let projected = projected(&equilibrium.motion);
             next.motion = equilibrium.motion;
+            next.nuisances = projected.unwrap_or_else(|| next.nuisances.clone());
             Ok(after_mm2)
         }
         Err(StaticsError::NoEquilibrium { converged_fraction }) => Err(converged_fraction),
@@ -73,6 +81,9 @@ pub(super) fn part_of_step(
     problem.advance(&mut state).ok()?;
     let loads = [&state.loads[..], &state.loads];
     state.motion = problem.statics.tried(&motion, loads, 1, |_, _| true).ok()?.motion;
+    let ForceProblem { unknowns, shared_errors, priors, .. } = &*problem;
+    let projected = project((unknowns, shared_errors, priors), &state.linearised, state.posed(), measurement);
+    state.nuisances = projected.unwrap_or(state.nuisances);
     let is_better = problem.misfit(&state, measurement) <= current_mm2;
     is_better.then_some((share, state))
 }

@@ -4,32 +4,20 @@
 //! force due to an uncertain lean grows with the lean. The linearisation at the estimate may show only half of the uncertainty that an uncertain lean
 //! causes.
 
-use super::estimator::NonlinearEstimate;
+use super::estimate::{FoundLean, NonlinearEstimate};
+use super::linearised::Seen;
 use super::minima::minimum_near;
-use super::problem::{ForceProblem, Seen, State};
+use super::problem::{ForceProblem, State};
 use super::search_history::SearchHistory;
+use super::states::resume;
 use crate::sensing::{ContactQuestion, Direction, Lean, SensingError};
 
 /// Distance, in standard deviations, of two leans (angles between force and normal) on either side of the estimated lean. Forces are evaluated at the
 /// two leans that lie this distance from the estimate. The distance sqrt(3) gives the outer points of three-point Gauss-Hermite quadrature, and also
 /// the ends of a uniform distribution.
-pub(crate) const REACH: f64 = 1.732_050_807_568_877_2;
+const REACH: f64 = 1.732_050_807_568_877_2;
 /// An uncertain lean (angle between force and normal) needs evaluation only if it contributes more than this share of a force's standard deviation.
-pub(crate) const COUNTS: f64 = 0.3;
-
-/// An estimated lean: angle between a contact force and the normal.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct FoundLean {
-    /// Index of the contact whose force leans, from 0.
-    pub contact: usize,
-    /// Lean (angle between force and normal), degrees. `sd_deg` is its standard deviation, degrees.
-    pub lean_deg: f64,
-    pub sd_deg: f64,
-    /// Derivative of each force with respect to the lean (angle between force and normal), with all other unknowns at their optimum, N per degree.
-    pub by_lean_n: Vec<f64>,
-    /// Second-order part of the variance of the force that leans, N^2. The variance already includes this part.
-    pub second_order_n2: f64,
-}
+const COUNTS: f64 = 0.3;
 
 /// Widens the standard deviations of forces for each uncertain lean (angle between force and normal). The forces at both ends of the lean's range
 /// may imply a larger deviation than the linearisation at the estimate. The larger deviation is then used.
@@ -86,7 +74,7 @@ fn leaning_at(
     }
     let mut problem = problem.with_questions(&questions)?;
     problem.expect(seen)?;
-    let start = problem.resumed(state, seen)?;
+    let start = resume(&mut problem, state, seen)?;
     // The history is empty, so the search cannot end because it meets the path of an earlier search.
     let found = minimum_near(&mut problem, start, seen, &mut SearchHistory::default())?;
     Ok(found.ok_or(SensingError::NoContact)?.state.forces_n)

@@ -1,9 +1,10 @@
 //! Checks whether standard deviations that follow from linearisation of the finger at the estimate are valid.
 
-use super::estimator::NonlinearEstimate;
+use super::estimate::NonlinearEstimate;
 use super::linearised::Posed;
 use super::minima::MANY_COORDINATES;
 use super::problem::{ForceProblem, State};
+use super::states::state_under;
 use crate::Vector;
 use crate::measurement::Measurement;
 use crate::sensing::SensingError;
@@ -11,10 +12,10 @@ use crate::statics::StaticsError;
 use nalgebra::DVectorView;
 
 /// A force with at most this relative standard deviation needs no check.
-pub(crate) const WELL_KNOWN: f64 = 0.3;
+const WELL_KNOWN: f64 = 0.3;
 /// A change of a force by one standard deviation moves the markers. The force is refused if the motion of the markers differs from the linearised
 /// motion by more than this share. See Bates and Watts, Nonlinear Regression Analysis and Its Applications, ch. 7, on the intrinsic curvature.
-pub(crate) const LARGEST_DEPARTURE: f64 = 0.5;
+const LARGEST_DEPARTURE: f64 = 0.5;
 
 /// An axis of the confidence region needs no check if the standard deviation along the axis is at most this share of the largest force. Without
 /// noise, the ends of such an axis differ only by rounding.
@@ -57,7 +58,7 @@ pub(super) fn widen_by_curvature(
         for reach in [-REACH, REACH] {
             let forces_n: Vec<f64> = state.forces_n.iter().zip(&axis).map(|(f, a)| f + reach * sd_n * a).collect();
             // Forces without an equilibrium are impossible.
-            let Some(end) = problem.state_under(&state.contacts, &forces_n, Some(state)) else { continue };
+            let Some(end) = state_under(problem, &state.contacts, &forces_n, Some(state)) else { continue };
             let shape = Posed { nuisances: &state.nuisances, ..end.posed() };
             // The confidence region may be curved, with a smaller misfit beside the axis.
             let beside = axes.eigenvectors.column_iter().enumerate().filter(|(j, _)| *j != i);

@@ -1,7 +1,6 @@
 //! The problem linearised at a state: residuals and derivatives of the residuals with respect to the unknowns.
 
 use super::nuisances::{Nuisances, PriorRow};
-use super::problem::Seen;
 use super::unknowns::Unknown;
 use crate::Vector;
 use crate::finger::NodeId;
@@ -18,6 +17,13 @@ const OUTLIER_SIGMAS: f64 = 4.5;
 const RAYLEIGH_MEDIAN: f64 = 1.177_410_022_515_474_6;
 
 const ALL_ALIKE: SensingError = SensingError::IllConditioned { span: f64::INFINITY, limit: LARGEST_SPAN, weakest: 1 };
+
+/// A measurement, and the standard deviation of one coordinate, mm. `None` if the noise is to be estimated from the residual.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Seen<'m> {
+    pub measurement: &'m Measurement,
+    pub noise_mm: Option<f64>,
+}
 
 /// Derivatives of the shape, and weights of the markers. Derivatives and weights are stored by key node, so they are valid for any set of markers.
 #[derive(Debug, Clone)]
@@ -155,9 +161,18 @@ impl Linearised {
         marker.weight * self.weights[marker.node.0 - 1]
     }
 
+    /// Measured minus computed displacement of a marker, times its weight, mm.
+    pub(super) fn distance(&self, marker: &Marker, shape: Posed) -> Vector {
+        distance(&self.marker_points, marker, shape) * self.weights[marker.node.0 - 1]
+    }
+
     /// Sets the robust factor of each marker from the distance between its measured and computed positions. The factor is 1 up to a limit of the
     /// distance, and limit / distance beyond the limit. For large distances, the factor limit / distance is the square root of Cauchy's weight.
     pub(super) fn weigh(&mut self, shape: Posed, Seen { measurement, noise_mm }: Seen) {
+        // Errors that all markers share leave so few degrees of freedom that the residual of a marker does not show whether it is an outlier.
+        if !measurement.shared_errors().is_empty() {
+            return;
+        }
         let markers = measurement.markers();
         self.distances.clear();
         let distance = |marker: &Marker| {
@@ -181,8 +196,7 @@ impl Linearised {
 
     /// Misfit of a shape to the markers, mm^2: sum of the squared weighted differences.
     pub(super) fn misfit(&self, shape: Posed, measurement: &Measurement) -> f64 {
-        let weighted = |marker: &Marker| distance(&self.marker_points, marker, shape) * self.weights[marker.node.0 - 1];
-        measurement.markers().iter().map(|marker| weighted(marker).norm_squared()).sum()
+        measurement.markers().iter().map(|marker| self.distance(marker, shape).norm_squared()).sum()
     }
 
     /// Misfit of the unloaded finger to the markers, mm^2.

@@ -9,15 +9,17 @@
 use super::assessment::assess;
 use super::correction::correct;
 use super::largest_explained_rms_mm;
-use super::problem::{ForceProblem, Seen, State};
+use super::linearised::Seen;
+use super::object_start::without_object;
+use super::problem::{ForceProblem, State};
 use super::profile::{Rival, Rivals, find_rivals};
 use super::scan::{Scan, ScannedPoint, least, scan};
 use super::search::search;
 use super::search_history::SearchHistory;
 use super::start::{StartingPoint, start_at, starting_points};
-use super::touching::{search_without_object, sense_without_object};
+use super::states::{Found, resume, state_under};
 use crate::frame::FrameMotion;
-use crate::sensing::SensingError;
+use crate::sensing::{ContactQuestion, Direction, SensingError};
 
 /// A minimum may be wrong if its residual exceeds both this share of the displacements and `POOR_FIT_SIGMAS` standard deviations of the noise. If a
 /// minimum may be wrong, the search also starts from multiples of the forces that fit the linear finger, and the best minimum is used.
@@ -50,21 +52,11 @@ pub(super) struct Minima {
     pub scanned: Vec<Vec<ScannedPoint>>,
 }
 
-/// A minimum and the number of steps to this minimum. If `near` is `true`, the search started near the minimum, or every step was complete and as
-/// good as predicted. A minimum with `near` counts as locally unique. If `near` is `false`, there may be further minima.
-pub(super) struct Found {
-    pub state: State,
-    pub steps: usize,
-    pub near: bool,
-}
-
-/// Where the search for a minimum starts.
-#[derive(Debug, Default)]
-pub(super) struct Near {
-    /// State near the minimum. Without a state, searches start from least squares on the linear finger.
-    pub state: Option<State>,
-    /// Whether the minimum near the state was chosen among all minima, for example on a coarser mesh.
-    pub is_chosen: bool,
+impl Minima {
+    /// A minimum that needs no comparison.
+    pub fn only(best: Found) -> Minima {
+        Minima { best, all: Vec::new(), starts: Vec::new(), others: Vec::new(), scanned: Vec::new() }
+    }
 }
 
 /// Scanned equilibria of a problem. The outer option is `None` before the scan. The inner option is `None` if a scan is impossible for the contacts.
@@ -87,13 +79,13 @@ struct GlobalSearch<'s, 'm> {
     others: Vec<(f64, Vec<f64>)>,
 }
 
-/// Finds the minima of the misfit (sum of squared weighted residuals) for a measurement.
+/// Finds the minima of the misfit (sum of squared weighted residuals) for a measurement. `at_hand` is a minimum that is known already.
 ///
 /// # Errors
 /// [`SensingError`] if there is no minimum, or the unknowns of a minimum that fits well are not identifiable.
 pub(super) fn find_minima(
     problem: &mut ForceProblem,
-    near: Near,
+    at_hand: Option<Found>,
     scan: &mut KeptScan,
     seen: Seen,
 ) -> Result<Minima, SensingError> {
@@ -106,11 +98,6 @@ pub(super) fn find_minima(
     let poor = (share * moved_rms_mm).max(POOR_FIT_SIGMAS * noise_mm.unwrap_or(0.0));
     let explained_mm2 =
         noise_mm.map(|noise_mm| largest_explained_rms_mm(noise_mm, moved_rms_mm).powi(2) * coordinates as f64);
-    let best = minimum_at_hand(problem, near.state, seen)?;
-    if let (true, Some(best)) = (near.is_chosen, &best) {
-        let best = Found { state: best.state.clone(), ..*best };
-        return Ok(Minima { best, all: Vec::new(), starts: Vec::new(), others: Vec::new(), scanned: Vec::new() });
-    }
     let many = MANY_COORDINATES[usize::from(problem.questions.len() > 1)];
     let has_many = coordinates >= many;
     // Unknown positions, directions or base poses make a scan coarse and slow. A coarse scan is used only for few markers and without priors.
@@ -120,7 +107,7 @@ pub(super) fn find_minima(
         largest_misfit: poor * poor * coordinates as f64,
         has_very_many: !is_coarse && !problem.follows_plate() && coordinates >= VERY_MANY * many,
         history: SearchHistory::of(&problem.unknowns, &problem.questions).explaining_up_to(explained_mm2),
-        best,
+        best: at_hand,
         failure: None,
         all: Vec::new(),
         starts: Vec::new(),
@@ -188,8 +175,8 @@ impl GlobalSearch<'_, '_> {
         let scanned = scan.misfits(self.seen.measurement);
         for point in least(&scanned) {
             let before = scan.state_before(point);
-            let state = self.problem.state_under(&before.contacts, &point.forces_n, Some(before));
-            let Some(start) = state.and_then(|state| self.problem.resumed(state, self.seen).ok()) else { continue };
+            let state = state_under(self.problem, &before.contacts, &point.forces_n, Some(before));
+            let Some(start) = state.and_then(|state| resume(self.problem, state, self.seen).ok()) else { continue };
             self.history.begin();
             let found = minimum_near(self.problem, start, self.seen, &mut self.history);
             self.take(found);
@@ -230,11 +217,11 @@ impl GlobalSearch<'_, '_> {
     fn follow_rivals(&mut self, best: &State, rivals: Vec<Rival>) {
         let pushes = |state: &State| state.forces_n.iter().all(|force_n| *force_n >= 0.0);
         for Rival { contacts, forces_n } in rivals {
-            let near = self.problem.state_under(&contacts, &forces_n, Some(best));
-            let near = near.or_else(|| self.problem.state_under(&contacts, &forces_n, None));
+            let near = state_under(self.problem, &contacts, &forces_n, Some(best));
+            let near = near.or_else(|| state_under(self.problem, &contacts, &forces_n, None));
             let Some(mut start) = near else { continue };
             start.nuisances.base = best.nuisances.base;
-            let Ok(start) = self.problem.resumed(start, self.seen) else { continue };
+            let Ok(start) = resume(self.problem, start, self.seen) else { continue };
             self.history.begin();
             let found = minimum_near(self.problem, start, self.seen, &mut self.history);
             // Contacts push. A search from pushing forces that ends at a pulling force has left the rival.
@@ -276,9 +263,10 @@ pub(super) fn search_from(
     starts: &mut Vec<(Vec<f64>, FrameMotion)>,
     history: &mut SearchHistory,
 ) -> Result<Option<Found>, SensingError> {
-    let start = match problem.object {
-        None => start_at(problem, seen, start)?,
-        Some(_) => search_without_object(problem, seen, start)?,
+    let start = match (&problem.object, start) {
+        (Some(_), _) => search_without_object(problem, seen, start)?,
+        (None, StartingPoint::Held) => held_start(problem, seen)?,
+        (None, _) => start_at(problem, seen, start)?,
     };
     starts.push((start.forces_n.clone(), start.motion.clone()));
     minimum_near(problem, start, seen, history)
@@ -303,16 +291,26 @@ pub(super) fn minimum_near(
     search(problem, start, seen, history)
 }
 
-/// Minimum of the misfit near a state or, for contacts with an object, near the estimate from markers alone. `None` without such a minimum.
-fn minimum_at_hand(problem: &mut ForceProblem, near: Option<State>, seen: Seen) -> Result<Option<Found>, SensingError> {
-    if let Some(mut state) = near
-        && let Some(steps) = correct(problem, &mut state, seen)
-    {
-        return Ok(Some(Found { state, steps, near: true }));
-    }
-    if problem.object.is_none() {
-        return Ok(None);
-    }
-    let Some(start) = sense_without_object(problem, seen)? else { return Ok(None) };
-    Ok(minimum_near(problem, start, seen, &mut SearchHistory::default()).ok().flatten())
+/// Starting point with directions that do not follow the plate. If directions follow a strongly turning plate, the search fails more often.
+fn held_start(problem: &mut ForceProblem, seen: Seen) -> Result<State, SensingError> {
+    let held = |question: &ContactQuestion| match question.direction {
+        Direction::Leaning(lean) => ContactQuestion { direction: Direction::Angle(lean.angle_deg), ..*question },
+        Direction::Angle(_) | Direction::Auto => *question,
+    };
+    let questions: Vec<ContactQuestion> = problem.questions.iter().map(held).collect();
+    let mut held = problem.with_questions(&questions)?;
+    held.expect(seen)?;
+    let (mut starts, mut history) = (Vec::new(), SearchHistory::default());
+    let found = search_from(&mut held, seen, StartingPoint::Times(1.0), &mut starts, &mut history)?;
+    // The history is empty, so the search cannot end at an earlier path.
+    resume(problem, found.ok_or(SensingError::NoContact)?.state, seen)
+}
+
+/// The nearest minimum of the problem without the object, as a starting point.
+fn search_without_object(problem: &mut ForceProblem, seen: Seen, start: StartingPoint) -> Result<State, SensingError> {
+    let mut plain = without_object(problem)?;
+    plain.expect(seen)?;
+    let (mut starts, mut history) = (Vec::new(), SearchHistory::default());
+    let found = search_from(&mut plain, seen, start, &mut starts, &mut history)?;
+    resume(problem, found.ok_or(SensingError::NoContact)?.state, seen)
 }

@@ -6,10 +6,12 @@
 //! tested before it is returned ([`assessment`], [`alternatives`]).
 
 mod alternatives;
+mod assembled;
 mod assessment;
 mod correction;
 mod derivatives;
 mod discretisation;
+mod estimate;
 mod estimator;
 mod follow;
 mod leaning;
@@ -17,21 +19,24 @@ mod linear_range;
 mod linearised;
 mod minima;
 mod nuisances;
+mod object_start;
+mod position;
 mod problem;
 mod profile;
+mod projection;
 mod refine;
 mod scan;
 mod search;
 mod search_history;
 mod start;
+mod states;
 mod touching;
 mod unknowns;
 
-pub(crate) use assessment::LARGEST_POSITION_SIGMA;
+pub(crate) use assembled::{LinearisedAssembly, linearise_assembly};
 pub use discretisation::Discretisation;
-pub use estimator::{NearForces, NonlinearEstimate, NonlinearEstimator};
-pub(crate) use leaning::{COUNTS, REACH};
-pub(crate) use linear_range::{LARGEST_DEPARTURE, WELL_KNOWN};
+pub use estimate::NonlinearEstimate;
+pub use estimator::{NearForces, NonlinearEstimator};
 pub use refine::{Refinement, sense_refining};
 
 use super::{UNEXPLAINED_SHARE, UNEXPLAINED_SIGMAS};

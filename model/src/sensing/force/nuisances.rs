@@ -27,14 +27,26 @@ pub(super) struct Nuisances {
 }
 
 impl Nuisances {
-    /// All parameters at their expected values.
+    /// All parameters at their expected values, but shared errors at the amplitudes where a search starts.
     pub fn expected(contacts: usize, shared_errors: &[SharedError]) -> Nuisances {
-        Nuisances {
+        let mut nuisances = Nuisances {
             base: Isometry2::identity(),
             further_leans_deg: vec![0.0; contacts],
             object: [0.0; 3],
-            shared: vec![0.0; shared_errors.len()],
-            shared_mm: shared_errors.first().map_or_else(Vec::new, |error| vec![Vector::zeros(); error.len()]),
+            shared: shared_errors.iter().map(|error| error.start).collect(),
+            shared_mm: Vec::new(),
+        };
+        nuisances.resume(shared_errors);
+        nuisances
+    }
+
+    /// Applies the amplitudes of the shared errors to other patterns of the same errors.
+    pub fn resume(&mut self, shared_errors: &[SharedError]) {
+        let key_nodes = shared_errors.first().map_or(0, |error| error.pattern_mm.len());
+        self.shared_mm = vec![Vector::zeros(); key_nodes];
+        for (k, by) in std::mem::take(&mut self.shared).into_iter().enumerate() {
+            self.shared.push(0.0);
+            self.share(k, &shared_errors[k], by);
         }
     }
 
@@ -46,7 +58,7 @@ impl Nuisances {
     /// Changes a shared error by `by` times its standard deviation.
     pub fn share(&mut self, index: usize, error: &SharedError, by: f64) {
         self.shared[index] += by;
-        self.shared_mm.iter_mut().zip(error).for_each(|(all, of_error)| *all += of_error * by);
+        self.shared_mm.iter_mut().zip(&error.pattern_mm).for_each(|(all, of_error)| *all += of_error * by);
     }
 
     /// Value to which the prior of an unknown applies, in mm, rad, degrees or standard deviations.

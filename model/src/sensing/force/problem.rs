@@ -5,10 +5,9 @@
 //! values of the unknowns, the equilibrium for these values, and the problem linearised at this equilibrium. Search, assessment and widening are
 //! functions of other files over a problem and its states.
 
-use super::derivatives::differentiate;
-use super::linearised::{Linearised, Posed};
+use super::linearised::{Linearised, Posed, Seen};
 use super::nuisances::{Nuisances, Priors};
-use super::touching::{Touching, settle, touches_object};
+use super::touching::{Touching, touches_object};
 use super::unknowns::{BaseMotion, Unknown};
 use crate::finger::Plate;
 use crate::frame::{FrameLoad, FrameMotion};
@@ -29,13 +28,6 @@ const LONGEST_MOVE: f64 = 0.2;
 const NEAREST_TO_BASE: f64 = 0.01;
 /// Scale of a rotation of the base, rad. A rotation of the base by this angle moves the tip about as far as a force of 1 N does.
 const TURN_UNIT: f64 = 0.01;
-
-/// A measurement, and the standard deviation of one coordinate, mm. `None` if the noise is to be estimated from the residual.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Seen<'m> {
-    pub measurement: &'m Measurement,
-    pub noise_mm: Option<f64>,
-}
 
 /// Contacts on a mesh, what is known of them, and the finger's equations.
 #[derive(Debug, Clone)]
@@ -200,50 +192,6 @@ impl<'m> ForceProblem<'m> {
     /// Misfit of a shape, mm^2, with the robust weights of `weighted`, which may belong to another shape.
     pub fn misfit_of(&self, shape: Posed, weighted: &Linearised, measurement: &Measurement) -> f64 {
         weighted.misfit(shape, measurement) + known_misfit(self.mesh, &self.priors, self.object.as_ref(), shape)
-    }
-
-    /// State under forces, N, at contacts, followed from the state `from`, or from rest if `from` is `None`. `None` if no equilibrium is found.
-    pub fn state_under(&mut self, contacts: &[Contact], forces_n: &[f64], from: Option<&State>) -> Option<State> {
-        let of_contacts = contacts.iter().zip(forces_n).flat_map(|(c, f)| self.pad.loads(self.mesh, c, *f, 0.0));
-        let loads = of_contacts.collect::<Result<Vec<_>, _>>().ok()?;
-        let equilibrium = match from {
-            Some(from) => self.statics.tried(&from.motion, [&from.loads, &loads], 1, |_, _| true),
-            None => self.statics.equilibrium(&loads),
-        };
-        let nuisances = Nuisances::expected(contacts.len(), &self.shared_errors);
-        let mut state = self.state(contacts.to_vec(), forces_n.to_vec(), nuisances, loads, equilibrium.ok()?.motion);
-        self.statics.linearise(&state.motion, &state.loads).then_some(())?;
-        differentiate(self, &mut state).ok()?;
-        Some(state)
-    }
-
-    /// A state in equilibrium, without derivatives.
-    pub fn state(
-        &self,
-        contacts: Vec<Contact>,
-        forces_n: Vec<f64>,
-        nuisances: Nuisances,
-        loads: Vec<FrameLoad>,
-        motion: FrameMotion,
-    ) -> State {
-        let plate_turns_rad = vec![0.0; contacts.len()];
-        let linearised = Linearised::new(self.mesh, &self.unknowns);
-        State { forces_n, contacts, nuisances, plate_turns_rad, loads, motion, linearised }
-    }
-
-    /// Linearises the state of a problem with other unknowns for the unknowns of this problem.
-    ///
-    /// # Errors
-    /// [`SensingError`] if loads that follow an object have no equilibrium.
-    pub fn resumed(&mut self, state: State, seen: Seen) -> Result<State, SensingError> {
-        let mut state = State { linearised: Linearised::new(self.mesh, &self.unknowns), ..state };
-        if self.object.is_some() {
-            settle(self, &mut state)?;
-        }
-        self.statics.linearise(&state.motion, &state.loads);
-        differentiate(self, &mut state)?;
-        state.weigh(seen);
-        Ok(state)
     }
 
     /// Sets the scale of each unknown: 1 N for forces, [`TURN_UNIT`] for rotations, 1 mm for translations, and one standard deviation for errors that

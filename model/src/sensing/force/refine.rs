@@ -1,7 +1,9 @@
 //! Estimates on successively finer meshes.
 
-use super::estimator::{NearForces, NonlinearEstimate, NonlinearEstimator};
-use super::problem::{Seen, State};
+use super::estimate::NonlinearEstimate;
+use super::estimator::{NearForces, NonlinearEstimator};
+use super::linearised::Seen;
+use super::problem::State;
 use crate::Finger;
 use crate::measurement::Measurement;
 use crate::mesh::Mesh;

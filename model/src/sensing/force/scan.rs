@@ -7,6 +7,7 @@
 //! at both points (cubic Hermite interpolation).
 
 use super::problem::{ForceProblem, State};
+use super::states::state_under;
 use crate::Vector;
 use crate::finger::Plate;
 use crate::frame::FrameMotion;
@@ -85,7 +86,7 @@ pub(super) fn scan(problem: &mut ForceProblem) -> Option<Scan> {
             let contacts = scanned_contacts(problem, &question);
             let step = STEPS[usize::from(contacts.len() > 1)];
             let of_contact = |contact: Contact| {
-                let rest = problem.state_under(&[contact], &[0.0], None)?;
+                let rest = state_under(problem, &[contact], &[0.0], None)?;
                 Some(curve(problem, rest, 0, step))
             };
             contacts.into_iter().filter_map(of_contact).collect()
@@ -93,7 +94,7 @@ pub(super) fn scan(problem: &mut ForceProblem) -> Option<Scan> {
         [first, second] => {
             let contacts = [first, second].map(|question| scanned_contacts(problem, &question));
             let [[first], [second]] = [&contacts[0][..], &contacts[1][..]] else { return None };
-            let rest = problem.state_under(&[*first, *second], &[0.0; 2], None)?;
+            let rest = state_under(problem, &[*first, *second], &[0.0; 2], None)?;
             let of_first = curve(problem, rest, 0, STEPS[1]);
             of_first.points.into_iter().map(|point| curve(problem, point, 1, STEPS[1])).collect()
         }
@@ -144,7 +145,7 @@ fn half_curve(problem: &mut ForceProblem, start: &State, varying: usize, sign: f
         let mut forces_n = last.forces_n.clone();
         forces_n[varying] += by_n;
         let contacts = last.contacts.clone();
-        let next = problem.state_under(&contacts, &forces_n, Some(last));
+        let next = state_under(problem, &contacts, &forces_n, Some(last));
         let size = next.as_ref().map(|next| change(&last.motion, &next.motion, length_mm, step));
         match (next, size) {
             (Some(next), Some(size)) if size <= TOO_LONG => {

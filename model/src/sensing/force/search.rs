@@ -9,9 +9,10 @@ use super::SETTLED_ANGLE_DEG;
 use super::correction::correct;
 use super::derivatives::linearise;
 use super::follow::{follow, part_of_step};
-use super::minima::Found;
-use super::problem::{ForceProblem, Seen, State};
+use super::linearised::Seen;
+use super::problem::{ForceProblem, State};
 use super::search_history::SearchHistory;
+use super::states::Found;
 use crate::optimise::{Convergence, Prediction, TrustRegion};
 use crate::sensing::SensingError;
 

@@ -1,15 +1,15 @@
 //! Starting points of the search, from least squares on the linear finger.
 
 use super::derivatives::differentiate;
-use super::minima::search_from;
+use super::linearised::Seen;
 use super::nuisances::Nuisances;
-use super::problem::{ForceProblem, Seen, State};
-use super::search_history::SearchHistory;
+use super::problem::{ForceProblem, State};
+use super::states::state_of;
 use crate::finger::{Finger, Plate};
 use crate::measurement::Measurement;
 use crate::rigid_fit::rigid_fit;
 use crate::sensing::{
-    Contact, ContactPosition, ContactQuestion, Direction, Estimate, LinearEstimator, Prior, SensingError, halved_below,
+    Contact, ContactPosition, Direction, Estimate, LinearEstimator, Prior, SensingError, halved_below,
 };
 use crate::statics::{Equilibrium, EquilibriumEquations, StaticsError};
 use nalgebra::{Isometry2, Point2};
@@ -55,7 +55,8 @@ pub(super) fn start_at(problem: &mut ForceProblem, seen: Seen, start: StartingPo
         StartingPoint::Times(times) => factor = times,
         StartingPoint::Towards(angle_deg) => towards_deg = Some(angle_deg),
         StartingPoint::FromMovedBase => nuisances.base = rigid_motion(problem.finger(), seen.measurement),
-        StartingPoint::Held => return held_start(problem, seen),
+        // The caller searches from a held direction.
+        StartingPoint::Held => {}
     }
     let from_base = seen_from(problem.finger(), seen.measurement, &nuisances.base);
     let finger = problem.finger();
@@ -100,7 +101,7 @@ pub(super) fn start_at(problem: &mut ForceProblem, seen: Seen, start: StartingPo
         let loads = loads.collect::<Result<Vec<_>, _>>()?;
         match problem.statics.tried(&rest, [&[], &loads], usize::MAX, |_, _| true) {
             Ok(Equilibrium { motion, .. }) => {
-                let mut state = problem.state(contacts, forces_n, nuisances, loads, motion);
+                let mut state = state_of(problem, contacts, forces_n, nuisances, loads, motion);
                 differentiate(problem, &mut state)?;
                 state.weigh(seen);
                 return Ok(state);
@@ -113,21 +114,6 @@ pub(super) fn start_at(problem: &mut ForceProblem, seen: Seen, start: StartingPo
         }
     }
     Err(SensingError::Statics(StaticsError::NoEquilibrium { converged_fraction: 0.0 }))
-}
-
-/// Starting point with directions that do not follow the plate. If directions follow a strongly turning plate, the search fails more often.
-fn held_start(problem: &mut ForceProblem, seen: Seen) -> Result<State, SensingError> {
-    let held = |question: &ContactQuestion| match question.direction {
-        Direction::Leaning(lean) => ContactQuestion { direction: Direction::Angle(lean.angle_deg), ..*question },
-        Direction::Angle(_) | Direction::Auto => *question,
-    };
-    let questions: Vec<ContactQuestion> = problem.questions.iter().map(held).collect();
-    let mut held = problem.with_questions(&questions)?;
-    held.expect(seen)?;
-    let (mut starts, mut history) = (Vec::new(), SearchHistory::default());
-    let found = search_from(&mut held, seen, StartingPoint::Times(1.0), &mut starts, &mut history)?;
-    // The history is empty, so the search cannot end at an earlier path.
-    problem.resumed(found.ok_or(SensingError::NoContact)?.state, seen)
 }
 
 /// Contacts and forces by linear least squares. A force of unknown direction is estimated as two components, from which one force and its angle

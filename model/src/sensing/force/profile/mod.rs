@@ -7,7 +7,8 @@
 //! guide to better starting points.
 
 use super::alternatives::AS_GOOD;
-use super::problem::{ForceProblem, Seen, State};
+use super::linearised::Seen;
+use super::problem::{ForceProblem, State};
 use super::unknowns::Unknown;
 use crate::Vector;
 use crate::measurement::{Marker, Measurement};

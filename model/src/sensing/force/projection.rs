@@ -1,0 +1,62 @@
+//! Nuisance parameters that displace the markers by a fixed pattern, at their optimum for a shape.
+//!
+//! A shape and such patterns trade off along a curved valley of the misfit: a step of all unknowns together would have to be short. The misfit with the
+//! patterns at their optimum has no such valley (variable projection; Golub and Pereyra, Inverse Problems 19, 2003).
+
+use super::linearised::{Linearised, Posed};
+use super::nuisances::{Nuisances, PriorRow, Priors};
+use super::unknowns::{BaseMotion, Unknown};
+use crate::Vector;
+use crate::measurement::{Measurement, SharedError};
+use crate::optimise::GramSchmidt;
+use nalgebra::Translation2;
+
+/// The nuisance parameters of `shape`, but with shared errors and the position of the base at their optimum. `None` without shared errors, or if they
+/// are not identifiable.
+pub(super) fn project(
+    (unknowns, shared_errors, priors): (&[Unknown], &[SharedError], &Priors),
+    linearised: &Linearised,
+    shape: Posed,
+    measurement: &Measurement,
+) -> Option<Nuisances> {
+    shared_errors.first()?;
+    let pattern = |unknown: &Unknown, key_node: usize| match *unknown {
+        Unknown::Shared(k) => Some(shared_errors[k].pattern_mm[key_node]),
+        Unknown::Base(BaseMotion::X) => Some(Vector::x()),
+        Unknown::Base(BaseMotion::Y) => Some(Vector::y()),
+        _ => None,
+    };
+    let sought: Vec<usize> = (0..unknowns.len()).filter(|&j| pattern(&unknowns[j], 0).is_some()).collect();
+    let rows: Vec<PriorRow> =
+        priors.rows(shape.nuisances, shape.forces_n).filter(|row| sought.contains(&row.index)).collect();
+    let markers = measurement.markers();
+    let coordinates = measurement.coordinate_count();
+    let mut problem = GramSchmidt::default();
+    problem.reset(coordinates + rows.len(), sought.len());
+    for (column, &j) in sought.iter().enumerate() {
+        let column = problem.column_mut(column);
+        for (marker, of_marker) in markers.iter().zip(column.chunks_exact_mut(2)) {
+            let pattern_mm = pattern(&unknowns[j], marker.node.0 - 1).unwrap_or_default();
+            of_marker.copy_from_slice((pattern_mm * linearised.weight(marker)).as_slice());
+        }
+        for (value, row) in column[coordinates..].iter_mut().zip(&rows) {
+            *value = if row.index == j { row.by_unknown } else { 0.0 };
+        }
+    }
+    let right = problem.column_mut(sought.len());
+    for (marker, of_marker) in markers.iter().zip(right.chunks_exact_mut(2)) {
+        of_marker.copy_from_slice(linearised.distance(marker, shape).as_slice());
+    }
+    for (value, row) in right[coordinates..].iter_mut().zip(&rows) {
+        *value = row.left_mm;
+    }
+    let mut nuisances = shape.nuisances.clone();
+    for (&j, &by) in sought.iter().zip(problem.solve()?) {
+        match unknowns[j] {
+            Unknown::Shared(k) => nuisances.share(k, &shared_errors[k], by),
+            Unknown::Base(BaseMotion::X) => nuisances.base.append_translation_mut(&Translation2::new(by, 0.0)),
+            _ => nuisances.base.append_translation_mut(&Translation2::new(0.0, by)),
+        }
+    }
+    Some(nuisances)
+}

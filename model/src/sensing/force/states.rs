@@ -1,0 +1,89 @@
+//! States of a force problem: equilibria with the derivatives of their shapes.
+
+use super::SETTLED_ANGLE_DEG;
+use super::derivatives::differentiate;
+use super::linearised::{Linearised, Seen};
+use super::nuisances::Nuisances;
+use super::problem::{ForceProblem, State};
+use crate::frame::{FrameLoad, FrameMotion};
+use crate::sensing::{Contact, SensingError};
+
+/// The iteration that adapts the loads to the shape ends after this number of updates. Each update of the loads removes most of the change that
+/// remains.
+const SETTLINGS: usize = 12;
+
+/// A minimum and the number of steps to this minimum. If `near` is `true`, the search started near the minimum, or every step was complete and as
+/// good as predicted. A minimum with `near` counts as locally unique. If `near` is `false`, there may be further minima.
+pub(super) struct Found {
+    pub state: State,
+    pub steps: usize,
+    pub near: bool,
+}
+
+/// State under forces, N, at contacts, followed from the state `from`, or from rest if `from` is `None`. `None` if no equilibrium is found.
+pub(super) fn state_under(
+    problem: &mut ForceProblem,
+    contacts: &[Contact],
+    forces_n: &[f64],
+    from: Option<&State>,
+) -> Option<State> {
+    let of_contacts = contacts.iter().zip(forces_n).flat_map(|(c, f)| problem.pad.loads(problem.mesh, c, *f, 0.0));
+    let loads = of_contacts.collect::<Result<Vec<_>, _>>().ok()?;
+    let equilibrium = match from {
+        Some(from) => problem.statics.tried(&from.motion, [&from.loads, &loads], 1, |_, _| true),
+        None => problem.statics.equilibrium(&loads),
+    };
+    let nuisances = Nuisances::expected(contacts.len(), &problem.shared_errors);
+    let mut state = state_of(problem, contacts.to_vec(), forces_n.to_vec(), nuisances, loads, equilibrium.ok()?.motion);
+    problem.statics.linearise(&state.motion, &state.loads).then_some(())?;
+    differentiate(problem, &mut state).ok()?;
+    Some(state)
+}
+
+/// A state in equilibrium, without derivatives.
+pub(super) fn state_of(
+    problem: &ForceProblem,
+    contacts: Vec<Contact>,
+    forces_n: Vec<f64>,
+    nuisances: Nuisances,
+    loads: Vec<FrameLoad>,
+    motion: FrameMotion,
+) -> State {
+    let plate_turns_rad = vec![0.0; contacts.len()];
+    let linearised = Linearised::new(problem.mesh, &problem.unknowns);
+    State { forces_n, contacts, nuisances, plate_turns_rad, loads, motion, linearised }
+}
+
+/// Linearises the state of a problem with other unknowns for the unknowns of this problem.
+///
+/// # Errors
+/// [`SensingError`] if loads that follow an object have no equilibrium.
+pub(super) fn resume(problem: &mut ForceProblem, state: State, seen: Seen) -> Result<State, SensingError> {
+    let mut state = State { linearised: Linearised::new(problem.mesh, &problem.unknowns), ..state };
+    state.nuisances.resume(&problem.shared_errors);
+    if problem.object.is_some() {
+        settle(problem, &mut state)?;
+    }
+    problem.statics.linearise(&state.motion, &state.loads);
+    differentiate(problem, &mut state)?;
+    state.weigh(seen);
+    Ok(state)
+}
+
+/// Iterates a state to the equilibrium under loads that follow its shape.
+///
+/// # Errors
+/// [`SensingError::Statics`] if the finger has no equilibrium under loads that follow its shape.
+pub(super) fn settle(problem: &mut ForceProblem, state: &mut State) -> Result<(), SensingError> {
+    for _ in 0..SETTLINGS {
+        let loads = state.loads.clone();
+        state.linearised.step.clear();
+        state.linearised.step.resize(problem.unknowns.len(), 0.0);
+        let turn_deg = problem.advance(state)?;
+        state.motion = problem.statics.shifted(&state.motion, &loads, &state.loads)?.motion;
+        if turn_deg <= SETTLED_ANGLE_DEG {
+            break;
+        }
+    }
+    Ok(())
+}
