@@ -8,6 +8,12 @@ mod gripper;
 mod measurement {
     mod noise;
 }
+mod scene {
+    mod cameras;
+    mod errors;
+    mod geometry;
+    mod refused;
+}
 mod scene_keys;
 mod shared_junctions;
 mod sensing {

@@ -222,14 +222,18 @@ fn doubts_name_what_fails() {
         doubts(&soft, 3.0)[..],
         [Doubt::Strain { strain, limit: LARGEST_STRAIN, stated: false }] if strain.strain > LARGEST_STRAIN
     ));
-    // The paper's finger, made of a material whose strain limit is below the strain at 3 N.
-    let brittle = paper_scene_with(&[("[finger.front]", "[finger.front]\nlargest_strain = 0.001")]);
-    let found = doubts(&brittle, 3.0);
-    assert!(
-        matches!(found[..], [Doubt::Strain { strain, limit: 0.001, stated: true }] if strain.member.part == Part::Front)
-    );
-    let said = found[0].to_string();
-    assert!(said.contains("finger.front.largest_strain of the scene") && said.contains("front plate between nodes"));
+    // The paper's finger, with a part made of a material whose strain limit is below or above the strain at 3 N.
+    for (name, part) in [("front", Part::Front), ("back", Part::Back), ("ribs", Part::Ribs)] {
+        let table = format!("[finger.{name}]");
+        let with = |limit| paper_scene_with(&[(&table, &format!("{table}\nlargest_strain = {limit}"))]);
+        let found = doubts(&with("1e-4"), 3.0);
+        assert!(
+            matches!(found[..], [Doubt::Strain { strain, limit: 1e-4, stated: true }] if strain.member.part == part)
+        );
+        let said = found[0].to_string();
+        assert!(said.contains(&format!("finger.{name}.largest_strain of the scene")), "{said}");
+        assert_eq!(doubts(&with("0.2"), 3.0), []);
+    }
 }
 
 /// Undeformable ribs have neither strain nor shear.

@@ -1,6 +1,7 @@
 //! Tests of the locator on rendered images: centres of markers, their stated standard deviations, and their assignment to nodes.
 
 mod elsewhere;
+mod observer;
 mod rim_locator;
 
 use crate::kit::{DISTURBED, camera_of, rms, scene, tilted};

@@ -5,7 +5,7 @@ use crate::images::ImageArgument;
 use crate::observation::Observation;
 use crate::scene::Scene;
 use finray_files::load_image;
-use finray_imaging::locate::{LocateError, Observer, OtherRadius};
+use finray_imaging::locate::{ImageWarning, LocateError, Observer};
 use numpy::{IntoPyArray, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use self_cell::self_cell;
@@ -29,7 +29,6 @@ self_cell!(
 /// Raises FinrayError for a scene without camera, pose or markers, and for an image that does not show the unloaded finger.
 #[pyclass(frozen, module = "finray")]
 pub struct Locator {
-    scene: Arc<finray_model::Scene>,
     observer: Mutex<OwnedObserver>,
     rest_residual_px: Option<f64>,
 }
@@ -44,10 +43,10 @@ impl Locator {
         let rest = rest.as_ref().map(ImageArgument::view).transpose()?;
         let observer = py.detach(|| {
             let rest = rest.map(|view| view.to_image());
-            OwnedObserver::try_new(scene.clone(), |scene| Observer::new(scene, rest.as_ref())).map_err(failed)
+            OwnedObserver::try_new(scene, |scene| Observer::new(scene, rest.as_ref())).map_err(failed)
         })?;
         let rest_residual_px = observer.with_dependent(|_, observer| observer.rest_residual_px);
-        Ok(Locator { scene, observer: Mutex::new(observer), rest_residual_px })
+        Ok(Locator { observer: Mutex::new(observer), rest_residual_px })
     }
 
     /// Locate the markers in the next image.
@@ -62,13 +61,12 @@ impl Locator {
         let view = image.view()?;
         let found = py.detach(|| {
             let mut observer = self.observer.lock().unwrap_or_else(PoisonError::into_inner);
-            observer.with_dependent_mut(|_, observer| {
-                observer.observe(&view).map(|seen| (seen, OtherRadius::of(&self.scene, &[&observer.radii])))
-            })
+            observer
+                .with_dependent_mut(|_, observer| observer.observe(&view).map(|seen| (seen, observer.warnings.clone())))
         });
         match found {
-            Ok((seen, others)) => {
-                Ok(Observation::new(seen).with_warnings(others.iter().map(ToString::to_string).collect()))
+            Ok((seen, warnings)) => {
+                Ok(Observation::new(seen).with_warnings(warnings.iter().map(ToString::to_string).collect()))
             }
             Err(error @ LocateError::Size { .. }) => Err(failed(error)),
             Err(error) => Err(refused(error)),
@@ -79,6 +77,12 @@ impl Locator {
     #[getter]
     fn rest_residual_px(&self) -> Option<f64> {
         self.rest_residual_px
+    }
+
+    /// Warning of the image `rest`, if its markers are away from their positions on the scene's unloaded finger; None otherwise.
+    #[getter]
+    fn rest_warning(&self) -> Option<String> {
+        self.rest_residual_px.and_then(ImageWarning::of_rest).map(|warning| warning.to_string())
     }
 
     /// Standard deviation of the motion blur in the last image, px; None without motion and for grey markers.

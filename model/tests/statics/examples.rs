@@ -5,7 +5,7 @@ use finray_model::finger::{
 };
 use finray_model::statics::{Statics, StaticsError, reaction, solve};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
-use finray_tests::paper;
+use finray_tests::{paper, paper_scene_with};
 
 /// The meshes of the paper's finger have as many nodes, elements and unknowns as stated in the paper.
 #[test]
@@ -20,6 +20,38 @@ fn paper_mesh_has_the_papers_size() {
     // The paper counts 695 elements. These include the elements of the base line, which lie between the two clamps.
     assert_eq!(fine.frame().members().len() + base_line + 1, 695);
     assert_eq!(paper.position(NodeId(13)), Vector::new((153.0_f64 * 153.0 - 29.0 * 29.0).sqrt(), 0.0));
+}
+
+/// A load at the position of a node has the effect of a load on the node.
+#[test]
+fn a_load_at_the_position_of_a_node_is_a_load_on_it() {
+    let finger = paper();
+    for (kinematics, nodes) in [Kinematics::Linear, Kinematics::Corotational, Kinematics::CorotationalChord]
+        .into_iter()
+        .flat_map(|kinematics| [25, 101].map(|nodes| (kinematics, nodes)))
+    {
+        let mesh = Mesh::with_nodes(&finger, nodes).expect("a mesh");
+        for (node, s_mm, angle_deg) in [(24, 12.75, 0.0), (19, 76.5, -35.0), (13, 153.0, 60.0)] {
+            let force = finger.direction(angle_deg) * 1.2;
+            let [a, b] = [Load::at_node(NodeId(node), force), Load::at_position(s_mm, force)]
+                .map(|load| solve(&mesh, &[load], kinematics).expect("an equilibrium"));
+            let largest = a.motions().iter().map(|motion| motion.displacement.norm()).fold(0.0, f64::max);
+            for (a, b) in a.motions().iter().zip(b.motions()) {
+                assert!((a.displacement - b.displacement).norm() <= 1e-8 * largest, "{kinematics:?} {nodes} {node}");
+            }
+        }
+    }
+}
+
+/// Because of a rounding error, the last element once ended just before the tip.
+#[test]
+fn rounding_does_not_put_the_tip_off_the_plate() {
+    let tip_mm = 107.23665742694708;
+    let finger = paper_scene_with(&[("front_length_mm = 153.0", &format!("front_length_mm = {tip_mm}"))]).finger;
+    for nodes in 25..125 {
+        let mesh = Mesh::with_nodes(&finger, nodes).expect("a mesh");
+        mesh.frame_load(&Load::at_position(tip_mm, finger.direction(0.0))).expect("on the plate");
+    }
 }
 
 /// The thin back plate of a finger buckles at 3.7 % of the load. The whole load in one step once led to a shape far beyond buckling. A test that

@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 mod images;
+mod lens;
 mod networks;
 mod origin;
 mod output;
@@ -18,6 +19,7 @@ pub mod recording;
 pub mod views;
 
 pub use images::{image_named, image_names, load_image};
+pub use lens::load_lens;
 pub use networks::load_network;
 pub use origin::{Elsewhere, of_another_finger};
 pub use output::{

@@ -1,5 +1,6 @@
 //! Reads positions of markers from a stream, line by line: CSV or JSON.
 
+use csv::StringRecord;
 use finray_model::observation::{Observation, ObservedMarker};
 use finray_model::{NodeId, Vector};
 use serde::Deserialize;
@@ -66,15 +67,18 @@ struct MarkerLine {
     #[serde(default)]
     finger: String,
     node: usize,
-    x_mm: f64,
-    y_mm: f64,
+    // Both coordinates are `null` if the marker is hidden. With `deserialize_with`, they cannot be left out.
+    #[serde(deserialize_with = "Option::deserialize")]
+    x_mm: Option<f64>,
+    #[serde(deserialize_with = "Option::deserialize")]
+    y_mm: Option<f64>,
     sigma_mm: Option<f64>,
 }
 
 /// Reads frames of positions one after another.
 ///
 /// JSON has one line per frame: `{"t_s": 0.04, "markers": [{"node": 13, "x_mm": 146.1, "y_mm": 3.2, "sigma_mm": 0.02}, ...]}`. The keys `t_s`, `image` and
-/// `sigma_mm` may be omitted. CSV has a header and one line per marker. The columns, in any order, are `t_s` or `image`, `node`, `x_mm`, `y_mm`, and optionally
+/// `sigma_mm` may be omitted; both coordinates of a hidden marker are `null` or `NaN`. CSV has a header and one line per marker. The columns, in any order, are `t_s` or `image`, `node`, `x_mm`, `y_mm`, and optionally
 /// `sigma_mm`. A CSV frame ends where `t_s` changes, or, without `t_s`, where `image` changes. In a stream of several fingers, each marker also has the key or
 /// column `finger`.
 pub struct PositionReader<R> {
@@ -163,7 +167,9 @@ impl<R: BufRead> PositionReader<R> {
         }
         let line = self.line;
         let of_text = |text: &str| {
-            serde_json::from_str(text.trim_start_matches('\u{feff}')).map_err(|error| format!("line {line}: {error}"))
+            // Python writes numbers that are missing as NaN, which is no JSON.
+            let text = text.trim_start_matches('\u{feff}').replace(": NaN", ": null").replace(":NaN", ":null");
+            serde_json::from_str(&text).map_err(|error| format!("line {line}: {error}"))
         };
         let frame: Result<FrameLine, String> = self.text().and_then(of_text);
         let frame = frame.and_then(|frame| match frame.t_s {
@@ -176,8 +182,12 @@ impl<R: BufRead> PositionReader<R> {
         let seen = frame.and_then(|frame| {
             let mut fingers = Fingers::default();
             for of in frame.markers {
-                let marker = marker(NodeId(of.node), Vector::new(of.x_mm, of.y_mm), of.sigma_mm);
-                fingers.add(&of.finger, Some(marker)).map_err(|reason| format!("line {line}: {reason}"))?;
+                let at = of.x_mm.zip(of.y_mm).map(|(x, y)| Vector::new(x, y));
+                if at.is_none() && (of.x_mm.is_some() || of.y_mm.is_some()) {
+                    return Err(format!("line {line}: node {}: expected two coordinates, or two times null", of.node));
+                }
+                let marker = at.map(|at| marker(NodeId(of.node), at, of.sigma_mm));
+                fingers.add(&of.finger, marker).map_err(|reason| format!("line {line}: {reason}"))?;
             }
             Ok(fingers.observations(&frame.image.unwrap_or_default()))
         });
@@ -187,13 +197,13 @@ impl<R: BufRead> PositionReader<R> {
     fn read_csv(&mut self, columns: Columns) -> Result<Option<PositionFrame>, PositionError> {
         let mut name: Option<String> = None;
         let mut seen: Result<Fingers, String> = Ok(Fingers::default());
-        let mut rows = 0;
+        let (mut rows, mut cells) = (0, StringRecord::new());
         loop {
             if !std::mem::take(&mut self.is_next) && !self.next_line()? {
                 break;
             }
-            let (of, marker) = match self.text() {
-                Ok(text) => columns.row(text, self.line),
+            let (of, marker) = match self.text().and_then(|text| split(text, self.line, &mut cells)) {
+                Ok(()) => columns.row(&cells, self.line),
                 // A line that is not UTF-8, or too long, counts as part of the current frame.
                 Err(reason) => (name.as_deref().unwrap_or_default(), Err(reason)),
             };
@@ -262,8 +272,9 @@ impl Fingers {
 impl Columns {
     fn of(header: &str) -> Result<Columns, String> {
         let header = header.trim_start_matches('\u{feff}');
-        let names: Vec<&str> = header.split(',').map(str::trim).collect();
-        let column = |name: &str| names.iter().position(|found| *found == name);
+        let mut names = StringRecord::new();
+        split(header, 1, &mut names)?;
+        let column = |name: &str| names.iter().position(|found| found == name);
         let needed = |name| {
             column(name).ok_or_else(|| {
                 format!(
@@ -282,16 +293,12 @@ impl Columns {
         })
     }
 
-    fn row<'t>(&self, text: &'t str, line: usize) -> Row<'t> {
+    fn row<'t>(&self, row: &'t StringRecord, line: usize) -> Row<'t> {
         let Columns { frame, is_time: _, finger, node, at, sigma } = *self;
         let columns = [Some(frame), finger, Some(node), Some(at[0]), Some(at[1]), sigma];
         let mut cells = [None; 6];
-        for (index, cell) in text.split(',').enumerate() {
-            for (found, column) in cells.iter_mut().zip(columns) {
-                if column == Some(index) {
-                    *found = Some(cell.trim());
-                }
-            }
+        for (found, column) in cells.iter_mut().zip(columns) {
+            *found = column.and_then(|index| row.get(index));
         }
         let [frame, finger, ..] = cells.map(Option::unwrap_or_default);
         let marker = self.marker(cells).map(|marker| (finger, marker));
@@ -313,6 +320,22 @@ impl Columns {
         let at = Vector::new(number(needed(x, self.at[0])?, "x_mm")?, number(needed(y, self.at[1])?, "y_mm")?);
         let sigma_mm = sigma.filter(|sigma| !sigma.is_empty()).map(|sigma| number(sigma, "sigma_mm")).transpose()?;
         Ok(Some(marker(node, at, sigma_mm)))
+    }
+}
+
+/// Splits a line of a table into cells. A line without quotes needs no parser of CSV, which would have to be built for each line.
+fn split(text: &str, line: usize, cells: &mut StringRecord) -> Result<(), String> {
+    cells.clear();
+    if text.contains('"') {
+        let table = csv::ReaderBuilder::new().has_headers(false).trim(csv::Trim::All).from_reader(text.as_bytes());
+        table
+            .into_records()
+            .take(1)
+            .try_for_each(|row| row.map(|row| *cells = row))
+            .map_err(|error| format!("line {line}: {error}"))
+    } else {
+        text.split(',').for_each(|cell| cells.push_field(cell.trim()));
+        Ok(())
     }
 }
 

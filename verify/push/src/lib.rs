@@ -26,9 +26,17 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
-/// This crate, compiled to WebAssembly by `verify/push/build`.
+/// This crate, compiled to WebAssembly by `verify/push/build` for a release.
 #[cfg(not(target_arch = "wasm32"))]
 pub const PROGRAM: &[u8] = include_bytes!("../push.wasm");
+
+/// Whether [`PROGRAM`] was built from the present code of this crate and of the model. Otherwise, its numbers may differ from the library's.
+#[cfg(not(target_arch = "wasm32"))]
+pub fn program_is_current() -> bool {
+    const BUILT: &str = include_str!("../push.digest");
+    const PRESENT: &str = include_str!(concat!(env!("OUT_DIR"), "/push.digest"));
+    BUILT == PRESENT
+}
 
 /// Number of mesh nodes of the true finger. Doubling this number changes the finger's displacements by less than a camera resolves.
 pub const MESH_NODES: usize = 200;

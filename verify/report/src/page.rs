@@ -63,6 +63,8 @@ pub struct Pushable {
     pub data: String,
     /// Whether the reader can change the scene.
     pub is_edited: bool,
+    /// Whether the program was built from the code that computed the report.
+    pub is_current: bool,
 }
 
 /// Link to a page of the report, for the navigation of another page.

@@ -18,7 +18,8 @@ const SITUATIONS: [(&str, &str); 3] =
 pub(super) fn of(study: &Study) -> Result<Pushable, ReportError> {
     let mut packed = GzEncoder::new(Vec::new(), Compression::best());
     packed.write_all(finray_push::PROGRAM)?;
-    Ok(Pushable { program: data_encoding::BASE64.encode(&packed.finish()?), data: data(study), is_edited: false })
+    let program = data_encoding::BASE64.encode(&packed.finish()?);
+    Ok(Pushable { program, data: data(study), is_edited: false, is_current: finray_push::program_is_current() })
 }
 
 /// Program and data for the page on which the reader edits the scene. The data contain no maps, because the report's maps hold only for the report's
@@ -28,7 +29,7 @@ pub(super) fn edited(pushed: &Pushable, study: &Study) -> Pushable {
     let data = json!({
         "scene": study.scene_text, "other": null, "maps": {}, "noise_mm": study.noise_mm, "most_n": most_n, "first_n": first_n,
     });
-    Pushable { program: pushed.program.clone(), data: embedded(&data), is_edited: true }
+    Pushable { data: embedded(&data), is_edited: true, ..pushed.clone() }
 }
 
 /// Largest force that the reader can choose, and the initial force, N.

@@ -3,17 +3,10 @@
 use crate::commands::prelude::*;
 use finray_files::image_names;
 use finray_files::observations::{self, RefusedImage};
-use finray_imaging::locate::{Observer, ObserverError, OtherRadius, SeenRadii};
-use finray_model::Finger;
-use finray_model::measurement::Marker;
-use finray_model::observation::{LargestClampedMotion, Observation, ObservedMarker};
-use finray_model::scene::{MarkerLook, Markers};
-use nalgebra::UnitComplex;
+use finray_imaging::locate::{ImageWarning, Observer, ObserverError, OtherRadius, SeenRadii};
+use finray_model::observation::{Observation, ObservedMarker};
+use finray_model::scene::MarkerLook;
 use rayon::prelude::*;
-
-/// A warning is printed if the residual of the pose in the image of the unloaded finger exceeds this value, px. Image noise and lens errors alone
-/// cause a smaller residual.
-const SURE_REST_PX: f64 = 0.3;
 
 /// Help text below the options.
 const AFTER_HELP: &str = "\
@@ -46,7 +39,9 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let names = image_names(&arguments.image)?;
     let scene = load_scene(&arguments.scene)?;
     let observer = observer(arguments, &scene)?;
-    warn_of_rest(arguments, &observer);
+    if let Some(path) = &arguments.rest {
+        observer.rest_residual_px.and_then(ImageWarning::of_rest).iter().for_each(warn(path));
+    }
     let found = images_with_their_radii(arguments, &scene, observer);
     // If every image is refused, there is no table to write, so the command fails with the first refusal.
     if found.iter().all(Result::is_err) {
@@ -56,12 +51,10 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
             .unwrap_or_else(|| bad_input("expected at least one image")));
     }
     let of_image = |((path, image), found): ((&PathBuf, String), Result<SeenImage, Failure>)| match found {
-        Ok(SeenImage { observation, motion_blur_px, .. }) => {
-            let seen = Observation { image, ..observation };
-            warn_of_motion(path, motion_blur_px);
-            warn_of_base(path, &scene.finger, &seen);
-            warn_of_lost(path, &scene, &seen);
-            Ok(seen)
+        Ok(SeenImage { observation, warnings, .. }) => {
+            // Radii are compared once for all images.
+            warnings.iter().filter(|warning| !matches!(warning, ImageWarning::OtherRadius(_))).for_each(warn(path));
+            Ok(Observation { image, ..observation })
         }
         Err(failure) => {
             let reason = failure.reason().to_owned();
@@ -70,19 +63,26 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         }
     };
     let seen: Vec<_> = arguments.image.iter().zip(names).zip(found).map(of_image).collect();
-    warn_of_turned(&seen);
+    let located: Vec<&Observation> = seen.iter().flatten().collect();
+    for (seen, is_turned) in located.iter().zip(ImageWarning::turned(&located)) {
+        is_turned.then_some(&ImageWarning::Turned).into_iter().for_each(warn(Path::new(&seen.image)));
+    }
     write_file(&arguments.out, &observations::to_csv(&seen)?)?;
-    let located = seen.iter().flatten();
-    let markers: usize = located.clone().map(|seen| seen.markers.len()).sum();
-    let done = format!("{markers} markers located in {} of {}", located.count(), count(seen.len(), "image"));
+    let markers: usize = located.iter().map(|seen| seen.markers.len()).sum();
+    let done = format!("{markers} markers located in {} of {}", located.len(), count(seen.len(), "image"));
     Ok(summary(done, [&arguments.out]))
 }
 
-/// Observation and marker radii of one image.
+/// Prints a warning of an image.
+fn warn(path: &Path) -> impl Fn(&ImageWarning) {
+    move |warning| print_message(format_args!("warning: {}: {warning}", path.display()))
+}
+
+/// Observation, marker radii and warnings of one image.
 struct SeenImage {
     observation: Observation,
     radii: SeenRadii,
-    motion_blur_px: Option<f64>,
+    warnings: Vec<ImageWarning>,
 }
 
 type SeenImages = Vec<Result<SeenImage, Failure>>;
@@ -91,7 +91,8 @@ type SeenImages = Vec<Result<SeenImage, Failure>>;
 fn images_with_their_radii(arguments: &Arguments, scene: &Scene, observer: Observer) -> SeenImages {
     let found = all_images(arguments, observer);
     let radii: Vec<&SeenRadii> = found.iter().flatten().map(|seen| &seen.radii).collect();
-    let others = OtherRadius::of(scene, &radii);
+    let others: Vec<OtherRadius> =
+        scene.markers.iter().flat_map(|markers| OtherRadius::of(markers, scene.base.as_ref(), &radii)).collect();
     let is_file = |image: &PathBuf| !is_standard_stream(image);
     if others.is_empty() || !arguments.image.iter().chain(&arguments.rest).all(is_file) {
         others.iter().for_each(|other| print_message(format_args!("warning: {other}")));
@@ -148,56 +149,6 @@ fn all_images(arguments: &Arguments, mut observer: Observer) -> SeenImages {
     arguments.image.par_iter().map_init(|| observer.clone(), |observer, path| observed(observer, path)).collect()
 }
 
-/// An image is probably upside down if its base is rotated by more than this, degrees, relative to the base in at least half of the images.
-const TURNED_DEG: f64 = 150.0;
-
-/// Warns of images whose base is rotated by more than `TURNED_DEG` relative to at least half of all images.
-fn warn_of_turned(images: &[Result<Observation, RefusedImage>]) {
-    let turn = |seen: &Observation| seen.base.filter(|base| base.is_known).map(|base| base.pose.rotation);
-    let turns: Vec<_> = images.iter().flatten().filter_map(|seen| Some((&seen.image, turn(seen)?))).collect();
-    for (image, own) in &turns {
-        let away_deg = |(_, other): &(&String, UnitComplex<f64>)| own.angle_to(other).to_degrees().abs();
-        if 2 * turns.iter().filter(|other| away_deg(other) > TURNED_DEG).count() >= turns.len() {
-            print_message(format_args!(
-                "warning: {image}: the base is turned by more than {TURNED_DEG} deg relative to other images: check the EXIF orientation of the image"
-            ));
-        }
-    }
-}
-
-/// A warning is printed if at most this share of the grey markers is found. Occlusion hides few markers; with a wrong radius, many markers are not
-/// found.
-const MANY_LOST: f64 = 0.75;
-
-/// Warns if many grey markers are missing, which a wrong radius explains better than occlusion.
-fn warn_of_lost(path: &Path, scene: &Scene, seen: &Observation) {
-    let Some(Markers { radius_mm, look: MarkerLook::Grey { .. }, .. }) = scene.markers else { return };
-    let (all, found) = (scene.finger.marked_nodes().len(), seen.markers.len());
-    if found as f64 <= MANY_LOST * all as f64 {
-        print_message(format_args!(
-            "warning: {}: {found} of {all} markers were found: if nothing hides the others, check markers.radius_mm = {radius_mm} and inner_radius_mm",
-            path.display()
-        ));
-    }
-}
-
-/// Warns if the base's pose is uncertain, or disagrees with the markers of clamped nodes.
-fn warn_of_base(path: &Path, finger: &Finger, seen: &Observation) {
-    if seen.base.is_some_and(|base| !base.is_known) {
-        print_message(format_args!(
-            "warning: {}: no two references on the base were found, so the pose of the base is estimated from the \
-                ribs: use these displacements only with an estimate of the base, as `finray sense` computes it",
-            path.display()
-        ));
-    }
-    if let Some(doubt) = doubt_of_pose(finger, seen) {
-        print_message(format_args!(
-            "warning: {}: {doubt}; for coloured markers, --rest finds the pose in an image of the unloaded finger",
-            path.display()
-        ));
-    }
-}
-
 /// Builds the marker locator for a scene, with the image of the unloaded finger if one is given.
 fn observer<'s>(arguments: &Arguments, scene: &'s Scene) -> Result<Observer<'s>, Failure> {
     let path = &arguments.scene;
@@ -215,55 +166,7 @@ fn observer<'s>(arguments: &Arguments, scene: &'s Scene) -> Result<Observer<'s>,
     })
 }
 
-/// Warns if markers in the image of the unloaded finger are far from their positions on the scene's unloaded finger.
-fn warn_of_rest(arguments: &Arguments, observer: &Observer) {
-    if let (Some(residual_px), Some(path)) = (observer.rest_residual_px, &arguments.rest)
-        && residual_px > SURE_REST_PX
-    {
-        print_message(format_args!(
-            "warning: {}: the markers are {residual_px:.1} px (rms) away from their positions on the scene's \
-                unloaded finger. If the finger carries a load in this image, every sensed force is wrong by that load; \
-                if the markers are merely mounted beside their nodes, this causes no error",
-            path.display()
-        ));
-    }
-}
-
-/// Describes a contradiction between the markers of clamped nodes and the pose from which displacements are measured. `None` if these markers and the
-/// pose agree, if the base is movable, or if no clamped node has a marker.
-fn doubt_of_pose(finger: &Finger, seen: &Observation) -> Option<String> {
-    let mut nodes = finger.clamped_nodes().into_iter().filter(|node| finger.has_marker(*node)).peekable();
-    if seen.base.is_some() || nodes.peek().is_none() {
-        return None;
-    }
-    let clamped: Vec<_> = nodes.filter_map(|node| seen.markers.iter().find(|marker| marker.node == node)).collect();
-    if clamped.is_empty() {
-        return Some("no marker of a clamped node is found, so the pose cannot be verified".to_owned());
-    }
-    let moved = clamped.iter().find_map(|seen| {
-        let marker = Marker { node: seen.node, displacement: seen.displacement?, weight: 1.0 };
-        LargestClampedMotion::of(Some(seen.sd_mm?), []).check(finger, &marker).err()?;
-        Some(marker)
-    })?;
-    Some(format!(
-        "the marker of clamped node {} is {:.2} mm away from the position that the pose gives for it: \
-            displacements err by at least this distance, and sigma_mm does not include this error",
-        moved.node,
-        moved.displacement.norm()
-    ))
-}
-
 fn observed(observer: &mut Observer, path: &Path) -> Result<SeenImage, Failure> {
     let observation = observer.observe(&load_image(path)?.0).map_err(|error| FileError::content(path, error))?;
-    Ok(SeenImage { observation, radii: observer.radii.clone(), motion_blur_px: observer.motion_blur_px() })
-}
-
-fn warn_of_motion(path: &Path, motion_blur_px: Option<f64>) {
-    if let Some(blur_px) = motion_blur_px {
-        print_message(format_args!(
-            "warning: {}: markers are blurred in one direction, by {blur_px:.1} px (standard deviation), probably by motion during the exposure; \
-             sigma_mm includes the error that a steady motion causes",
-            path.display()
-        ));
-    }
+    Ok(SeenImage { observation, radii: observer.radii.clone(), warnings: observer.warnings.clone() })
 }

@@ -250,66 +250,24 @@ fn zones_are_found_with_their_sigmas_and_correlations() {
     }
 }
 
-/// Standard deviations grow with the noise. The factors of front and back plate are hardly separable, so the command succeeds with a warning.
-#[test]
-fn noise_sets_the_sigmas_of_zones() {
-    let folder = Folder::new();
-    let scene = folder.put("scene.toml", twin_with([0.6, 0.2, 0.1]));
-    let measurements = measured_at_four(&scene, "linear");
-    let answer = |zones: &str, noise: &str| {
-        let options = [zones, "--kinematics", "linear", "--noise-mm", noise];
-        finray_reading(measurements.as_bytes(), &[&["calibrate", &scene, "--measurements", "-"][..], &options].concat())
-    };
-    let sigmas = |noise: &str| Csv::of(&answer("--zones=1+2,3+4,5+6", noise).done()).numbers("sigma");
-    let (one, two) = (sigmas("0.001"), sigmas("0.002"));
-    assert!(one.iter().zip(&two).all(|(one, two)| *one > 0.0 && (two / one - 2.0).abs() < 1e-3), "{one:?} {two:?}");
-    let entangled = answer("--zones", "0.001");
-    assert_eq!(entangled.code, Some(0), "{}", entangled.err);
-    assert_eq!(Csv::of(&entangled.out).rows.len(), 8);
-    assert_says(
-        &entangled.err,
-        &["warning: zone_1_modulus_factor and zone_2_modulus_factor are hardly separable: correlation -0.9"],
-    );
-}
-
-/// The same data give the same warnings with and without `--zones`: of a marker that is off by 3 mm, and of a residual that contradicts the noise. With
-/// `--zones`, both once passed silently, and sigma followed from the stated noise.
+/// A marker that is off by 3 mm is named with and without `--zones`. With `--zones`, it once passed silently.
 #[test]
 fn zones_are_warned_of_like_a_single_modulus() {
     let folder = Folder::new();
-    let truth = folder.put("truth.toml", twin_with([0.6, 0.2, 0.1]));
     let scene = folder.put("scene.toml", twin_with([0.6, 0.2, 0.1]));
-    let exact = measured_at_four(&truth, "corotational");
-    // Deterministic noise of +0.02 mm or -0.02 mm, and a marker of the first case off by 3 mm.
-    let mut text = COLUMNS.to_owned();
-    for (i, line) in exact.lines().skip(1).enumerate() {
-        let cells: Vec<&str> = line.split(',').collect();
-        let number = |k: usize| -> f64 { cells[k].parse().expect("a number") };
-        let is_clamped = number(5) == 0.0 && number(6) == 0.0;
-        let noise = |k: usize| if is_clamped { 0.0 } else { 0.02 * (1.0 - 2.0 * ((7 * i + 5 * k + i / 3) % 2) as f64) };
-        let off = if i == 6 { 3.0 } else { 0.0 };
-        writeln!(text, "{},{},{}", cells[..5].join(","), number(5) + noise(0) + off, number(6) + noise(1))
-            .expect("memory");
-    }
-    let warnings = |zones: &[&str], noise: &str| {
-        let command = [&["calibrate", &scene, "--measurements", "-", "--noise-mm", noise][..], zones].concat();
-        let (answer, warnings) = finray_reading(text.as_bytes(), &command).warned();
-        (Csv::of(&answer).numbers("sigma"), warnings)
-    };
-    let zones = ["--zones=1+2"];
-    let ((_, plain), (stated, zoned)) = (warnings(&[], "0.02"), warnings(&zones, "0.02"));
-    assert_says(&plain[0], &["warning: case 1 in the order of the file: node 7 is", "check the row's node number"]);
-    assert_says(&zoned[0], &["warning: case 1 in the order of the file: node 7 is", "check the row's node number"]);
-    let ((_, plain), (widened, zoned)) = (warnings(&[], "0.002"), warnings(&zones, "0.002"));
-    for warnings in [plain, zoned] {
-        let last = warnings.last().expect("a warning");
+    let exact = measured_at_four(&scene, "corotational");
+    let row = exact.lines().nth(7).expect("node 7");
+    let cells: Vec<&str> = row.split(',').collect();
+    let off = format!("{},{},{}", cells[..5].join(","), cells[5].parse::<f64>().expect("a number") + 3.0, cells[6]);
+    let text = exact.replacen(row, &off, 1);
+    for zones in [&[][..], &["--zones=1+2"]] {
+        let command = [&["calibrate", &scene, "--measurements", "-", "--noise-mm", "0.02"][..], zones].concat();
+        let (_, warnings) = finray_reading(text.as_bytes(), &command).warned();
         assert_says(
-            last,
-            &["the measurement contradicts the model", "chi-squared test", "sigma follows from the residual"],
+            &warnings[0],
+            &["warning: case 1 in the order of the file: node 7 is", "check the row's node number"],
         );
     }
-    // The true noise is 0.02 mm, so a tenth of it as stated noise hardly changes sigma.
-    assert!(widened.iter().zip(&stated).all(|(widened, stated)| *widened > 0.8 * stated), "{widened:?} {stated:?}");
 }
 
 #[test]

@@ -76,7 +76,8 @@ fn positions_give_the_forces_of_sense() {
     let frames: Vec<_> = (0..3).map(|i| positions(&shapes[i], i as f64, i as u64)).collect();
     let json: String = frames.iter().map(|[line, _]| line.as_str()).collect();
     let rows: String = frames.iter().map(|[_, rows]| rows.as_str()).collect();
-    let table = format!("t_s,node,x_mm,y_mm,sigma_mm\n{rows}");
+    // Some programs write the names of columns in quotes.
+    let table = format!("\"t_s\",\"node\",\"x_mm\",y_mm,sigma_mm\n{rows}");
     let live = ["live", CAMERA, "--contact-at", "auto@0", "--every-frame"];
     let of_json = lines(&finray_reading(json.as_bytes(), &live).done());
     let of_table = lines(&finray_reading(table.as_bytes(), &live).done());
@@ -99,6 +100,21 @@ fn positions_give_the_forces_of_sense() {
         let [theirs, ours] = [sensed.numbers(column)[0], of_json[1]["contacts"][0][key].as_f64().expect("a number")];
         assert!((ours / theirs - 1.0).abs() < 1e-9, "{key}: {ours} for {theirs}");
     }
+}
+
+/// The coordinates of a hidden marker are null in JSON, or NaN, which Python writes. A byte order mark is skipped.
+#[test]
+fn hidden_markers_have_no_coordinates() {
+    let frame = pressed_frame();
+    let (before, after) = frame.split_once(r#"{"node":6,"#).expect("node 6");
+    let (_, after) = after.split_once('}').expect("its end");
+    let of = |x: &str, y: &str| format!("{before}{{\"node\":6,\"x_mm\":{x},\"y_mm\":{y}}}{after}");
+    let stream = format!("\u{feff}{}{}{}", of("null", "null"), of("NaN", "NaN"), of("null", "1.0"));
+    let found =
+        lines(&finray_reading(stream.as_bytes(), &["live", CAMERA, "--contact-at", "auto@0", "--every-frame"]).done());
+    assert_eq!(states(&found), ["contact", "contact", "refused"]);
+    assert_eq!([&found[0]["markers"], &found[1]["markers"]], [24, 24]);
+    assert_says(found[2]["refused"].as_str().expect("a reason"), &["line 3: node 6: expected two coordinates"]);
 }
 
 /// The number of forces at unknown positions is found for two forces, one force and no force. A wrong position is refused.

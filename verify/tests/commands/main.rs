@@ -1,5 +1,5 @@
 //! Tests that run `finray` as users do. Each command has one module. Further modules test the command line (`arguments`), output files (`output`),
-//! refused scenes (`scene_errors`, `scene_geometry`), damaged input (`garbage`), and warnings of the beam model (`validity`). `kit` runs the command
+//! refused scenes (`scene_errors`), damaged input (`garbage`), and warnings of the beam model (`validity`). `kit` runs the command
 //! and parses its output. Tests of the library are in `tests/tests`.
 
 mod kit;
@@ -23,7 +23,6 @@ mod reassembled;
 mod rendered;
 mod report;
 mod scene_errors;
-mod scene_geometry;
 mod sense;
 mod solve;
 mod sweep;

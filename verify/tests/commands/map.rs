@@ -17,9 +17,6 @@ const HEADER: [&str; 11] = [
 ];
 /// Tolerance of the error for the linear finger, sensed with the linear estimator without noise.
 const ROUNDING: f64 = 1e-9;
-/// Tolerance of the lattice's map. With four segments per plate member, the lattice agrees with beams to 1e-4; sensing amplifies this difference near
-/// the base.
-const LATTICE_TOLERANCE: f64 = 2e-3;
 
 fn quick_noisy_map(out: &str) -> [&str; 12] {
     [
@@ -72,25 +69,6 @@ fn the_name_of_the_figure_gives_the_table_beside_it() {
 }
 
 #[test]
-fn the_bits_do_not_depend_on_the_number_of_threads() {
-    let folder = Folder::new();
-    let ribless = folder.put("scene.toml", paper_with(&[("count = 11", "count = 0")]));
-    let rotating =
-        ["map", &ribless, "--estimator", "least-squares", "--force-n", "0.01", "--noise-mm", "0.067", "--seeds", "5"];
-    let linear = quick_noisy_map("-");
-    for arguments in [&linear[..], &rotating[..]] {
-        let with_threads = |threads| {
-            let output = command(arguments).env("RAYON_NUM_THREADS", threads).output().expect("finray runs");
-            assert!(output.status.success());
-            assert!(output.stdout.starts_with(b"s_mm,"));
-            output.stdout
-        };
-        let once = with_threads("1");
-        assert!(once == with_threads("4") && once == with_threads("4"), "{arguments:?}");
-    }
-}
-
-#[test]
 fn the_seed_decides_the_noise_and_more_samples_average_it_out() {
     let map = |seed, seeds| {
         let arguments = [
@@ -116,34 +94,6 @@ fn the_seed_decides_the_noise_and_more_samples_average_it_out() {
     for (bias, spread) in first.numbers("bias").iter().zip(first.numbers("spread")) {
         assert!(bias.abs() < 5.0 * spread / 40.0_f64.sqrt(), "{bias} of {spread}");
     }
-}
-
-/// The spread of the sensed force in a cell agrees with the standard deviation that `sense` states.
-#[test]
-fn the_spread_is_the_uncertainty_that_sense_gives() {
-    let arguments = [
-        "map",
-        PAPER,
-        "--estimator",
-        "least-squares",
-        "--truth",
-        "linear",
-        "--noise-mm",
-        "0.067",
-        "--seeds",
-        "400",
-        "--force-n",
-        "2",
-    ];
-    let map = Csv::of(&finray(&arguments).done());
-    let (s, angle, spread) = (map.numbers("s_mm"), map.numbers("angle_deg"), map.numbers("spread"));
-    let cell = (0..s.len()).find(|&i| s[i] == 76.5 && angle[i] == -20.0).expect("node 19 at -20 degrees");
-    let shape = finray(&["solve", PAPER, "--kinematics", "linear", "--load", "19:0,-1"]).done();
-    let all = ["sense", PAPER, "--displacements", "-", "--contact", "19@-20", "--noise-mm", "0.067"];
-    let all = [&all[..], &["--estimator", "least-squares"]].concat();
-    let sigma = Csv::of(&finray_reading(shape.as_bytes(), &all).done()).numbers("sigma_n")[0];
-    // A standard deviation that is estimated from 400 numbers scatters by 1 / sqrt(800) = 3.5 %.
-    assert_close(&[spread[cell]], &[sigma / 2.0], 4.0 / 800.0_f64.sqrt());
 }
 
 #[test]
@@ -224,20 +174,6 @@ fn maps_that_make_no_sense_are_refused() {
     }
 }
 
-/// The lattice of bodies and springs deforms like beams, so both maps agree.
-#[test]
-fn the_lattice_gives_the_map_of_beams() {
-    let hinged = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/opensees/hinged.toml");
-    let map = |truth| {
-        Csv::of(&finray(&["map", hinged, "--estimator", "least-squares", "--truth", truth, "--force-n", "0.5"]).done())
-    };
-    let (lattice, beams) = (map("lattice"), map("corotational"));
-    assert_eq!(lattice.numbers("s_mm"), beams.numbers("s_mm"));
-    let biases: Vec<(f64, f64)> = lattice.numbers("bias").into_iter().zip(beams.numbers("bias")).collect();
-    assert!(biases.iter().all(|(ours, theirs)| (ours - theirs).abs() < LATTICE_TOLERANCE));
-    assert!(biases.iter().any(|(ours, theirs)| ours != theirs), "they are two models");
-}
-
 #[test]
 fn mujoco_answers_for_what_was_exported_and_nothing_else() {
     let map = |more: &[&str]| {
@@ -256,34 +192,6 @@ fn mujoco_answers_for_what_was_exported_and_nothing_else() {
     assert!(message.contains("paper, asymmetric, soft-zone"), "{message}");
 }
 
-/// With `--truth continuum`, the true finger is the finger of the exported drawing. Modulus, Poisson's ratio and arms in the scene change only the
-/// beams, not the true finger.
-#[test]
-fn a_continuum_answers_for_its_drawing_and_nothing_else() {
-    let printed = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/calculix/paper.toml");
-    let map = |scene: &str, more: &[&str]| {
-        finray(&[&["map", scene, "--estimator", "least-squares", "--truth", "continuum"][..], more].concat())
-    };
-    let small = ["--force-n", "0.5"];
-    let [plain, with_arms] = [PAPER, printed].map(|scene| Csv::of(&map(scene, &small).done()));
-    assert_eq!((plain.rows.len(), with_arms.rows.len()), (12 * 5, 12 * 5), "contact nodes and directions");
-    let folder = Folder::new();
-    let softer = folder.put("softer.toml", paper_with(&[("47.976", "23.988")]));
-    let softer = Csv::of(&map(&softer, &small).done());
-    // For the same shape, linear beams with half the modulus need half the force.
-    for (whole, half) in plain.numbers("bias").iter().zip(softer.numbers("bias")) {
-        assert_close(&[0.5 * (1.0 + whole)], &[1.0 + half], ROUNDING);
-    }
-    let bias_at_19 = |map: &Csv| map.numbers("bias")[(12 / 2 - 1) * 5 + 2];
-    assert!(bias_at_19(&plain) < -0.3 && bias_at_19(&with_arms).abs() < 0.05, "the beams without arms are too soft");
-    assert_says(&map(PAPER, &["--force-n", "2.5"]).refused(), &["--truth continuum", "0.5, 1, 3, 5 N"]);
-    let other = folder.put("scene.toml", paper_with(&[("count = 11", "count = 10")]));
-    assert_says(
-        &map(&other, &small).refused(),
-        &["paper, asymmetric, thick, thin, soft-zone, hinged, hinged-rigid", "rod_arm_mm"],
-    );
-}
-
 /// CalculiX found an equilibrium of the finger `thin` under 3 N on node 22 at -40 degrees, but the export omits its uncertain shape. The sweep once
 /// stated that the finger had no equilibrium.
 #[test]
@@ -299,52 +207,8 @@ fn a_shape_that_was_not_exported_is_no_lack_of_equilibrium() {
     );
 }
 
-/// Without noise, the model error widens sigma_n of a sweep alone: errors follow from the true finger.
-#[test]
-fn sweeps_include_the_model_error() {
-    let printed = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/calculix/paper.toml"))
-        .expect("a scene");
-    let folder = Folder::new();
-    let with_error = printed.replacen("[finger]\n", "[finger]\nmodel_error = 0.004\n", 1);
-    let [plain, widened] = [&printed, &with_error].map(|text| {
-        let scene = folder.put("scene.toml", text);
-        let sweep = ["sweep", &scene, "--truth", "continuum", "--estimator", "nonlinear", "--noise-mm", "0"];
-        Csv::of(&finray(&sweep).done())
-    });
-    assert_eq!(plain.numbers("bias"), widened.numbers("bias"));
-    let forces_n = plain.numbers("force_n").into_iter().zip(plain.numbers("bias")).map(|(n, bias)| n * (1.0 + bias));
-    for ((before, after), force_n) in plain.numbers("sigma_n").iter().zip(widened.numbers("sigma_n")).zip(forces_n) {
-        assert_close(&[after], &[before.hypot(0.004 * force_n)], ROUNDING);
-    }
-    // Without noise, nearly every force is outside an interval without the model error, and inside an interval with it.
-    let held = |sweep: &Csv| sweep.numbers("covered").iter().sum::<f64>() / sweep.rows.len() as f64;
-    assert!(held(&plain) < 0.1 && held(&widened) > 0.9, "{} and {}", held(&plain), held(&widened));
-}
-
 #[test]
 fn the_twin_is_of_the_papers_finger_alone() {
     let message = finray(&["map", SPRING_STEEL, "--truth", "twin"]).refused();
     assert_says(&message, &["--truth twin", "the paper's finger"]);
-}
-
-/// The map of the twin reproduces Table I along the normal, at the positions of nodes 14, 19 and 24.
-#[test]
-fn the_map_of_the_twin_fails_at_tip_and_base() {
-    let map =
-        Csv::of(&finray(&["map", PAPER, "--estimator", "least-squares", "--truth", "twin", "--force-n", "1"]).done());
-    // Far from the normal, the soft tip folds, so the error is missing in these cells.
-    let errors = map.texts("mean_error").into_iter().map(|cell| cell.parse::<f64>().unwrap_or(f64::NAN));
-    let cells: Vec<_> = map.numbers("s_mm").into_iter().zip(map.numbers("angle_deg")).zip(errors).collect();
-    let error = |s_mm: f64| {
-        let along = cells.iter().filter(|((_, angle), _)| *angle == 0.0);
-        let nearest = along.min_by(|((a, _), _), ((b, _), _)| (a - s_mm).abs().total_cmp(&(b - s_mm).abs()));
-        nearest.expect("cells").1
-    };
-    assert!(
-        error(140.25) > 0.4 && error(76.5) < 0.1 && error(12.75) > 0.1,
-        "{} {} {}",
-        error(140.25),
-        error(76.5),
-        error(12.75)
-    );
 }

@@ -60,41 +60,11 @@ fn loads_on_one_node_add_up() {
 }
 
 #[test]
-fn a_load_at_the_position_of_a_node_is_a_load_on_it() {
-    for kinematics in ["linear", "corotational", "corotational-chord"] {
-        for (node, s_mm, angle_deg) in [(24, "12.75", 0.0), (19, "76.5", -35.0), (13, "153", 60.0)] {
-            for mesh in ["25", "101"] {
-                let settings = ["--kinematics", kinematics, "--mesh-nodes", mesh];
-                let at_node = solve(&[&settings[..], &["--load", &paper_load(node, 1.2, angle_deg)]].concat());
-                let position = format!("{s_mm}:1.2,{angle_deg}");
-                let at_position = solve(&[&settings[..], &["--load-at", &position]].concat());
-                assert_close(&displacements(&at_position), &displacements(&at_node), NEWTON);
-            }
-        }
-    }
-}
-
-#[test]
 fn an_angle_left_out_is_the_inward_normal() {
     assert_eq!(solve(&["--load-at", "80:2"]), solve(&["--load-at", "80:2,0"]));
     let shape = solve(&["--kinematics", "linear", "--load-at", "76.5:2"]);
     let reference = solve(&["--kinematics", "linear", "--load", &paper_load(19, 2.0, 0.0)]);
     assert_close(&displacements(&shape), &displacements(&reference), LINEAR_ROUNDING);
-}
-
-/// Because of a rounding error, the last element once ended just before the tip.
-#[test]
-fn rounding_does_not_put_the_tip_off_the_plate() {
-    let folder = Folder::new();
-    let tip = "107.23665742694708";
-    let scene =
-        folder.put("scene.toml", paper_with(&[("front_length_mm = 153.0", &format!("front_length_mm = {tip}"))]));
-    for nodes in 25..125 {
-        let load = format!("{tip}:0.1");
-        let arguments =
-            ["solve", &scene, "--kinematics", "linear", "--mesh-nodes", &nodes.to_string(), "--load-at", &load];
-        finray(&arguments).done();
-    }
 }
 
 #[test]
@@ -177,49 +147,6 @@ fn without_equilibrium_the_last_share_of_the_load_is_named() {
     finray(&["solve", PAPER, "--load", &load(1.001 * share)]).failed();
     // The linear finger carries any load.
     finray(&["solve", PAPER, "--kinematics", "linear", "--load", &load(1.0)]).warned();
-}
-
-#[test]
-fn fingers_with_other_joints_and_ribs_are_solved() {
-    let folder = Folder::new();
-    let hinged = ("joints = \"rigid\"", "joints = \"hinged\"");
-    let undeformable = ("count = 11", "count = 11\nrigid = true");
-    let ribless = ("count = 11", "count = 0");
-    for (changes, key_nodes) in [
-        (vec![hinged], 25),
-        (vec![undeformable], 25),
-        (vec![hinged, undeformable], 25),
-        (vec![ribless], 3),
-        (vec![("depth_mm = 20.0", "depth_mm = 20.0\nrod_arm_mm = 1.5\npoissons_ratio = 0.45")], 25),
-    ] {
-        let scene = folder.put("scene.toml", paper_with(&changes));
-        let solved = finray(&["solve", &scene, "--load-at", "100:0.05,10"]);
-        // One element per plate of a finger without ribs is too coarse, so the program warns.
-        let shape = Csv::of(&if key_nodes == 3 { solved.warned().0 } else { solved.done() });
-        assert_eq!(shape.rows.len(), key_nodes);
-        assert!(displacements(&shape).iter().any(|u| u.abs() > 1e-3));
-    }
-    // Without ribs, the kind of joints has no effect.
-    let scenes = [paper_with(&[ribless]), paper_with(&[ribless, ("joints = \"rigid\"\n", "")])];
-    let shapes =
-        scenes.map(|scene| finray_reading(scene.as_bytes(), &["solve", "-", "--load-at", "100:0.05,10"]).warned());
-    assert_eq!(shapes[0], shapes[1]);
-    let spring = Csv::of(&finray(&["solve", SPRING_STEEL, "--load-at", "81:0.5"]).done());
-    assert_eq!(spring.rows.len(), 11);
-}
-
-#[test]
-fn a_mesh_too_fine_for_double_precision_is_refused() {
-    let stiff = "[[finger.zone]]\nplate = \"front\"\nfrom_mm = 51.0\nto_mm = 76.5\nmodulus_factor = 1e13\n";
-    let scene = format!("{}\n{stiff}", paper_with(&[]));
-    for (nodes, kinematics) in [("30000", "linear"), ("15000", "corotational")] {
-        let arguments =
-            ["solve", "-", "--kinematics", kinematics, "--mesh-nodes", nodes, "--load", &paper_load(19, 1.0, 0.0)];
-        assert_says(
-            &finray_reading(scene.as_bytes(), &arguments).failed(),
-            &["digits of the solution", "coarser mesh"],
-        );
-    }
 }
 
 /// On the mesh of the key nodes, a long member near the base buckles only at a larger load, and displacements are a tenth of those on a fine mesh.

@@ -35,60 +35,6 @@ fn a_smooth_answer_at_large_strain_is_warned_of() {
     }
 }
 
-/// The paper's finger under the paper's forces is within the limits.
-#[test]
-fn small_strains_go_without_a_word() {
-    for node in [14, 16, 19, 22, 24] {
-        finray(&["solve", PAPER, "--load", &paper_load(node, 3.0, 0.0)]).done();
-        finray(&["solve", PAPER, "--load", &paper_load(node, 3.0, 0.0), "--mesh-nodes", "684"]).done();
-    }
-    finray(&["solve", SPRING_STEEL, "--load-at", "80:0.2,0"]).done();
-}
-
-/// A strain limit that the scene states for the material of a part replaces the default; this holds for every part.
-#[test]
-fn a_material_states_its_own_limit() {
-    let folder = Folder::new();
-    let load = paper_load(19, 3.0, 0.0);
-    for part in ["front", "back", "ribs"] {
-        let table = format!("[finger.{part}]");
-        let with = |limit: &str| {
-            folder.put("scene.toml", paper_with(&[(&table, &format!("{table}\nlargest_strain = {limit}"))]))
-        };
-        let (_, warnings) = finray(&["solve", &with("1e-4"), "--load", &load]).warned();
-        assert_eq!(warnings.len(), 1);
-        assert_says(
-            &warnings[0],
-            &["above the limit of 0.01 %", &format!("finger.{part}.largest_strain of the scene")],
-        );
-        finray(&["solve", &with("0.2"), "--load", &load]).done();
-        for (limit, found) in [("0.0", "0.0"), ("-0.1", "-0.1"), ("1.5", "1.5"), ("nan", "NaN")] {
-            let message = finray(&["solve", &with(limit), "--load", &load]).refused();
-            let key = format!("finger.{part}.largest_strain: expected a strain above 0 and up to 1, found {found}");
-            assert_says(&message, &["scene.toml: line ", &key]);
-        }
-    }
-    // The stated limit is above the strain of the flat finger, so only its depth causes a warning.
-    let flat = flat().replace("youngs_modulus_mpa = 47.976", "youngs_modulus_mpa = 47.976\nlargest_strain = 0.9");
-    let scene = folder.put("flat.toml", flat);
-    let load = paper_load(19, FLAT_N, 0.0);
-    let (_, warnings) = finray(&["solve", &scene, "--load", &load, "--kinematics", "linear"]).warned();
-    assert!(warnings.len() == 1 && warnings[0].contains("depth over thickness"), "{warnings:?}");
-}
-
-/// In members whose thickness is similar to their length, shear deformation matters.
-#[test]
-fn thick_members_are_warned_of() {
-    let folder = Folder::new();
-    let scene = folder.put("thick.toml", paper_with(&[("thickness_mm = 1.5", "thickness_mm = 6.0")]));
-    let (_, warnings) = finray(&["solve", &scene, "--load", &paper_load(19, 3.0, 0.0)]).warned();
-    assert_eq!(warnings.len(), 1, "{warnings:?}");
-    assert_says(
-        &warnings[0],
-        &["shear, which Euler-Bernoulli beams neglect", "limit 5 %", "length / thickness", "finger.shear_correction"],
-    );
-}
-
 /// Like the loads of `solve`, the forces sensed by every estimator are checked against the limits of the beam model.
 #[test]
 fn sensed_forces_are_judged() {

@@ -44,6 +44,25 @@ pub enum LensOfGridsError {
 /// # Errors
 /// [`LensOfGridsError`] if the grids are of different kinds, if dots do not lie on a plane grid, or if no lens fits.
 pub fn lens_of_grids(size_px: [u32; 2], pitch_mm: f64, grids: &[Grid]) -> Result<(LensFit, usize), LensOfGridsError> {
+    fitted(pitch_mm, grids, |views| fit_lens(size_px, views))
+}
+
+/// Poses of grids relative to a camera whose lens is known, one per image, and the number of dots that were dropped as outliers. Corrects the centres
+/// of discs as [`lens_of_grids`] does.
+///
+/// # Errors
+/// [`LensOfGridsError`] if the grids are of different kinds, or if dots do not lie on a plane grid for this lens.
+pub fn poses_of_grids(lens: &Lens, pitch_mm: f64, grids: &[Grid]) -> Result<(Vec<Pose>, usize), LensOfGridsError> {
+    let (fit, left_out) = fitted(pitch_mm, grids, |views| LensFit::of_known(lens, views))?;
+    Ok((fit.poses, left_out))
+}
+
+/// Alternates between a fit of the views and the correction of the centres of discs.
+fn fitted(
+    pitch_mm: f64,
+    grids: &[Grid],
+    fit: impl Fn(&[Vec<(Vector, Pixel)>]) -> Result<LensFit, LensFitError>,
+) -> Result<(LensFit, usize), LensOfGridsError> {
     let kind = Grid::common_kind(grids).ok_or(LensOfGridsError::Kinds)?;
     let position = |dot: &GridDot| kind.position(dot.index) * pitch_mm;
     let mut grids: Vec<Vec<GridDot>> = grids.iter().map(|grid| grid.dots.clone()).collect();
@@ -58,7 +77,7 @@ pub fn lens_of_grids(size_px: [u32; 2], pitch_mm: f64, grids: &[Grid]) -> Result
                 grid.iter().zip(shifts).map(|(dot, shift)| (position(dot), dot.pixel - shift)).collect()
             })
             .collect();
-        let fit = fit_lens(size_px, &views)?;
+        let fit = fit(&views)?;
         if round == 0 {
             for ((grid, pose), shifts) in grids.iter_mut().zip(&fit.poses).zip(&mut shifts) {
                 left_out += drop_outliers(grid, &fit.lens, pose, position);

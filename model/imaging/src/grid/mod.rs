@@ -9,7 +9,7 @@ mod lens;
 mod patches;
 mod ring;
 
-pub use lens::{LensOfGridsError, lens_of_grids};
+pub use lens::{LensOfGridsError, lens_of_grids, poses_of_grids};
 
 use finray_model::Vector;
 use finray_model::camera::Pixel;

@@ -46,6 +46,23 @@ pub struct LensFit {
     pub residual_sd_px: f64,
 }
 
+impl LensFit {
+    /// Pose of the grid in each image for a known lens, whose parameters have no standard deviation.
+    pub(crate) fn of_known(lens: &Lens, views: &[Vec<(Vector, Pixel)>]) -> Result<LensFit, LensFitError> {
+        let pose = |(i, view): (usize, &Vec<(Vector, Pixel)>)| {
+            plane_pose(lens, 0.0, view).map_err(|reason| LensFitError::Pose { image: i + 1, reason })
+        };
+        let fits = views.iter().enumerate().map(pose).collect::<Result<Vec<_>, _>>()?;
+        Ok(LensFit {
+            lens: *lens,
+            sds: [0.0; PARAMETERS],
+            is_shown: [true; PARAMETERS],
+            poses: fits.iter().map(|fit| fit.pose).collect(),
+            residual_sd_px: fits.iter().map(|fit| fit.residual_sd_px).fold(0.0, f64::max),
+        })
+    }
+}
+
 /// Reason why images do not determine a lens.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LensFitError {

@@ -18,6 +18,7 @@ mod rest;
 mod rim;
 mod rim_locator;
 mod together;
+mod warning;
 
 pub use colour::GreyMarker;
 pub use error::{LocateError, LocatorError};
@@ -27,6 +28,7 @@ pub use observer::{Observer, ObserverError};
 pub use radii::{OtherRadius, SeenRadii};
 pub use rest::{Rest, RestError};
 pub use rim_locator::{RimLocator, SeenBase, SeenFinger};
+pub use warning::ImageWarning;
 
 use crate::RgbRows;
 use blobs::{Blob, LEAST_RADIUS_PX, blobs, commonest_radius, middle_of_colour};

@@ -1,6 +1,8 @@
 //! Conversion of images to observations. It uses a locator for the scene's markers, and the data that all images of a scene share.
 
-use super::{LocateError, Located, Locator, LocatorError, Rest, RestError, RimLocator, SeenBase, SeenRadii};
+use super::{
+    ImageWarning, LocateError, Located, Locator, LocatorError, Rest, RestError, RimLocator, SeenBase, SeenRadii,
+};
 use crate::RgbRows;
 use finray_model::camera::Camera;
 use finray_model::measurement::BaseUncertainty;
@@ -20,10 +22,13 @@ pub struct Observer<'f> {
     /// Residual standard deviation of one pixel coordinate, px, in the fit of the pose to coloured markers of the unloaded finger. `None` without such an
     /// image.
     pub rest_residual_px: Option<f64>,
-    /// Whether the base may move between images.
-    base_moves: bool,
+    markers: Markers,
+    /// The base, if it may move between images.
+    base: Option<&'f Base>,
     /// Radii of markers and references in the last image that showed the finger.
     pub radii: SeenRadii,
+    /// Warnings of the last image that showed the finger.
+    pub warnings: Vec<ImageWarning>,
 }
 
 #[derive(Debug, Clone)]
@@ -87,15 +92,24 @@ impl<'f> Observer<'f> {
         finger: &'f Finger,
         camera: &Camera,
         markers: &Markers,
-        base: Option<&Base>,
+        base: Option<&'f Base>,
     ) -> Result<Observer<'f>, LocatorError> {
         let locator = match markers.look {
             MarkerLook::Coloured { .. } => AnyLocator::Coloured(Box::new(Locator::new(finger, camera, markers)?)),
             MarkerLook::Grey { .. } => AnyLocator::Grey(Box::new(RimLocator::new(finger, camera, markers, base)?)),
         };
-        let base_moves = base.is_some() && matches!(locator, AnyLocator::Grey(_));
-        let radii = SeenRadii::default();
-        Ok(Observer { finger, locator, at_rest: Vec::new(), rest_residual_px: None, base_moves, radii })
+        let base = base.filter(|_| matches!(locator, AnyLocator::Grey(_)));
+        let (radii, warnings) = (SeenRadii::default(), Vec::new());
+        Ok(Observer {
+            finger,
+            locator,
+            at_rest: Vec::new(),
+            rest_residual_px: None,
+            markers: *markers,
+            base,
+            radii,
+            warnings,
+        })
     }
 
     /// Motion blur in the last image, px, as in [`Locator::motion_blur_px`]; `None` for grey markers.
@@ -125,17 +139,20 @@ impl<'f> Observer<'f> {
             }
             AnyLocator::Grey(locator) => {
                 let found = locator.locate(image)?;
-                (found.located, Some(found.base).filter(|_| self.base_moves), found.radii)
+                (found.located, self.base.map(|_| found.base), found.radii)
             }
         };
-        self.radii = radii;
         let markers = located.iter().map(|seen| self.marker(seen, base.as_ref())).collect();
         let base = base.map(|base| ObservedBase {
             pose: base.pose,
             uncertainty: Some(uncertainty_at_origin(&base)),
             is_known: base.is_known,
         });
-        Ok(Observation { image: String::new(), markers, base })
+        let seen = Observation { image: String::new(), markers, base };
+        let motion_blur_px = self.motion_blur_px();
+        self.warnings = ImageWarning::of_image(self.finger, &self.markers, self.base, &seen, &radii, motion_blur_px);
+        self.radii = radii;
+        Ok(seen)
     }
 
     /// Observes the finger in the next image of a stream, for [`WatchedFinger::evaluate`](finray_model::sensor::WatchedFinger::evaluate).

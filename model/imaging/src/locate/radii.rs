@@ -2,6 +2,7 @@
 
 use super::together::median;
 use finray_model::Scene;
+use finray_model::scene::{Base, Markers};
 use std::fmt;
 
 /// Relative difference between measured and stated radius up to which the radii count as equal. The tolerance allows for sharpened or slanted rims,
@@ -29,10 +30,10 @@ pub struct OtherRadius {
 }
 
 impl OtherRadius {
-    /// Radii of a scene that differ from the measured radii by more than 5 %.
-    pub fn of(scene: &Scene, images: &[&SeenRadii]) -> Vec<OtherRadius> {
-        let references = scene.base.iter().flat_map(|base| &base.references);
-        let stated = scene.markers.iter().map(|markers| (None, markers.radius_mm));
+    /// Radii of a scene's markers and base that differ from the measured radii by more than 5 %.
+    pub fn of(markers: &Markers, base: Option<&Base>, images: &[&SeenRadii]) -> Vec<OtherRadius> {
+        let references = base.into_iter().flat_map(|base| &base.references);
+        let stated = std::iter::once((None, markers.radius_mm));
         let stated = stated.chain(references.enumerate().map(|(i, mark)| (Some(i), mark.markers.radius_mm)));
         let other = |(reference, stated_mm): (Option<usize>, f64)| {
             let of_image = |seen: &&SeenRadii| match reference {

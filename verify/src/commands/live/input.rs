@@ -90,12 +90,13 @@ impl Source {
         if size_px.is_some() != (format == Some(Format::Rgb24)) {
             return Err(bad_input("expected --size together with --format rgb24"));
         }
-        let format = match (format, source.fill_buf().map_err(unreadable)?.first()) {
+        let first = source.fill_buf().map_err(unreadable)?;
+        let format = match (format, first.strip_prefix(b"\xef\xbb\xbf").unwrap_or(first).first()) {
             (Some(format), _) => format,
             (None, None) => return Err(wrong(&"expected a stream, found nothing")),
             (None, Some(b'Y')) => Format::Y4m,
             (None, Some(b'{' | b' ' | b'\n' | b'\r')) => Format::Jsonl,
-            (None, Some(b'a'..=b'z' | 0xef)) => Format::Csv,
+            (None, Some(b'a'..=b'z' | b'"')) => Format::Csv,
             _ => {
                 return Err(wrong(&"expected YUV4MPEG2, JSON lines or CSV; raw frames need --format rgb24 and --size"));
             }

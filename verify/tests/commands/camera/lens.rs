@@ -33,6 +33,62 @@ fn a_lens_from_grids_serves_a_scene() {
     assert_located(&located, "image.png", &shape);
 }
 
+/// Files of ROS and OpenCV in their various forms state the same lens.
+#[test]
+fn files_of_ros_and_opencv_state_a_lens() {
+    let folder = Folder::new();
+    let load = |text: &str| {
+        finray_files::load_lens(std::path::Path::new(&folder.put("camera", text))).map_err(|error| error.to_string())
+    };
+    let calibrator = "image_width: 640\nimage_height: 480\ncamera_name: narrow\ncamera_matrix:\n  rows: 3\n  cols: 3\n  \
+        data: [500.5, 0, 320, 0, 501, 239.5, 0, 0, 1]\ndistortion_model: plumb_bob\ndistortion_coefficients:\n  rows: 1\n  \
+        cols: 5\n  data: [-0.1, 0.02, 0.001, -0.002, 0]\nrectification_matrix:\n  rows: 3\n  cols: 3\n  \
+        data: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n";
+    let message = "header:\n  stamp:\n    sec: 1\n  frame_id: camera\nheight: 480\nwidth: 640\ndistortion_model: rational_polynomial\n\
+        d:\n- -0.1\n- 0.02\n- 0.001\n- -0.002\n- 0.0\n- 0.0\n- 0.0\n- 0.0\nk:\n- 500.5\n- 0.0\n- 320.0\n- 0.0\n- 501.0\n- 239.5\n\
+        - 0.0\n- 0.0\n- 1.0\n---\n";
+    let opencv = "%YAML:1.0\n---\ncalibration_time: \"Sat Nov 28\"\nimage_width: 640\nimage_height: 480\nfisheye_model: 0\n\
+        camera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 5.0050000000000000e+02, 0., 320., 0., 501.,\n       \
+        2.3950000000000000e+02, 0., 0., 1. ]\ndistortion_coefficients: !!opencv-matrix\n   rows: 4\n   cols: 1\n   dt: d\n   \
+        data: [ -1.0000000000000001e-01, 2.0e-02, 1.0e-03,\n       -2.0e-03 ]\n";
+    let xml = "<?xml version=\"1.0\"?>\n<opencv_storage>\n<image_Width>640</image_Width>\n<image_Height>480</image_Height>\n\
+        <Camera_Matrix type_id=\"opencv-matrix\"><rows>3</rows><cols>3</cols><dt>d</dt>\n<data>\n 500.5 0. 320. 0. 501. 239.5 0. 0.\n 1.</data>\
+        </Camera_Matrix>\n<Distortion_Coefficients type_id=\"opencv-matrix\"><rows>5</rows><cols>1</cols><dt>d</dt>\n\
+        <data>\n -0.1 0.02 0.001 -0.002 0.</data></Distortion_Coefficients>\n</opencv_storage>\n";
+    let json = r#"{"image_width": 640, "image_height": 480, "mtx": [[500.5, 0, 320], [0, 501, 239.5], [0, 0, 1]],
+        "dist": [[-0.1, 0.02, 0.001, -0.002, 0]]}"#;
+    for text in [calibrator, message, opencv, xml, json] {
+        let lens = load(text).unwrap_or_else(|error| panic!("{error}: {text}"));
+        assert_eq!(
+            (lens.size_px(), lens.focal_px(), lens.principal_point_px()),
+            ([640, 480], [500.5, 501.0], [320.0, 239.5])
+        );
+        assert_eq!(lens.distortion().to_opencv(), [-0.1, 0.02, 0.001, -0.002, 0.0]);
+    }
+    for (from, to, expected) in [
+        (
+            "plumb_bob",
+            "equidistant",
+            "expected the distortion model \"plumb_bob\" (k1, k2, p1, p2, k3), found \"equidistant\"",
+        ),
+        ("-0.002, 0]", "-0.002, 0, 0.1, 0, 0]", "found 8 coefficients of which the sixth or a later one is not 0"),
+        ("500.5, 0,", "500.5, 2,", "camera_matrix: expected fx, 0, cx, 0, fy, cy, 0, 0, 1"),
+        ("image_width: 640\n", "", "expected image_width"),
+        ("image_width: 640", "image_width: -640", "image_width: expected a number of pixels"),
+        ("[500.5", "[five", "camera_matrix: expected numbers"),
+        ("[-0.1,", "[-9,", "fold"),
+        ("camera_matrix:", "camera_matrix: [", "expected YAML, XML or JSON"),
+        ("camera_matrix:", "camera_matrice:", "expected camera_matrix"),
+    ] {
+        assert_says(&load(&calibrator.replacen(from, to, 1)).expect_err(to), &["camera: ", expected]);
+    }
+    assert_says(
+        &load(&opencv.replacen("fisheye_model: 0", "fisheye_model: 1", 1)).expect_err("fisheye"),
+        &["found fisheye"],
+    );
+    assert_says(&load("<opencv_storage>").expect_err("cut off"), &["expected XML"]);
+}
+
 #[test]
 fn images_without_a_grid_give_no_lens() {
     let folder = Folder::new();
@@ -79,6 +135,18 @@ fn the_plane_of_a_grid_is_written() {
     // Two images of a grid in one place do not determine the focal length, which keeps its prior value. Slant and distance are therefore only
     // approximate.
     assert!(z.dot(&true_z).abs() > 0.03_f64.cos() && z.z < 0.0, "{z} {true_z}");
+    // With a known lens, one image determines the pose.
+    let known =
+        folder.put("known.yaml", "width: 1600\nheight: 1400\nk: [1360, 0, 799.5, 0, 1360, 699.5, 0, 0, 1]\nd: []\n");
+    let with_known = lens(&[&images[0], "--from", &known]);
+    assert_eq!(with_known.code, Some(0), "{}", with_known.err);
+    let exact = finray_model::Scene::from_toml(&format!("{before}{}", with_known.out)).expect("a scene");
+    let exact = exact.camera.expect("a camera").pose.expect("a pose");
+    assert!((exact.rotation * Vector3::z()).dot(&true_z).abs() > 1.0 - 1e-7, "{exact:?}");
+    assert_says(
+        &finray(&["lens", "--from", &known, "--grid-mm", "10", "--image", &images[0]]).refused(),
+        &["expected --plane"],
+    );
     // Distances between positions in the grid's plane are correct even with an inaccurate focal length.
     let apart = |lens: Lens, pose: Pose| {
         let [a, b] = [[300.0, 400.0], [1300.0, 1000.0]]

@@ -119,7 +119,7 @@ fn grey_markers_lead_back_to_the_force() {
     let (_, warnings) = finray(&["locate", &without, "--image", &image, "--out", &found]).warned();
     assert_says(
         &warnings.join("\\n"),
-        &["image.png: no two references on the base were found", "with an estimate of the base"],
+        &["image.png: no two references on the base were found", "the base is estimated together with the forces"],
     );
     let located = Csv::of(&folder.read("found.csv"));
     assert_eq!((located.numbers("base_sigma_mm")[0] > 5.0, located.numbers("marker_sigma_mm")[0] < 0.1), (true, true));

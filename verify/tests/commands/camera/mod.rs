@@ -6,7 +6,6 @@ mod lens;
 mod locate;
 mod names;
 mod render;
-mod scene;
 
 use crate::kit::*;
 use image::{DynamicImage, ImageFormat, RgbImage};

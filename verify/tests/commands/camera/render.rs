@@ -50,3 +50,13 @@ fn shapes_are_rendered_from_files() {
         finray(&["render", CAMERA, "--shape", &shape, "--load", "19:0,-1"]).refused().contains("cannot be used with")
     );
 }
+
+#[test]
+fn the_motion_of_a_base_is_checked() {
+    assert_says(
+        &finray(&["render", CAMERA, "--base", "1,2,3"]).refused(),
+        &["--base: expected a scene with a table [base]"],
+    );
+    let numbers = finray(&["render", CAMERA, "--base", "1,2"]).refused();
+    assert_says(&numbers, &["expected X_MM,Y_MM,DEG, three numbers"]);
+}

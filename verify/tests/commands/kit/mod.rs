@@ -1,7 +1,6 @@
 //! Helpers that run `finray` as users do and parse its output.
 
 pub mod browser;
-pub mod scene;
 
 use finray_fixtures::PAPER_SCENE;
 use std::io::Write;

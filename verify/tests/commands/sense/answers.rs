@@ -33,53 +33,27 @@ fn twelve_normal_forces_are_separable() {
     assert_close(&forces, &truth.iter().map(|(_, _, force)| *force).collect::<Vec<_>>(), 100.0 * SENSED);
 }
 
-/// Least squares for one contact, computed by hand: f = c.u / c.c and sigma = noise / |c|. Here c are the displacements under 1 N, and u are the
-/// measured displacements. The measured displacements u are a multiple of c, the displacements under 1 N, plus a part that no force explains, like
-/// noise.
+/// The noise is that of the option, else that of the scene, else that of the residual. A noise of zero states nothing.
 #[test]
-fn force_and_sigma_are_those_of_least_squares() {
-    let unit = displacements(&Csv::of(&linear_shape(&[(17, -15.0, 1.0)])));
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let cc = dot(&unit, &unit);
-    // The first node and the last node are clamped.
-    let free = 2..unit.len() - 2;
-    let alternating = |i: usize| if i.is_multiple_of(2) { 0.05 } else { -0.05 };
-    let alternating: Vec<f64> = (0..unit.len()).map(|i| if free.contains(&i) { alternating(i) } else { 0.0 }).collect();
-    let along = dot(&unit, &alternating) / cc;
-    let measured: Vec<f64> = unit.iter().zip(&alternating).map(|(c, noise)| (0.02 - along) * c + noise).collect();
-    let row = |(i, u): (usize, &[f64])| format!("{},{},{}\n", i + 1, u[0], u[1]);
-    let rows: String = measured.chunks(2).enumerate().map(row).collect();
-    let text = format!("node,ux_mm,uy_mm\n{rows}");
-    let (cu, uu) = (dot(&unit, &measured), dot(&measured, &measured));
-    let contact = ["--contact", "17@-15"];
-    let check = |scene: &str, extra: &[&str], force: f64, noise: f64| {
-        let all = [&["sense", scene, "--displacements", "-"], &LEAST_SQUARES[..], &contact[..], extra].concat();
-        let answer = finray_reading(text.as_bytes(), &all);
-        assert_eq!(answer.err, "", "under a fiftieth of a newton the linear model holds");
-        let sensed = Csv::of(&answer.done());
-        assert_close(&sensed.numbers("force_n"), &[force], SENSED);
-        // The standard deviation also includes the linearisation error.
-        assert_close(&sensed.numbers("sigma_n"), &[noise / cc.sqrt()], 2e-3);
-    };
-    let force = cu / cc;
-    check(PAPER, &["--noise-mm", "0.067"], force, 0.067);
-    // 23 free nodes measure 46 coordinates. A residual cannot be tested against a noise of zero. Without stated noise, the standard deviation is
-    // multiplied by the ratio of Student's t (2.0141 for 45 degrees of freedom) to 1.9600.
-    let residual = ((uu - cu * cu / cc) / 45.0).sqrt() * 2.0141 / 1.959_96;
-    check(PAPER, &[], force, residual);
-    check(PAPER, &["--noise-mm", "0"], force, residual);
+fn the_noise_is_stated_or_estimated() {
+    let shape = Csv::of(&linear_shape(&[(17, -15.0, 0.02)]));
+    let noisy = |i: usize, u: f64| if u == 0.0 { 0.0 } else { u + if i.is_multiple_of(2) { 0.05 } else { -0.05 } };
+    let rows = shape.numbers("ux_mm").into_iter().zip(shape.numbers("uy_mm")).enumerate();
+    let rows = rows.map(|(i, (x, y))| format!("{},{},{}\n", i + 1, noisy(i, x), noisy(i / 2, y)));
+    let text = format!("node,ux_mm,uy_mm\n{}", rows.collect::<String>());
     let folder = Folder::new();
     let camera = folder.put("camera.toml", paper_with(&[]) + "\n[camera]\nnoise_mm = 0.2\n");
-    check(&camera, &[], force, 0.2);
-    check(&camera, &["--noise-mm", "0.067"], force, 0.067);
-
-    // Ridge regression: the prior for the paper's forces, 0 to 5 N, adds (noise / (5 / sqrt 3))^2 to c.c, where c are the displacements under 1 N.
-    let prior = 25.0 / 3.0;
-    let noise: f64 = 20.0;
-    let weight = cc + noise * noise / prior;
-    let ridge = sense(&text, &[&["--estimator", "ridge", "--noise-mm", "20"], &contact[..]].concat());
-    assert_close(&ridge.numbers("force_n"), &[cu / weight], SENSED);
-    assert_close(&ridge.numbers("sigma_n"), &[noise / weight.sqrt()], 2e-3);
+    let sigma_n = |scene: &str, more: &[&str]| {
+        let sense = ["sense", scene, "--displacements", "-", "--contact", "17@-15"];
+        let answer = finray_reading(text.as_bytes(), &[&sense[..], &LEAST_SQUARES, more].concat());
+        Csv::of(&answer.done()).numbers("sigma_n")[0]
+    };
+    let option = sigma_n(PAPER, &["--noise-mm", "0.067"]);
+    assert_eq!(sigma_n(&camera, &["--noise-mm", "0.067"]), option);
+    assert_close(&[sigma_n(&camera, &[])], &[option * 0.2 / 0.067], 2e-3);
+    let residual = sigma_n(PAPER, &[]);
+    assert_eq!(sigma_n(PAPER, &["--noise-mm", "0"]), residual);
+    assert_close(&[residual], &[option * 0.05 / 0.067], 0.1);
 }
 
 /// For 3 N at -60 deg on node 19, the linear model estimates 4 N. For an estimate with an error of 1 N, `sense` once stated a standard deviation of
@@ -131,22 +105,6 @@ fn without_a_residual_the_uncertainty_is_infinite_and_explained() {
     assert_says(&answer.err, &["note: ", "--noise-mm"]);
     let known = sense("node,ux_mm,uy_mm\n7,0.1,-1\n", &["--contact", "16", "--contact", "20", "--noise-mm", "0.1"]);
     assert!(known.numbers("sigma_n").iter().all(|sigma| sigma.is_finite()));
-}
-
-/// The nonlinear estimator finds position and direction on the co-rotational finger.
-#[test]
-fn the_nonlinear_estimator_finds_position_and_direction() {
-    let folder = Folder::new();
-    let shape = folder.path("shape.csv");
-    finray(&["solve", PAPER, "--load-at", "80:2.5,15", "--mesh-nodes", "684", "--out", &shape]).done();
-    for contact in ["auto@15", "80@auto", "auto@auto"] {
-        let nonlinear =
-            ["sense", PAPER, "--displacements", &shape, "--estimator", "nonlinear", "--contact-at", contact];
-        let sensed = Csv::of(&finray(&nonlinear).done());
-        assert!((sensed.numbers("s_mm")[0] - 80.0).abs() < 0.05, "{contact}");
-        assert!((sensed.numbers("angle_deg")[0] - 15.0).abs() < 0.05, "{contact}");
-        assert_close(&sensed.numbers("force_n"), &[2.5], 2.5e-3);
-    }
 }
 
 /// The shipped networks sense forces on the paper's finger within their stated standard deviations. The sensed forces are in the order of the
