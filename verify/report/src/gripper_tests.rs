@@ -1,10 +1,10 @@
 //! Table II on the moving gripper: a table, curves over the motor angle as in the paper's Figs. 9 to 11, and a file.
 
-use super::{by_estimator, by_group, error_or_rounding, of_quantity};
 use crate::drawings::true_and_sensed;
 use crate::format::{list, share_of_counts};
 use crate::prelude::*;
 use finray_studies::experiments::grasp::modules::{ModuleStudy, ModuleTest};
+use finray_studies::experiments::table_two::CONTACT_GROUPS;
 
 const CSV: &str = "gripper_tests.csv";
 /// Estimators in the file and in the table.
@@ -23,7 +23,7 @@ struct Line {
     sensed_n: [Option<f64>; 3],
 }
 
-pub(super) fn dataset(study: &Study) -> Dataset<'static> {
+pub(super) fn datasets<'s>(Results { study }: Results<'s>) -> Vec<Dataset<'s>> {
     let columns = Columns::<Line>::new()
         .file("nodes", |line| list(line.nodes, " "))
         .file("turned_deg", |line| line.turned_deg)
@@ -35,7 +35,7 @@ pub(super) fn dataset(study: &Study) -> Dataset<'static> {
         .file("nonlinear_n", |line| line.sensed_n[1])
         .file("network_n", |line| line.sensed_n[2]);
     let tests = study.modules.iter().flat_map(|modules| &modules.tests);
-    Dataset::new(CSV, &columns, tests.flat_map(lines).collect::<Vec<_>>()).csv_alone()
+    vec![Dataset::new(CSV, &columns, tests.flat_map(lines).collect::<Vec<_>>()).csv_alone()]
 }
 
 fn lines(test: &ModuleTest) -> Vec<Line> {
@@ -57,13 +57,15 @@ fn lines(test: &ModuleTest) -> Vec<Line> {
     lines
 }
 
-pub(super) fn blocks(modules: &ModuleStudy) -> Result<Vec<Block>, FigureError> {
+pub(super) fn section(Results { study }: Results) -> Result<Option<Section>, ReportError> {
+    let Some(modules) = &study.modules else { return Ok(None) };
     let mut figures = Vec::new();
     for test in DRAWN.iter().filter_map(|nodes| modules.test(nodes)) {
         let caption = "Lines: true forces; symbols: forces sensed by the nonlinear estimator.";
         figures.push(Figure::narrow(drawing(test)?, caption, CSV));
     }
-    Ok(vec![text(about(modules.noise_mm)), Block::Table(table(modules)), Block::Figures(figures)])
+    let blocks = vec![text(about(modules.noise_mm)), Block::Table(table(modules)), Block::Figures(figures)];
+    Ok(Some(Section::new("gripper-tests", "Table II on the closing gripper", blocks)))
 }
 
 /// Text on how the gripper closes, and on how its forces are sensed.
@@ -97,15 +99,28 @@ fn drawing(test: &ModuleTest) -> Result<String, FigureError> {
 
 /// Table of the mean errors, in the rows and columns of the paper's Table II.
 fn table(modules: &ModuleStudy) -> Table {
-    let lines = ESTIMATORS.map(|estimator| {
-        let cells = by_group(|group, quantity| {
-            let errors = modules.group(group, estimator);
-            error_or_rounding(errors.and_then(|errors| of_quantity(quantity, errors.force, errors.sum)))
-        });
-        let groups = finray_studies::experiments::table_two::CONTACT_GROUPS;
-        let counts = groups.iter().filter_map(|group| modules.group(group, estimator));
-        let refused = share_of_counts(counts.map(|errors| [errors.refused, errors.answered]));
-        (estimator.label().to_owned(), cells, refused)
+    let figures = CONTACT_GROUPS.into_iter().flat_map(|group| {
+        let each = (format!("{}: each", group.name), group.paper_force);
+        let sum = group.paper_sum.map(|paper| (format!("{}: sum", group.name), paper));
+        std::iter::once(each).chain(sum).enumerate().map(move |(n, (name, paper))| (group, n == 1, name, paper))
     });
-    by_estimator("On the closing gripper: mean error of each force and of the sum", CSV, lines.into())
+    Columns::<Option<EstimatorId>>::new()
+        .page("sensed by", Format::Words, |by| by.map_or("the paper, measured", |estimator| estimator.label()))
+        .each(figures, |columns, (group, is_sum, name, paper)| {
+            columns.page(name, Format::Error, move |by| match by {
+                None => Some(paper),
+                Some(estimator) => {
+                    modules.group(&group, *estimator).and_then(|of| if is_sum { of.sum } else { Some(of.force) })
+                }
+            })
+        })
+        .page("refused", Format::Words, |by| {
+            let counts = CONTACT_GROUPS.iter().filter_map(|group| modules.group(group, (*by)?));
+            by.map(|_| share_of_counts(counts.map(|of| [of.refused, of.answered])))
+        })
+        .table(
+            "On the closing gripper: mean error of each force and of the sum",
+            CSV,
+            std::iter::once(None).chain(ESTIMATORS.map(Some)),
+        )
 }
