@@ -5,6 +5,7 @@ mod calibration;
 mod camera;
 mod finger;
 mod gripper;
+mod hard_cases;
 mod measurement {
     mod noise;
 }

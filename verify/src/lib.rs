@@ -4,8 +4,7 @@
 //! - [`figures`] draws charts and is independent of fingers; [`files`] reads and writes files.
 //! - [`lattice`] models a finger, or two fingers and an object, as rigid bodies and springs.
 //! - The studies: [`truths`] are reference models of the finger, [`estimators`] are tested on these models, and [`sampling`] draws the test cases.
-//!   [`problems`] have known answers, [`experiments`] are the individual studies, [`study`] runs all of them for a scene, and [`claims`] compares the
-//!   results with the paper's statements.
+//!   [`problems`] have known answers, [`experiments`] are the individual studies, and [`study`] runs all of them for a scene.
 //! - [`report`] presents the results as pages.
 //! - This crate is the program, with its [`guide`]. The physics is in [`finray_model`].
 #![forbid(unsafe_code)]
@@ -17,6 +16,4 @@ pub use finray_files as files;
 pub use finray_lattice as lattice;
 pub use finray_model::estimators;
 pub use finray_report as report;
-pub use finray_studies::{
-    check, claims, experiments, exports, problems, sampling, settings, statistics, study, truths,
-};
+pub use finray_studies::{check, experiments, exports, problems, sampling, settings, statistics, study, truths};

@@ -22,7 +22,7 @@ const OF_ANOTHER_FINGER: &str = "Reference values of other programs (OpenSees), 
                                  only for the paper's finger. They are left out for this scene.";
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
-    vec![Dataset::records(CSV, study.all_checks()), Dataset::records(COMPARISONS_CSV, &study.comparisons)]
+    vec![Dataset::records(CSV, &study.checks), Dataset::records(COMPARISONS_CSV, &study.comparisons)]
 }
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
@@ -32,7 +32,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     }
     blocks.push(text(format!("{ABOUT} {}", beam_theory(&study.continuum))));
     blocks.extend(disagreements(study)?.map(Block::Figure));
-    let tables = [by_source(&study.all_checks().collect::<Vec<_>>()), files()];
+    let tables = [by_source(&study.checks), files()];
     blocks.push(details("Checks by source", tables.map(Block::Table).into()));
     Ok(Some(Section::new("checks", "Cross-checks", blocks).saying([in_words(study)])))
 }
@@ -99,24 +99,19 @@ fn in_words(study: &Study) -> String {
 
 /// Checks counted by kind of reference.
 pub(super) fn counted(study: &Study) -> Vec<Tally> {
-    tallies(study.all_checks().collect::<Vec<_>>().into_iter())
+    tallies(study.checks.iter())
 }
 
 /// A disagreement of 0 is drawn at this value, because a logarithmic axis has no 0.
 const LAST_BIT: f64 = f64::EPSILON;
-/// Label of the figure's row with the residuals of the fit to the paper's Table I.
-const FITTED: &str = "the paper's Table I";
 
-/// Figure of the relative disagreement with each independent reference, one point per check. Residuals of the fit to Table I have a separate row.
+/// Figure of the relative disagreement with each independent reference, one point per check.
 fn disagreements(study: &Study) -> Result<Option<Figure>, FigureError> {
     let mut found: Vec<(Kind, &str, f64)> =
-        study.all_checks().filter_map(|check| Some((check.kind, &*check.source, check.disagreement?))).collect();
+        study.checks.iter().filter_map(|check| Some((check.kind, &*check.source, check.disagreement?))).collect();
     found.sort_by_key(|(kind, source, _)| (*kind, *source));
-    let fitted = study.twin.iter().flat_map(|twin| &twin.after.rows);
-    let residuals: Vec<f64> = fitted.map(|row| (row.mean_error / row.paper_mean_error - 1.0).abs()).collect();
     let mut sources: Vec<&str> = found.iter().map(|(_, source, _)| *source).collect();
     sources.dedup();
-    sources.extend((!residuals.is_empty()).then_some(FITTED));
     if sources.is_empty() {
         return Ok(None);
     }
@@ -127,8 +122,7 @@ fn disagreements(study: &Study) -> Result<Option<Figure>, FigureError> {
         let at = found.iter().filter(move |(of, ..)| *of == kind);
         (kind.name(), at.map(|(_, source, off)| [off.max(LAST_BIT), row(source)]).collect::<Vec<Point>>())
     };
-    let fitted = residuals.iter().map(|off| [off.max(LAST_BIT), row(FITTED)]).collect();
-    let groups = [of_kind(Kind::External), of_kind(Kind::Analytical), ("fitted: no check", fitted)];
+    let groups = [Kind::External, Kind::Analytical].map(of_kind);
     let series = groups.into_iter().filter(|(_, points)| !points.is_empty()).enumerate();
     let series = series.map(|(n, (name, points))| Series { dash: Dash::None, ..Series::nth(n, name, points) });
     let axes = [
@@ -142,12 +136,12 @@ fn disagreements(study: &Study) -> Result<Option<Figure>, FigureError> {
     let svg = Chart::new(frame.with_plot_height(height), axes, series.collect()).svg()?;
     let caption = "One symbol per check. If the reference is 0, the difference is relative to the largest displacement or in \
         radians. Checks of error terms compare orders of convergence. A symbol at the left edge means equality to the \
-        last bit. The softer ends were fitted to Table I: their residuals check nothing.";
+        last bit.";
     Ok(Some(Figure::wide(svg, caption, CSV)))
 }
 
 /// Table of the checks: one row per reference, grouped by kind, with the largest difference relative to its tolerance.
-fn by_source(checks: &[&Check]) -> Table {
+fn by_source(checks: &[Check]) -> Table {
     type Source<'c> = (Kind, &'c str);
     let mut sources: Vec<Source> = Vec::new();
     for check in checks {
@@ -157,7 +151,7 @@ fn by_source(checks: &[&Check]) -> Table {
     }
     sources.sort_by_key(|(kind, _)| *kind);
     let of = |source: &Source| {
-        let found = checks.iter().copied().filter(|check| (check.kind, check.source.as_str()) == *source);
+        let found = checks.iter().filter(|check| (check.kind, check.source.as_str()) == *source);
         found.collect::<Vec<_>>()
     };
     let share = |check: &Check| (check.ours - check.reference).abs() / check.tolerance;

@@ -38,12 +38,11 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 }
 
 /// Text on the errors of the displacements under each noise model.
-fn about(DisplacementNoiseStudy { image_sd_mm, rows, .. }: &DisplacementNoiseStudy) -> String {
-    let cases = rows.first().map_or(0, |row| row.cases);
+fn about(DisplacementNoiseStudy { image_sd_mm, .. }: &DisplacementNoiseStudy) -> String {
     format!(
         "On the other pages each displacement coordinate has an independent error of {image_sd_mm} mm, as if undeformed positions were exact. If \
          displacements come from two images, averaging over {FRAMES} frames does not remove the error of the image at rest. If undeformed positions come \
-         from the motor angle, all nodes share an error of the finger base. Ordinary least squares assumes independent errors ({cases} samples)."
+         from the motor angle, all nodes share an error of the finger base. Ordinary least squares assumes independent errors."
     )
 }
 

@@ -1,11 +1,9 @@
 //! Drawings of a study, made with [`figures`](finray_figures).
 
-use super::format::{list, percent};
+use super::format::list;
 use crate::prelude::*;
 use finray_figures::{Bars, Lines, Marker, Paint};
 use finray_model::finger::{FingerPoint, Part};
-use finray_studies::experiments::table_one::TableOne;
-use finray_studies::settings::GROSS_ERROR;
 
 /// Palette of errors: largest error of each class, %, and its colour (red, green, blue). The three shades of green mean trusted; amber and red do
 /// not. Colours become darker on both sides of the 10 % threshold, so that the order is visible to colour-blind readers and in grey prints.
@@ -302,21 +300,4 @@ pub(super) fn one_and_two<R>(
         figures.extend(drawn.map(|svg| Figure::narrow(svg, "By contact node, from base to tip.", csv)));
     }
     Ok(Block::Figures(figures))
-}
-
-/// Chart of Table I: the paper's mean errors and the computed ones, as bars, base to tip.
-pub(super) fn table_one(tables: &[TableOne]) -> Result<String, FigureError> {
-    let rows = tables.first().map_or(&[][..], |table| &table.rows[..]);
-    let paper = error_bars("paper", Hue::NEUTRAL, rows.iter().rev().map(|row| Some(row.paper_mean_error)));
-    let ours = tables.iter().take(2).enumerate().map(|(n, table)| {
-        let label = format!("uniform finger, weights at {} deg", table.angle_deg);
-        error_bars(label, Hue::nth(n), table.rows.iter().rev().map(|row| Some(row.mean_error)))
-    });
-    let alt = "Mean error of the sensed force at six nodes: the paper's Table I and ours.";
-    let frame = Frame::full("Table I and geometric nonlinearity", alt);
-    let nodes = rows.iter().rev().map(|row| row.node.to_string()).collect();
-    let nodes = Axis::categories("loaded node, base to tip", nodes);
-    let bars = std::iter::once(paper).chain(ours).collect();
-    let chart = Chart::of_bars(frame, [nodes, Axis::linear("mean error, %")], bars);
-    chart.compared([TRUSTED_ERROR, GROSS_ERROR].map(|limit| (100.0 * limit, percent(limit)))).svg()
 }

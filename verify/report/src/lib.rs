@@ -5,7 +5,6 @@ mod answers;
 mod camera;
 mod causes;
 mod checks;
-pub mod claims;
 mod contact_scenes;
 mod convergence;
 pub mod dataset;
@@ -17,7 +16,7 @@ pub mod explore;
 mod finger;
 pub mod format;
 mod grasp;
-mod hard_cases;
+mod gripper_tests;
 pub mod lattice;
 pub mod maps;
 pub mod measured;
@@ -26,16 +25,14 @@ pub mod page;
 mod pairs;
 mod prelude;
 mod push;
+mod recorded;
 mod scatter;
 mod sections;
 mod shapes;
 pub mod speed_error;
-mod table_one;
-pub mod table_two;
 mod times;
 pub mod trainings;
 mod trust;
-pub mod twin;
 
 pub use contact_scenes::{DrawnPress, press_svg};
 pub use drawings::{map_figure_svg, standalone};
@@ -43,7 +40,6 @@ pub use grasp::{grasp_animation_svg, grasp_svg};
 
 use dataset::Dataset;
 use finray_figures::FigureError;
-use finray_studies::claims::Claim;
 use finray_studies::study::Study;
 use std::path::PathBuf;
 
@@ -70,11 +66,10 @@ pub enum ReportError {
     Summary(#[from] serde_json::Error),
 }
 
-/// The study and the claims from which a report is made.
+/// The study from which a report is made.
 #[derive(Clone, Copy)]
 struct Results<'s> {
     study: &'s Study,
-    claims: &'s [Claim],
 }
 
 /// The files of a report, not yet written to disk.
@@ -90,10 +85,10 @@ pub struct Report {
 ///
 /// # Errors
 /// [`ReportError`] if a figure has nothing to draw, or a page or table cannot be written.
-pub fn report(study: &Study, claims: &[Claim]) -> Result<Report, ReportError> {
-    let results = Results { study, claims };
+pub fn report(study: &Study) -> Result<Report, ReportError> {
+    let results = Results { study };
     let pages = sections::pages(results)?;
-    let data = sections::datasets(results);
+    let data = sections::datasets(results)?;
     let first = pages.iter().find_map(|(_, page)| page.first.as_ref());
     let answers = first.iter().flat_map(|first| &first.answers).map(|it| it.join(" "));
     let says = pages.iter().flat_map(|(_, page)| &page.sections).flat_map(|section| &section.says);

@@ -3,9 +3,9 @@
 use super::dataset::Dataset;
 use super::page::{First, Page, PageLink, Section};
 use super::{
-    ReportError, Results, answers, camera, causes, checks, claims, contact_scenes, convergence, directions,
-    displacement_noise, estimators, explore, finger, grasp, hard_cases, lattice, maps, measured, networks, pairs, push,
-    scatter, shapes, speed_error, table_one, table_two, times, trust, twin,
+    ReportError, Results, answers, camera, causes, checks, contact_scenes, convergence, directions, displacement_noise,
+    estimators, explore, finger, grasp, gripper_tests, lattice, maps, measured, networks, pairs, push, recorded,
+    scatter, shapes, speed_error, times, trust,
 };
 
 /// A section: its page, a function for its content on this page (`None` if the scene has no such study), and a function for its data.
@@ -67,17 +67,19 @@ const SECTIONS: &[Entry] = &[
     Entry(On::Checks, shapes::section, shapes::datasets),
     Entry(On::Checks, finger::section, finger::datasets),
     Entry(On::Lattice, lattice::section, lattice::datasets),
-    Entry(On::HardCases, hard_cases::section, hard_cases::datasets),
-    Entry(On::Paper, claims::section, claims::datasets),
-    Entry(On::Paper, table_two::section, table_two::datasets),
-    Entry(On::Paper, table_one::section, table_one::datasets),
-    Entry(On::Paper, twin::section, twin::datasets),
+    Entry(On::HardCases, recorded::hard_cases, |_| Vec::new()),
+    Entry(On::Paper, recorded::claims, |_| Vec::new()),
+    Entry(On::Paper, recorded::table_two, |_| Vec::new()),
+    Entry(On::Paper, gripper_tests::section, gripper_tests::datasets),
+    Entry(On::Paper, recorded::table_one, |_| Vec::new()),
+    Entry(On::Paper, recorded::twin, |_| Vec::new()),
 ];
 
 /// Datasets of all sections.
-pub(super) fn datasets(results: Results) -> Vec<Dataset> {
-    let first = trust::datasets(results.study);
-    first.into_iter().chain(SECTIONS.iter().flat_map(|Entry(.., datasets)| datasets(results))).collect()
+pub(super) fn datasets(results: Results) -> Result<Vec<Dataset>, ReportError> {
+    let computed = SECTIONS.iter().flat_map(|Entry(.., datasets)| datasets(results));
+    let all = trust::datasets(results.study).into_iter().chain(computed);
+    Ok(all.chain(recorded::datasets(results)?).collect())
 }
 
 /// All pages with their sections, each page as file name and content; the first page comes first.

@@ -1,7 +1,6 @@
 //! Recorded trainings: comparison of recipes, and error by number of cases and by network size.
 
 use super::format::{NOTHING, Span, error_as, list, percent_with, share_of_counts, span_in_words};
-use super::table_two::recorded_settings;
 use crate::prelude::*;
 use finray_studies::experiments::networks::records::{CurveRow, RecipeRow, Records};
 use finray_studies::experiments::table_two::COMPARED_SETS;
@@ -86,4 +85,16 @@ pub fn by_size(recorded: &[CurveRow]) -> Table {
         })
         .page("at the bound", Format::Plain, |rows| rows[0].mean_error_bound.map(|share| percent_with(share, 2)))
         .table(caption, CURVES_CSV, recorded.chunk_by(alike))
+}
+
+/// True fingers and noise levels (mm) for which records exist.
+fn recorded_settings(records: &[RecipeRow]) -> Vec<(TruthId, f64)> {
+    let mut settings = Vec::new();
+    for truth in [TruthId::Linear, TruthId::Corotational] {
+        let mut levels: Vec<f64> = records.iter().filter(|row| row.truth == truth).map(|row| row.noise_mm).collect();
+        levels.sort_by(f64::total_cmp);
+        levels.dedup();
+        settings.extend(levels.into_iter().map(|noise_mm| (truth, noise_mm)));
+    }
+    settings
 }

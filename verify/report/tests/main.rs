@@ -1,6 +1,5 @@
 //! Tests of `finray-report`: each file tests the source file of the same path.
 
-mod claims;
 mod dataset;
 mod explore;
 mod format;
@@ -11,10 +10,4 @@ mod maps {
 mod measured;
 mod page;
 mod speed_error;
-mod table_two {
-    mod words;
-}
 mod trainings;
-mod twin {
-    mod words;
-}

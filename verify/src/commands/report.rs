@@ -3,7 +3,6 @@
 use crate::commands::prelude::*;
 use finray_files::image_named;
 use finray_files::views;
-use finray_studies::claims::ledger;
 use finray_studies::experiments::contact_scene::file::load_scene_with_outline;
 use finray_studies::experiments::contact_scene::study::SceneWithOutline;
 use finray_studies::experiments::measured::{self, NamedImage};
@@ -104,9 +103,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     if let Some(peers) = peers {
         study.take_peers(peers);
     }
-    // `ledger` quotes Criterion's times, so the times are set first.
-    let claims = ledger(&study).map_err(not_computed)?;
-    let report = finray_report::report(&study, &claims).map_err(not_computed)?;
+    let report = finray_report::report(&study).map_err(not_computed)?;
     write_folder(&arguments.out, &report.files)?;
     let page = arguments.out.join("index.html");
     let mut sentences = report.verdict;

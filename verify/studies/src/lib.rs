@@ -3,11 +3,10 @@
 //! Modules depend downwards only. [`settings`], [`check`] and [`statistics`] use no other module of this crate. [`lattice`] measures the lattice's
 //! own error; [`exports`] contains shapes of fingers computed by other programs. [`truths`] contains the simulated fingers on which sensing is
 //! tested, [`finray_model::estimators`] contains the estimators under test, and [`sampling`] contains the test procedure. [`problems`] have known
-//! solutions. [`experiments`] produce the results, [`study`] runs them all for one scene, and [`claims`] compares the paper's statements with them.
+//! solutions. [`experiments`] produce the results, and [`study`] runs them all for one scene.
 #![forbid(unsafe_code)]
 
 pub mod check;
-pub mod claims;
 pub mod experiments;
 pub mod exports;
 pub mod lattice;

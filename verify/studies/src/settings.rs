@@ -21,9 +21,6 @@ pub use finray_model::sensor::TWO_SIDED_95;
 /// With at least this number of cases, the standard error of a mean error is about 2 % of the mean. A check of the mean error then needs no allowance
 /// for sampling error.
 pub const ENOUGH_CASES: usize = 4000;
-/// Directions assumed for the paper's "vertical" weights, degrees from the inward normal. A horizontal axis of the finger gives 10.9 degrees =
-/// asin(29 mm / 153 mm): half the base width, divided by the length of the front plate.
-pub const TABLE_ONE_ANGLES_DEG: [f64; 5] = [0.0, 10.9, -20.0, 20.0, 40.0];
 
 /// Forces for which a report is computed, up to a largest force. The ratios of these forces are the same for every finger.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -102,9 +99,9 @@ impl Effort {
         }
     }
 
-    /// Numbers of random cases per set of contacts: the first number for the paper's Table II, the second for the networks.
-    pub(crate) fn sensed_cases(self) -> [usize; 2] {
-        self.choose([40, 40], [ENOUGH_CASES; 2])
+    /// Number of random cases per set of contacts for the networks.
+    pub(crate) fn sensed_cases(self) -> usize {
+        self.choose(40, ENOUGH_CASES)
     }
 
     /// Resolution of a map: number of positions along the front plate, step of the directions (degrees), and number of noise samples per cell.

@@ -1,15 +1,6 @@
 //! Tests of `finray-studies`: each file tests the source file of the same path. `stand_ins` contains simple estimators for tests.
 
 mod check;
-mod claims {
-    mod camera;
-    mod criteria;
-    mod deformation;
-    mod experiments;
-    mod grasps;
-    mod gripper;
-    mod limits;
-}
 mod estimators {
     mod all;
     mod networks;
@@ -34,12 +25,9 @@ mod experiments {
         mod sensed;
         mod world;
     }
-    mod hard_cases;
     mod networks;
     mod noise;
     pub mod speed_error;
-    mod table_two;
-    mod twin;
 }
 mod exports {
     mod calculix;
@@ -50,6 +38,7 @@ mod lattice {
     mod causes;
 }
 mod one_sensor;
+mod paper;
 mod problems {
     mod closed_forms;
     mod lattice;

@@ -44,8 +44,18 @@ impl<V: Into<Value>> From<Option<V>> for Value {
 }
 
 impl Value {
+    /// The value that a field of a file states.
+    pub(crate) fn parsed(text: &str) -> Value {
+        match (text.parse(), text.parse()) {
+            _ if text.is_empty() => Value::None,
+            (Ok(integer), _) => Value::Integer(integer),
+            (_, Ok(number)) => Value::Number(number),
+            _ => text.parse().map_or_else(|_| text.into(), Value::Bool),
+        }
+    }
+
     /// The value as plain text.
-    pub(super) fn in_words(&self) -> String {
+    pub(crate) fn in_words(&self) -> String {
         match self {
             Value::Text(text) => text.clone(),
             Value::Integer(integer) => integer.to_string(),

@@ -3,7 +3,6 @@
 //! Slender beams neglect the extent of the rods, plane strain and shear. The deviation is an error of the theory, not of a solver, so no tolerance
 //! applies.
 
-use super::table_one::{TableOne, table_one};
 use super::{Context, Evidence, ExperimentError};
 use crate::check::worst;
 use crate::exports::calculix::{self, PAPER_PLAIN};
@@ -11,15 +10,11 @@ use crate::exports::{ExportedFinger, StaticCase};
 use crate::prelude::*;
 use crate::problems::ProblemError;
 use crate::statistics::median;
-use crate::truths::{TruthError, TruthId, fine_mesh};
+use crate::truths::fine_mesh;
 use finray_model::finger::FingerDescription;
 
 /// Largest force of the comparison, N: the largest force in the paper's gripper tests. Shapes computed by CalculiX are available up to 5 N.
 pub const LARGEST_FORCE_N: f64 = 3.0;
-/// Forces for which shapes were exported, N: two forces within the range of the weights of Table I (0.5 to 2.9 N), and 3 N.
-pub const FORCES_N: [f64; 3] = [0.5, 1.0, 3.0];
-/// Directions for which shapes were exported, near the directions assumed for the weights of Table I, degrees from the inward normal.
-pub const ANGLES_DEG: [f64; 3] = [-20.0, 0.0, 20.0];
 
 /// Deviation of beams from the continuum under one force.
 #[derive(Debug, Clone)]
@@ -114,8 +109,6 @@ pub struct ContinuumStudy {
     /// Deviations of beams from the continuum, one row for each set of beam properties ([`Constants`]). For the paper's finger, rows with deviations
     /// from the continuum without rods follow. Empty if CalculiX did not solve the finger.
     pub rows: Vec<BeamTheoryRow>,
-    /// The protocol of Table I on the continuum of the paper's finger, for each of [`ANGLES_DEG`]; empty for any other finger.
-    pub tables_one: Vec<TableOne>,
 }
 
 impl ContinuumStudy {
@@ -151,7 +144,7 @@ impl Evidence for ContinuumStudy {
     }
 }
 
-/// Compares beams with the continuum of a scene's finger. For the paper's finger, also runs the protocol of Table I on the continuum.
+/// Compares beams with the continuum of a scene's finger.
 pub(crate) fn run(context: &Context) -> Result<ContinuumStudy, ExperimentError> {
     let export = calculix::PROGRAM.export_of(context.finger);
     let without_rods = context.is_paper.then_some(&PAPER_PLAIN);
@@ -166,22 +159,7 @@ pub(crate) fn run(context: &Context) -> Result<ContinuumStudy, ExperimentError> 
         }
         context.progress.step();
     }
-    let tables_one = if context.is_paper { tables_one(context.finger)? } else { Vec::new() };
-    Ok(ContinuumStudy { rows, tables_one })
-}
-
-/// The protocol of Table I on the continuum of the paper's finger, under [`FORCES_N`] instead of the weights, for each of [`ANGLES_DEG`].
-///
-/// # Errors
-/// [`ExperimentError`] if the export cannot be read, or a force cannot be sensed.
-pub fn tables_one(paper: &Finger) -> Result<Vec<TableOne>, ExperimentError> {
-    let mesh = TruthId::Continuum.mesh(paper).map_err(unavailable)?;
-    let truth = TruthId::Continuum.on(&mesh).map_err(unavailable)?;
-    ANGLES_DEG.into_iter().map(|angle_deg| table_one(paper, &*truth, angle_deg, &FORCES_N)).collect()
-}
-
-fn unavailable(error: TruthError) -> ExperimentError {
-    ProblemError::Reference(error.to_string()).into()
+    Ok(ContinuumStudy { rows })
 }
 
 fn row(continuum: &'static str, constants: Constants, deviations: &[Deviation]) -> Option<BeamTheoryRow> {

@@ -22,9 +22,7 @@ pub mod networks;
 pub mod noise;
 pub mod shapes;
 pub mod speed_error;
-pub mod table_one;
 pub mod table_two;
-pub mod twin;
 
 use crate::prelude::*;
 use crate::problems::ProblemError;

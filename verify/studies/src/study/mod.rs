@@ -6,10 +6,9 @@ use crate::check::{Check, Comparison};
 use crate::experiments::contact_scene::study::{SceneStudy, SceneWithOutline};
 use crate::experiments::grasp::{modules, observations, rates, study as grasp_study};
 use crate::experiments::networks::{accuracy, records};
-use crate::experiments::twin::study as twin_study;
 use crate::experiments::{
     Context, Evidence, assumed, camera, causes, continuum, convergence, coverage, direction, displacement_noise,
-    explain, hard_cases, lattice, maps, measured, noise, shapes, speed_error, table_one, table_two,
+    explain, hard_cases, lattice, maps, measured, noise, shapes, speed_error,
 };
 use crate::problems;
 use crate::sampling::map::AccuracyMap;
@@ -70,7 +69,7 @@ macro_rules! study {
             pub noise_mm: f64,
             /// Forces for which maps, drawings and their explanations are computed.
             pub forces: ReportForces,
-            /// Checks of figures against references, without the checks of the hard cases.
+            /// Checks of figures against references.
             pub checks: Vec<Check>,
             /// Figures that are expected to differ from their references.
             pub comparisons: Vec<Comparison>,
@@ -92,6 +91,7 @@ macro_rules! study {
                 let solved = problems::solve_all($context.finger, $context.checked_forces()).map_err(within("problems"))?;
                 $context.progress.step();
                 let problems::ProblemResults { mut checks, mut comparisons } = solved;
+                checks.extend(hard_cases::recorded($context));
                 parts.push(PartTime::since("problems", started));
                 $(
                     let started = Instant::now();
@@ -132,21 +132,15 @@ study! { |context|
     "limits of sensing":
         /// Limits of sensing on the co-rotational finger by cell (position, direction), for the force at which maps are drawn.
         explanations: explain::ExplanationMap = explain::run(context);
-    "Table I":
-        /// Results for the paper's Table I, for each assumed direction of the weights; only for the paper's finger.
-        tables_one: Vec<table_one::TableOne> = table_one::run(context);
     "continuum":
         /// Results on the finger as a plane continuum; empty unless CalculiX solved the finger.
         continuum: continuum::ContinuumStudy = continuum::run(context);
-    "digital twin":
-        /// Study of the digital twin: the paper's finger with softer ends, fitted to Table I. Only for the paper's finger with noise.
-        twin: Option<twin_study::TwinStudy> = twin_study::run(context, tables_one.first());
     "coverage":
         /// Share of stated 95 % intervals that contain the true force, by finger and estimator.
         coverage: Vec<coverage::CoverageRow> = coverage::run(context, &maps);
     "causes":
         /// Causes of force errors, by true finger and sensing method.
-        causes: Vec<causes::CauseMap> = causes::run(context, twin.as_ref().map(|twin| &twin.finger));
+        causes: Vec<causes::CauseMap> = causes::run(context);
     "convergence":
         /// Discretisation error by mesh and load.
         convergence: convergence::Convergence = convergence::run(context);
@@ -162,18 +156,12 @@ study! { |context|
     "unknown directions":
         /// Errors of sensed forces of unknown direction under camera noise; only in a full study.
         directions: Option<direction::DirectionStudy> = direction::run(context);
-    "Table II":
-        /// Results for the paper's Table II; only for the paper's finger.
-        table_two: Option<table_two::TableTwo> = table_two::run(context);
     "networks":
         /// Accuracy of the shipped networks; only for the paper's finger with noise.
-        networks: Option<accuracy::NetworkStudy> = accuracy::run(context, table_two.as_ref());
+        networks: Option<accuracy::NetworkStudy> = accuracy::run(context);
     "a recorded training":
         /// Recorded trainings of networks; only for the paper's finger.
         records: records::Records = records::run(context);
-    "hard cases":
-        /// Results on hard cases, which are variants of the paper's finger; empty for any other finger.
-        hard_cases: Vec<hard_cases::HardCase> = hard_cases::run(context);
     "lattice, objects":
         /// Results on the paper's finger as a lattice of rigid bodies and springs.
         lattice: Option<lattice::LatticeStudy>,
@@ -243,11 +231,6 @@ impl Study {
     pub fn all_maps(&self) -> impl Iterator<Item = &AccuracyMap> {
         let lattice = self.lattice.iter().flat_map(|lattice| lattice.sensing.all_maps());
         self.maps.iter().chain(lattice)
-    }
-
-    /// Every check. The checks of the hard cases come last.
-    pub fn all_checks(&self) -> impl Iterator<Item = &Check> {
-        self.checks.iter().chain(self.hard_cases.iter().flat_map(|case| &case.checks))
     }
 
     /// The map of one true finger by linear least squares, with or without noise.

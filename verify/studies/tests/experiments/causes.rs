@@ -11,10 +11,9 @@ use finray_model::{Finger, Kinematics, Mesh, NodeId};
 use finray_studies::experiments::causes::ContactKnowledge::{Assumed, Known};
 use finray_studies::experiments::causes::Practice::{LeastSquares, Nonlinear};
 use finray_studies::experiments::causes::{
-    Cause, CauseCell, CauseMap, CauseRequest, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM, Practice, causes,
-    network,
+    Cause, CauseCell, CauseMap, CauseRequest, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM, Practice,
+    WEIGHTS_N, causes, network,
 };
-use finray_studies::experiments::table_one::{CALIBRATION_NODES, WEIGHTS_G, weight_n};
 use finray_studies::truths::TruthId;
 use finray_studies::truths::{MeshTruth, Truth, fine_mesh};
 use finray_tests::{at_position, finger_of, paper};
@@ -37,7 +36,7 @@ fn one_map(
         forces_n: vec![force_n],
         noise_mm,
         zones_known: false,
-        weights_n: WEIGHTS_G.map(weight_n),
+        weights_n: WEIGHTS_N,
     };
     causes(TruthId::Corotational, truth, &request, &|| ()).unwrap().remove(0)
 }
@@ -73,14 +72,14 @@ static LINEAR_MODULUS_FACTOR: LazyLock<f64> = LazyLock::new(|| {
     let truth = MeshTruth::new(TruthId::Corotational, &mesh, Kinematics::Corotational).unwrap();
     let of_node = |node: &NodeId| {
         let contact = Contact::at_node(*node);
-        let shapes = truth.shapes(&contact, &WEIGHTS_G.map(weight_n));
-        let case = |(shape, weight_g): (FingerShape, f64)| CalibrationCase {
-            load: contact.load(&finger, weight_n(weight_g)),
+        let shapes = truth.shapes(&contact, &WEIGHTS_N);
+        let case = |(shape, weight_n): (FingerShape, f64)| CalibrationCase {
+            load: contact.load(&finger, weight_n),
             measurement: Measurement::of_shape(&finger, &shape),
         };
-        shapes.into_iter().zip(WEIGHTS_G).map(case).collect::<Vec<_>>()
+        shapes.into_iter().zip(WEIGHTS_N).map(case).collect::<Vec<_>>()
     };
-    let cases: Vec<_> = CALIBRATION_NODES.iter().flat_map(of_node).collect();
+    let cases: Vec<_> = [17, 19, 21].map(NodeId).iter().flat_map(of_node).collect();
     let model = FactorModel { kinematics: Kinematics::Linear, elements: 1, noise_mm: None };
     factors(&finger, &cases, &[Unknown::Modulus], &model).unwrap().factors[0]
 });

@@ -81,18 +81,6 @@ fn times_say_who_took_them() {
     assert!(without.contains("Other programs were not timed") && !section.contains("Other programs were not timed"));
 }
 
-/// The report's claims once stated times that the report had measured itself, although the table contained the times measured by criterion.
-#[test]
-fn claims_state_the_times_of_the_table() {
-    let summary = PAPERS.summary();
-    let claim = array(&summary, "claims")
-        .iter()
-        .find(|claim| claim["claim"].as_str().is_some_and(|said| said.contains("calculating time")))
-        .expect("the claim");
-    assert_eq!(claim["ours"], "98.8 us a frame");
-    assert_says(claim["how"].as_str().expect("words"), &["timed by criterion"]);
-}
-
 /// A table with results of other programs is checked line by line before anything is computed.
 #[test]
 fn wrong_tables_of_other_programs_are_refused() {

@@ -11,6 +11,7 @@ mod models;
 pub mod network;
 mod run;
 
+pub use models::WEIGHTS_N;
 pub use run::run;
 
 use super::ExperimentError;

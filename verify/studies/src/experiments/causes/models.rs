@@ -1,10 +1,20 @@
 //! Models of the finger for sensing: with known or unknown zones, and calibrated or true modulus.
 
-use crate::experiments::{ExperimentError, table_one};
+use crate::experiments::ExperimentError;
 use crate::prelude::*;
 use crate::truths::Truth;
 use finray_model::calibration::{CalibrationCase, FactorModel, Unknown, factors};
 use finray_model::finger::{Part, Zone};
+
+/// Standard gravity, m/s^2 (CGPM 1901).
+const STANDARD_GRAVITY: f64 = 9.80665;
+/// Forces of the paper's weights of 50 to 300 g, N (sec. V-A and V-B).
+pub const WEIGHTS_N: [f64; 6] = {
+    const fn of_grams(weight_g: f64) -> f64 {
+        weight_g * 1e-3 * STANDARD_GRAVITY
+    }
+    [of_grams(50.0), of_grams(100.0), of_grams(150.0), of_grams(200.0), of_grams(250.0), of_grams(300.0)]
+};
 
 /// An end of the finger, which may have zones of other stiffness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -101,7 +111,15 @@ pub(super) fn weighed(finger: &Finger, truth: &dyn Truth, weights_n: &[f64]) -> 
     let nodes: Vec<NodeId> = finger.contact_nodes().collect();
     let mut loaded = [nodes.len() / 3, nodes.len() / 2, 2 * nodes.len() / 3].map(|i| nodes[i]).to_vec();
     loaded.dedup();
-    table_one::weighed(finger, truth, &loaded, weights_n)
+    let under = |node: NodeId| {
+        let contact = Contact::at_node(node);
+        let case = |(shape, weight_n): (FingerShape, &f64)| CalibrationCase {
+            load: contact.load(finger, *weight_n),
+            measurement: Measurement::of_shape(finger, &shape),
+        };
+        truth.shapes(&contact, weights_n).into_iter().zip(weights_n).map(case).collect::<Vec<_>>()
+    };
+    loaded.into_iter().flat_map(under).collect()
 }
 
 /// The finger with the modulus that best fits the shapes. A shape is omitted if this finger has no equilibrium under the shape's load; if no shape

@@ -6,10 +6,9 @@
 //! noisy.
 
 use super::cell::{Squared, beside};
-use super::models::{calibrated, weighed, with_zones};
+use super::models::{WEIGHTS_N, calibrated, weighed, with_zones};
 use super::{Cause, CauseCell, CauseMap, CauseRequest, ContactKnowledge, Practice, present};
 use crate::experiments::ExperimentError;
-use crate::experiments::table_one::{WEIGHTS_G, weight_n};
 use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use crate::truths::{MeshTruth, Truth, TruthId, fine_mesh};
@@ -38,7 +37,7 @@ pub fn causes(
         forces_n: forces_n.to_vec(),
         noise_mm,
         zones_known: false,
-        weights_n: WEIGHTS_G.map(weight_n),
+        weights_n: WEIGHTS_N,
     };
     let causes = present(Practice::Network, ContactKnowledge::Assumed, finger, &request);
     let worlds = causes.iter().map(|cause| Some(*cause)).chain([None]);

@@ -2,26 +2,26 @@
 
 use super::ContactKnowledge::{Assumed, Known};
 use super::Practice::{LeastSquares, Nonlinear};
+use super::models::WEIGHTS_N;
 use super::{CauseMap, CauseRequest, causes, network};
-use crate::experiments::table_one::{WEIGHTS_G, weight_n};
 use crate::experiments::{Context, Evidence, ExperimentError};
 use crate::prelude::*;
 use crate::sampling::sweep::Grid;
-use crate::truths::TruthId;
+use crate::truths::{TruthId, twin_of};
 use finray_model::estimators::network::NetworkSensing;
 
 impl Evidence for CauseMap {}
 
-/// Maps of causes for the finger, for its digital twin if given, and for the networks shipped for this finger.
+/// Maps of causes for the finger, for its digital twin if the finger has one, and for the networks shipped for this finger.
 ///
 /// # Errors
 /// [`ExperimentError`] if the equations of a finger at rest cannot be solved, or its modulus cannot be calibrated.
-pub fn run(context: &Context, twin: Option<&Finger>) -> Result<Vec<CauseMap>, ExperimentError> {
+pub fn run(context: &Context) -> Result<Vec<CauseMap>, ExperimentError> {
     let &Context { finger, noise_mm, effort, forces, .. } = context;
     let (drawn_n, [least_n, ..]) = (forces.drawn_n(), forces.of_maps_n());
     let (positions, step_deg) = effort.choose((12, 40.0), (24, 20.0));
     let forces_n = effort.choose(vec![drawn_n], vec![least_n, drawn_n]);
-    let weights_n = context.checked_forces().scaled(WEIGHTS_G.map(weight_n));
+    let weights_n = context.checked_forces().scaled(WEIGHTS_N);
     let (positions_mm, angles_deg) = Grid::grid(finger, positions, step_deg);
     let of = |practices: &[_]| CauseRequest {
         practices: practices.to_vec(),
@@ -41,7 +41,8 @@ pub fn run(context: &Context, twin: Option<&Finger>) -> Result<Vec<CauseMap>, Ex
             CauseRequest { angles_deg: vec![0.0], forces_n: vec![drawn_n], ..of(&[(Nonlinear, Assumed)]) },
         ],
     };
-    let twin = twin.map(|twin| (TruthId::Twin, twin));
+    let twin = (context.is_paper && noise_mm > 0.0).then(|| twin_of(finger)).transpose()?;
+    let twin = twin.as_ref().map(|twin| (TruthId::Twin, twin));
     let truths: Vec<_> = [(TruthId::Corotational, finger)].into_iter().chain(twin).collect();
     let contacts = |request: &CauseRequest| request.positions_mm.len() * request.angles_deg.len();
     context.progress.part("causes", truths.len() * requests.iter().map(contacts).sum::<usize>());

@@ -1,11 +1,9 @@
 //! Accuracy of the shipped networks on the co-rotational finger under camera noise, with its tolerances.
 
-use crate::experiments::table_two::TableTwo;
 use crate::experiments::{Context, Evidence};
 use crate::prelude::*;
 use crate::sampling::scatter::{ScatterRequest, ScatterRow, scatter};
 use crate::settings::{CAMERA_NOISE_MM, ENOUGH_CASES, TWO_FORCES_N};
-use crate::truths::TruthId;
 use finray_model::estimators::network::{NetworkSensing, Networks};
 
 /// Range of each force, N.
@@ -74,24 +72,19 @@ impl Evidence for NetworkStudy {
     }
 }
 
-/// Study of the shipped networks under noise; `None` without noise or without Table II, whose results are reused.
-pub(crate) fn run(context: &Context, sensed: Option<&TableTwo>) -> Result<Option<NetworkStudy>, EstimatorError> {
-    let Some(sensed) = sensed.filter(|_| context.noise_mm > 0.0) else { return Ok(None) };
-    let sensed: Vec<_> = sensed.of(TruthId::Corotational, context.noise_mm, EstimatorId::Network).cloned().collect();
-    context.progress.part("networks", NetworkStudy::steps(&sensed));
-    let [_, cases] = context.effort.sensed_cases();
+/// Study of the shipped networks under noise; `None` without noise, or for a finger that is not the paper's.
+pub(crate) fn run(context: &Context) -> Result<Option<NetworkStudy>, EstimatorError> {
+    if !context.is_paper || context.noise_mm == 0.0 {
+        return Ok(None);
+    }
+    context.progress.part("networks", CHECKED_SETS.len());
     let step = || context.progress.step();
-    NetworkStudy::run(context.fine, context.networks, context.noise_mm, cases, &sensed, &step).map(Some)
+    NetworkStudy::run(context.fine, context.networks, context.noise_mm, context.effort.sensed_cases(), &step).map(Some)
 }
 
 impl NetworkStudy {
-    /// Number of contact sets that [`NetworkStudy::run`] computes: those missing in `sensed`.
-    pub fn steps(sensed: &[ScatterRow]) -> usize {
-        CHECKED_SETS.iter().filter(|set| found(set, sensed).is_none()).count()
-    }
-
-    /// Senses `cases` random cases of each set of contacts on `fine`, the mesh of the true finger, with noise `noise_mm` (mm). Rows of `sensed`,
-    /// which have the same noise, are reused. `progress` is called after each set, [`NetworkStudy::steps`] times.
+    /// Senses `cases` random cases of each set of contacts on `fine`, the mesh of the true finger, with noise `noise_mm` (mm). `progress`
+    /// is called after each set.
     ///
     /// # Errors
     /// [`EstimatorError`] for a finger or contacts without a shipped network.
@@ -100,13 +93,12 @@ impl NetworkStudy {
         networks: &Networks,
         noise_mm: f64,
         cases: usize,
-        sensed: &[ScatterRow],
         progress: &(dyn Fn() + Sync),
     ) -> Result<NetworkStudy, EstimatorError> {
         let finger = fine.finger();
         let network = NetworkSensing { networks, finger, refuses: true };
-        let open = CHECKED_SETS.iter().filter(|set| found(set, sensed).is_none());
-        let sets: Vec<Vec<NodeId>> = open.map(|set| set.nodes.iter().map(|&node| NodeId(node)).collect()).collect();
+        let sets: Vec<Vec<NodeId>> =
+            CHECKED_SETS.iter().map(|set| set.nodes.iter().map(|&node| NodeId(node)).collect()).collect();
         // The Cramer-Rao bound depends little on the mesh, so the coarsest mesh suffices.
         let request = ScatterRequest {
             truth: fine,
@@ -116,9 +108,7 @@ impl NetworkStudy {
             cases,
             seed: SEED,
         };
-        let mut rows = scatter(&request, &[&network], &sets, FORCES_N, progress)?;
-        rows.extend_from_slice(sensed);
-        Ok(NetworkStudy { noise_mm, rows: CHECKED_SETS.iter().filter_map(|set| found(set, &rows)).cloned().collect() })
+        Ok(NetworkStudy { noise_mm, rows: scatter(&request, &[&network], &sets, FORCES_N, progress)? })
     }
 
     /// Checks of all sets of contacts.
@@ -154,8 +144,4 @@ impl NetworkStudy {
 /// Relative allowance for chance in a mean error over few cases; 0 for enough cases.
 fn chance(cases: usize) -> f64 {
     if cases < ENOUGH_CASES { CHANCE / (cases as f64).sqrt() } else { 0.0 }
-}
-
-fn found<'r>(set: &CheckedSet, rows: &'r [ScatterRow]) -> Option<&'r ScatterRow> {
-    rows.iter().find(|row| row.nodes == set.nodes)
 }
