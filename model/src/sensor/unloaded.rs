@@ -20,7 +20,7 @@ const UNLOADED_ERROR_MM: f64 = 0.3;
 /// Standard deviation, mm and rad, that is assumed for an exactly known base. No camera resolves an error as small as this standard deviation.
 const EXACT: f64 = 1e-6;
 
-impl Sensor<'_> {
+impl Sensor {
     /// Possible errors of the unloaded finger, as seen in one observation. `frame` transforms from the finger frame to the reference frame of the
     /// camera's pose.
     pub(super) fn unloaded(
@@ -29,7 +29,7 @@ impl Sensor<'_> {
         frame: &Isometry2<f64>,
         seen: &Observation,
     ) -> UnloadedFinger {
-        let scene = self.scene;
+        let scene = self.scene();
         let references = scene.base.as_ref().map_or(&[][..], |base| &base.references);
         let camera = scene.camera.and_then(|camera| camera.pose).zip(scene.markers).map(|(pose, markers)| {
             let eye = (frame.inverse() * Point2::from(pose.eye().xy())).coords;
@@ -63,7 +63,7 @@ impl Sensor<'_> {
         asked: &ContactQuestion,
         unloaded: &UnloadedFinger,
     ) -> Result<Answer, EstimatorError> {
-        let scene = self.scene;
+        let scene = self.scene();
         let finger = &scene.finger;
         let noise_mm = question.noise_mm.map(|noise_mm| noise_mm.hypot(UNLOADED_ERROR_MM));
         let before = self.options.estimator.answer(finger, &Question { unloaded: None, noise_mm, ..*question });

@@ -36,7 +36,7 @@ use crate::frame::{FrameLoad, FrameMotion};
 use crate::measurement::{Measurement, SharedError};
 use crate::mesh::Mesh;
 use crate::optimise::Prediction;
-use crate::statics::{Ladder, Statics};
+use crate::statics::{Equilibrium, Ladder, Statics, StaticsError};
 use crate::{Finger, Kinematics};
 use leaning::FoundLean;
 use linearised::{Linearised, Posed};
@@ -90,6 +90,8 @@ pub struct NearForces<'n> {
     pub contacts: &'n [Contact],
     /// Force of each contact along its direction, N.
     pub forces_n: &'n [f64],
+    /// Shape of the mesh near the equilibrium under these forces; `None` to follow the equilibrium from rest.
+    pub shape: Option<&'n FrameMotion>,
 }
 
 /// Estimates forces with the co-rotational finger on one mesh. Each estimate after the first starts from the previous estimate, which suits a stream
@@ -263,7 +265,8 @@ impl<'m> NonlinearEstimator<'m> {
         let is_unique = is_chosen || measurement.coordinate_count() >= many;
         if is_unique && self.object.is_none() && near.contacts.len() == self.questions.len() {
             let at_minimum = kept.and_then(|state| self.at_minimum(state, measurement, noise_mm));
-            self.last = at_minimum.or_else(|| self.state_under(near.contacts, near.forces_n, None));
+            let at_shape = at_minimum.or_else(|| self.state_near(near));
+            self.last = at_shape.or_else(|| self.state_under(near.contacts, near.forces_n, None));
         }
         self.is_chosen = is_chosen && self.last.is_some();
         self.estimate(measurement, noise_mm)
@@ -289,12 +292,30 @@ impl<'m> NonlinearEstimator<'m> {
 
     /// State under forces, N, at contacts, followed from the state `from`, or from rest if `from` is `None`. `None` if no equilibrium is found.
     fn state_under(&mut self, contacts: &[Contact], forces_n: &[f64], from: Option<&State>) -> Option<State> {
+        self.state_found(contacts, forces_n, |statics, loads| match from {
+            Some(from) => statics.tried(&from.motion, [&from.loads, loads], 1, |_, _| true),
+            None => statics.equilibrium(loads),
+        })
+    }
+
+    /// State under the forces of `near`, found from its shape. `None` without a shape, or if no equilibrium is found.
+    fn state_near(&mut self, near: NearForces) -> Option<State> {
+        let shape = near.shape?;
+        let found = |statics: &mut Statics<Ladder<'m>>, loads: &[FrameLoad]| {
+            statics.tried(shape, [loads, loads], 1, |_, _| true)
+        };
+        self.state_found(near.contacts, near.forces_n, found)
+    }
+
+    fn state_found(
+        &mut self,
+        contacts: &[Contact],
+        forces_n: &[f64],
+        find: impl FnOnce(&mut Statics<Ladder<'m>>, &[FrameLoad]) -> Result<Equilibrium, StaticsError>,
+    ) -> Option<State> {
         let of_contacts = contacts.iter().zip(forces_n).flat_map(|(c, f)| self.pad.loads(self.mesh, c, *f, 0.0));
         let loads = of_contacts.collect::<Result<Vec<_>, _>>().ok()?;
-        let equilibrium = match from {
-            Some(from) => self.statics.tried(&from.motion, [&from.loads, &loads], 1, |_, _| true),
-            None => self.statics.equilibrium(&loads),
-        };
+        let equilibrium = find(&mut self.statics, &loads);
         let motion = equilibrium.ok()?.motion;
         let nuisances = Nuisances::expected(contacts.len(), &self.shared_errors);
         let linearised = Linearised::new(self.mesh, &self.unknowns, self.priors.clone());
