@@ -10,7 +10,7 @@ use finray_imaging::render::{Disturbances, RenderRequest, render};
 use finray_model::camera::Camera;
 use finray_model::observation::Observation;
 use finray_model::sensing::{ContactQuestion, Direction};
-use finray_model::sensor::{SensorContacts, SensorOptions, WatchedFinger};
+use finray_model::sensor::{FingerTracker, SensorContacts, SensorOptions};
 use finray_model::{Kinematics, Load, Mesh, Scene, statics};
 use image::RgbImage;
 use std::hint::black_box;
@@ -107,7 +107,8 @@ fn live(criterion: &mut Criterion) {
     let asked = [("position", Direction::Angle(0.0)), ("position_and_direction", Direction::Auto)];
     for (unknown, direction) in asked {
         let contacts = SensorContacts::Asked(vec![ContactQuestion { position: None, direction }]);
-        let mut finger = WatchedFinger::new("", &scene, contacts, SensorOptions::default(), 0).expect("a question");
+        let mut finger =
+            FingerTracker::new("", scene.clone(), contacts, SensorOptions::default(), 0).expect("a question");
         let mut turn = observations.iter().cycle();
         group.bench_function(format!("sense/{unknown}"), |bencher| {
             bencher.iter_batched(

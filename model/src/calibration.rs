@@ -87,7 +87,7 @@ pub enum CalibrationError {
     #[error(
         "friction is not identifiable: its build-up force would be {build_up_n:.3} N (expected at most the largest \
             measured force, {largest_n:.3} N) and its angle from the normal {angle_deg:.1} degrees (expected less than \
-            90 degrees); check signs, measure larger forces, or use --fit friction"
+            90 degrees); check signs, measure larger forces, or fit friction without its build-up"
     )]
     FrictionLimit {
         /// Angle between a sliding force and the normal (lean), degrees.

@@ -6,11 +6,13 @@
 
 mod apportion;
 mod build;
+mod levels;
 mod load;
 mod prepared;
 mod shape;
 mod zones;
 
+pub use levels::MeshLevels;
 pub use load::{Load, LoadError};
 pub use shape::{FingerShape, NodeMotion};
 

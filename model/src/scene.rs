@@ -74,6 +74,27 @@ pub struct SceneError {
 }
 
 impl Scene {
+    /// A scene of a finger alone: without camera, markers, objects and stated errors.
+    pub fn of_finger(finger: Finger) -> Scene {
+        Scene {
+            name: String::new(),
+            finger,
+            strain_limits: StrainLimits::default(),
+            model_error: 0.0,
+            noise_mm: None,
+            marker_errors: MarkerErrors::default(),
+            camera: None,
+            markers: None,
+            base: None,
+            assembly: None,
+            contact: ContactDescription::default(),
+            touched: None,
+            object: None,
+            gripper: None,
+            grasp: None,
+        }
+    }
+
     /// Reads a scene from TOML. Rejects unknown and missing keys, wrong types, values out of range and impossible geometry.
     ///
     /// # Errors

@@ -2,12 +2,12 @@
 //! plane.
 //!
 //! Euler-Bernoulli beams with stress = E times strain give a smooth solution under any load, even an unrealistic one. [`Validity`] computes how large
-//! the neglected effects are in an equilibrium. [`Validity::doubts`] compares strains with the material's limits ([`StrainLimits`], by default
+//! the neglected effects are in an equilibrium. [`Validity::warnings`] compares strains with the material's limits ([`StrainLimits`], by default
 //! [`LARGEST_STRAIN`]) and shear with [`LARGEST_SHEAR_SHARE`]. Undeformable ribs are not examined.
 
-mod doubt;
+mod warning;
 
-pub use doubt::Doubt;
+pub use warning::ValidityWarning;
 
 use crate::element::{Beam, Station};
 use crate::finger::{Finger, Part, Plate};

@@ -4,7 +4,9 @@ use finray_model::finger::{Part, Plate};
 use finray_model::frame::{FrameLoad, FrameMotion};
 use finray_model::sensing::Contact;
 use finray_model::statics::Statics;
-use finray_model::validity::{Doubt, LARGEST_SHEAR_SHARE, LARGEST_STRAIN, SHEAR_CORRECTION, StrainLimits, Validity};
+use finray_model::validity::{
+    LARGEST_SHEAR_SHARE, LARGEST_STRAIN, SHEAR_CORRECTION, StrainLimits, Validity, ValidityWarning,
+};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector};
 use finray_tests::{at_position, paper, paper_scene_with};
 use nalgebra::{DMatrix, DVector, SMatrix};
@@ -205,34 +207,34 @@ fn a_finger_with_shear_has_the_stiffness_of_beams_with_shear() {
 
 /// Small forces on the paper's finger violate no assumption. If a single assumption fails, exactly this assumption is reported.
 #[test]
-fn doubts_name_what_fails() {
-    let doubts = |scene: &Scene, force_n: f64| {
+fn warnings_name_what_fails() {
+    let warnings = |scene: &Scene, force_n: f64| {
         let mesh = Mesh::key_nodes(&scene.finger);
         let load = [Load::at_node(NodeId(19), scene.finger.direction(0.0) * force_n)];
-        examined(&mesh, Kinematics::Corotational, &load).doubts(&scene.strain_limits)
+        examined(&mesh, Kinematics::Corotational, &load).warnings(&scene.strain_limits)
     };
-    assert_eq!(doubts(&paper_scene_with(&[]), 3.0), []);
-    assert_eq!(doubts(&paper_scene_with(&[]), 0.0), [], "nothing strains at rest");
+    assert_eq!(warnings(&paper_scene_with(&[]), 3.0), []);
+    assert_eq!(warnings(&paper_scene_with(&[]), 0.0), [], "nothing strains at rest");
     let flat = paper_scene_with(&[("depth_mm = 20.0", "depth_mm = 1.4")]);
-    assert!(matches!(doubts(&flat, 0.1)[..], [Doubt::OutOfPlane { .. }]));
+    assert!(matches!(warnings(&flat, 0.1)[..], [ValidityWarning::OutOfPlane { .. }]));
     let thick = paper_scene_with(&[("thickness_mm = 1.5", "thickness_mm = 6.0")]);
-    assert!(matches!(doubts(&thick, 0.1)[..], [Doubt::Shear { share, .. }] if share > LARGEST_SHEAR_SHARE));
+    assert!(matches!(warnings(&thick, 0.1)[..], [ValidityWarning::Shear { share, .. }] if share > LARGEST_SHEAR_SHARE));
     let soft = paper_scene_with(&[("youngs_modulus_mpa = 47.976", "youngs_modulus_mpa = 25.0")]);
     assert!(matches!(
-        doubts(&soft, 3.0)[..],
-        [Doubt::Strain { strain, limit: LARGEST_STRAIN, stated: false }] if strain.strain > LARGEST_STRAIN
+        warnings(&soft, 3.0)[..],
+        [ValidityWarning::Strain { strain, limit: LARGEST_STRAIN, stated: false }] if strain.strain > LARGEST_STRAIN
     ));
     // The paper's finger, with a part made of a material whose strain limit is below or above the strain at 3 N.
     for (name, part) in [("front", Part::Front), ("back", Part::Back), ("ribs", Part::Ribs)] {
         let table = format!("[finger.{name}]");
         let with = |limit| paper_scene_with(&[(&table, &format!("{table}\nlargest_strain = {limit}"))]);
-        let found = doubts(&with("1e-4"), 3.0);
+        let found = warnings(&with("1e-4"), 3.0);
         assert!(
-            matches!(found[..], [Doubt::Strain { strain, limit: 1e-4, stated: true }] if strain.member.part == part)
+            matches!(found[..], [ValidityWarning::Strain { strain, limit: 1e-4, stated: true }] if strain.member.part == part)
         );
         let said = found[0].to_string();
         assert!(said.contains(&format!("finger.{name}.largest_strain of the scene")), "{said}");
-        assert_eq!(doubts(&with("0.2"), 3.0), []);
+        assert_eq!(warnings(&with("0.2"), 3.0), []);
     }
 }
 
@@ -259,7 +261,7 @@ fn undeformable_ribs_take_no_part() {
 fn the_papers_finger_keeps_within_the_limits_up_to_three_newtons() {
     let finger = paper();
     let mesh = Mesh::with_elements_per_member(&finger, 4);
-    let mut doubted = Vec::new();
+    let mut warned = Vec::new();
     for force_n in [3.0, 5.0] {
         for node in finger.contact_nodes().skip(1) {
             for angle_deg in [-80.0, -60.0, -40.0, -20.0, 0.0, 20.0, 40.0, 60.0, 80.0] {
@@ -267,15 +269,15 @@ fn the_papers_finger_keeps_within_the_limits_up_to_three_newtons() {
                 let found = examined(&mesh, Kinematics::Corotational, &[contact.load(&finger, force_n)]);
                 let most = found.largest_strain(&StrainLimits::default()).expect("it strains");
                 println!("{force_n} N at node {node}, {angle_deg} deg: {most}; shear {}", found.shear_share);
-                if !found.doubts(&StrainLimits::default()).is_empty() {
-                    doubted.push((force_n, node.0, angle_deg));
+                if !found.warnings(&StrainLimits::default()).is_empty() {
+                    warned.push((force_n, node.0, angle_deg));
                 }
             }
         }
     }
-    assert!(doubted.iter().all(|(force_n, ..)| *force_n == 5.0), "{doubted:?}");
+    assert!(warned.iter().all(|(force_n, ..)| *force_n == 5.0), "{warned:?}");
     let along_the_normal: Vec<usize> =
-        doubted.iter().filter(|(_, _, angle_deg)| *angle_deg == 0.0).map(|(_, node, _)| *node).collect();
+        warned.iter().filter(|(_, _, angle_deg)| *angle_deg == 0.0).map(|(_, node, _)| *node).collect();
     assert_eq!(along_the_normal, (15..=24).collect::<Vec<_>>());
     let shear = |s_mm: f64| {
         let contact = at_position(s_mm, 0.0);

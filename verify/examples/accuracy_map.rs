@@ -2,17 +2,20 @@
 //!
 //! `cargo run --release -p finray-verify --example accuracy_map` writes `accuracy_map.svg`.
 
-use finray_model::estimators::BeamEstimator;
-use finray_model::{Kinematics, Mesh, Scene};
+use finray_model::estimators::EstimatorId;
+use finray_model::estimators::network::Networks;
+use finray_model::{Kinematics, Scene};
 use finray_report::{map_figure_svg, standalone};
 use finray_studies::sampling::map::{MapRequest, accuracy_maps};
+use finray_studies::sampling::sampled::SampledSensor;
 use finray_studies::sampling::sweep::Grid;
 use finray_studies::truths::TruthId;
 use finray_studies::truths::{MeshTruth, fine_mesh};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // The problem: a force of 3 N at positions along the whole front plate, in directions from -80 to 80 degrees, measured without noise.
-    let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE)?.finger;
+    let scene = Scene::from_toml(finray_fixtures::PAPER_SCENE)?;
+    let finger = scene.finger.clone();
     let (positions_mm, angles_deg) = Grid::grid(&finger, 24, 10.0);
     let request = MapRequest {
         positions_mm,
@@ -23,12 +26,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         seed: 1,
     };
 
-    // The true finger, the estimator with its linear model, and the map of the estimator's errors.
+    // The true finger, the sensor, and the map of its errors.
     let fine = fine_mesh(&finger)?;
     let truth = MeshTruth::new(TruthId::Corotational, &fine, Kinematics::Corotational)?;
-    let mesh = Mesh::key_nodes(&finger);
-    let least_squares = BeamEstimator::least_squares(&mesh);
-    let map = accuracy_maps(&finger, &truth, &[&least_squares], &request, &|| ()).remove(0);
+    let least_squares = SampledSensor::new(EstimatorId::LeastSquares, Networks::none());
+    let map = accuracy_maps(scene, &truth, &[least_squares], &request, &|| ()).remove(0);
 
     // The comparison: along the normal all errors are below 10 %; at -60 degrees the largest error is above 10 %.
     let largest = |angle_deg: f64| {

@@ -20,10 +20,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // The force, its direction and its position are unknown.
     let question = ContactQuestion { position: None, direction: Direction::Auto };
-    let sensor = Sensor::new(&scene, SensorContacts::Asked(vec![question]), SensorOptions::default())?;
+    let sensor = Sensor::new(scene, SensorContacts::Asked(vec![question]), SensorOptions::default())?;
     let sensed = sensor.sense(&seen)?;
-    for (i, contact) in sensed.contacts.iter().enumerate() {
-        println!("{:.3} N at {contact}, 95 % interval {:.3?} N", sensed.forces_n[i], sensed.interval_n(i));
+    for force in &sensed.forces {
+        println!("{:.3} N at {}, 95 % interval {:.3?} N", force.force_n, force.contact, force.interval_n());
     }
     sensed.warnings.iter().for_each(|warning| println!("warning: {warning}"));
     Ok(())

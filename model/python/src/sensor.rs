@@ -8,53 +8,31 @@ use finray_files::load_network;
 use finray_model::estimators::EstimatorId;
 use finray_model::estimators::network::Networks;
 use finray_model::sensing::ContactPosition;
-use finray_model::sensor::{AskedContact, Refusal, SensedForces, SensorContacts, SensorOptions};
+use finray_model::sensor::{ContactSpec, ContactTextError, Refusal, SensedForce, SensedForces, SensorContacts, SensorOptions};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use self_cell::self_cell;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// What a sensor refers to.
-pub struct SensorBasis {
-    pub scene: Arc<finray_model::Scene>,
-    networks: Networks,
-    estimator: EstimatorId,
+/// The options of a sensor, checked, with its networks.
+pub fn options(
+    estimator: &str,
+    network: Option<PathBuf>,
     noise_mm: Option<f64>,
-}
-
-impl SensorBasis {
-    /// Checks the options of a sensor, and reads its networks.
-    pub fn new(
-        scene: &Scene,
-        estimator: &str,
-        network: Option<PathBuf>,
-        noise_mm: Option<f64>,
-    ) -> PyResult<SensorBasis> {
-        let names = || EstimatorId::ALL.iter().map(|estimator| estimator.name()).collect::<Vec<_>>().join(", ");
-        let id = EstimatorId::ALL.iter().copied().find(|id| id.name() == estimator);
-        let estimator =
-            id.ok_or_else(|| failed(format!("estimator: expected one of {}, found {estimator:?}", names())))?;
-        let networks = match (network, estimator) {
-            (None, EstimatorId::Network) => Networks::read(&finray_fixtures::NETWORKS).map_err(failed)?,
-            (None, _) => Networks::of(Vec::new()),
-            (Some(path), EstimatorId::Network) => Networks::of(vec![load_network(&path).map_err(failed)?.0]),
-            (Some(_), _) => {
-                return Err(failed("network: expected only with the estimator \"network\", found another estimator"));
-            }
-        };
-        Ok(SensorBasis {
-            scene: scene.scene.clone(),
-            networks,
-            estimator,
-            noise_mm: not_negative("noise_mm", noise_mm)?,
-        })
-    }
-
-    /// The options of the library's sensors.
-    pub fn options(&self, mesh_nodes: Option<usize>) -> SensorOptions<'_> {
-        SensorOptions { estimator: self.estimator, networks: &self.networks, noise_mm: self.noise_mm, mesh_nodes }
-    }
+    mesh_nodes: Option<usize>,
+) -> PyResult<SensorOptions> {
+    let names = || EstimatorId::ALL.iter().map(|estimator| estimator.name()).collect::<Vec<_>>().join(", ");
+    let id = EstimatorId::ALL.iter().copied().find(|id| id.name() == estimator);
+    let estimator = id.ok_or_else(|| failed(format!("estimator: expected one of {}, found {estimator:?}", names())))?;
+    let networks = match (network, estimator) {
+        (None, EstimatorId::Network) => Networks::read(&finray_fixtures::NETWORKS).map_err(failed)?,
+        (None, _) => Networks::none().clone(),
+        (Some(path), EstimatorId::Network) => Networks::of(vec![load_network(&path).map_err(failed)?.0]),
+        (Some(_), _) => {
+            return Err(failed("network: expected only with the estimator \"network\", found another estimator"));
+        }
+    };
+    Ok(SensorOptions { estimator, networks, noise_mm: not_negative("noise_mm", noise_mm)?, mesh_nodes })
 }
 
 /// A contact as a number or in the notation of the command line. `None` for any other value.
@@ -82,24 +60,14 @@ pub fn contacts(
     contact: Option<&Bound<'_, PyAny>>,
     friction: f64,
 ) -> PyResult<SensorContacts> {
-    let parsed = |name: &str, texts: Vec<String>, parse: fn(&str) -> Result<AskedContact, String>| {
+    let parsed = |name: &str, texts: Vec<String>, parse: fn(&str) -> Result<ContactSpec, ContactTextError>| {
         let wrong = |reason| failed(format!("{name}: {reason}"));
         texts.iter().map(|text| parse(text).map_err(wrong)).collect::<PyResult<Vec<_>>>()
     };
-    let mut asked = parsed("contact_at", contact_texts("contact_at", contact_at)?, AskedContact::at_position)?;
-    asked.extend(parsed("contact", contact_texts("contact", contact)?, AskedContact::at_node)?);
-    SensorContacts::of_asked(&asked, &scene.scene, friction, None).map_err(failed)
+    let mut asked = parsed("contact_at", contact_texts("contact_at", contact_at)?, ContactSpec::at_position)?;
+    asked.extend(parsed("contact", contact_texts("contact", contact)?, ContactSpec::at_node)?);
+    SensorContacts::from_specs(&asked, &scene.scene, friction, None).map_err(failed)
 }
-
-self_cell!(
-    struct OwnedSensor {
-        owner: SensorBasis,
-        #[covariant]
-        dependent: ModelSensor,
-    }
-);
-
-type ModelSensor<'s> = finray_model::sensor::Sensor<'s>;
 
 /// Estimates contact forces from observations of a finger, as `finray sense` does.
 ///
@@ -120,7 +88,10 @@ type ModelSensor<'s> = finray_model::sensor::Sensor<'s>;
 ///
 /// Raises FinrayError if the contacts are wrong, or the estimator does not support them.
 #[pyclass(frozen, module = "finray")]
-pub struct Sensor(OwnedSensor);
+pub struct Sensor {
+    scene: Arc<finray_model::Scene>,
+    sensor: finray_model::sensor::Sensor,
+}
 
 #[pymethods]
 impl Sensor {
@@ -141,17 +112,17 @@ impl Sensor {
     ) -> PyResult<Sensor> {
         let friction = not_negative("friction", Some(friction))?.unwrap_or_default();
         let contacts = contacts(scene, contact_at, contact, friction)?;
-        let basis = SensorBasis::new(scene, estimator, network, noise_mm)?;
-        let sensor =
-            OwnedSensor::try_new(basis, |basis| ModelSensor::new(&basis.scene, contacts, basis.options(mesh_nodes)));
-        Ok(Sensor(sensor.map_err(failed)?))
+        let options = options(estimator, network, noise_mm, mesh_nodes)?;
+        let scene = scene.scene.clone();
+        let sensor = finray_model::sensor::Sensor::new(scene.clone(), contacts, options).map_err(failed)?;
+        Ok(Sensor { scene, sensor })
     }
 
     /// Estimate the forces of an observation.
     ///
     /// Raises FinrayError if the observation does not fit the finger, and Refused if the forces are not identifiable.
     fn sense(&self, py: Python<'_>, observation: &Observation) -> PyResult<Forces> {
-        let (sensor, seen) = (self.0.borrow_dependent(), &observation.seen);
+        let (sensor, seen) = (&self.sensor, &observation.seen);
         let sensed = py.detach(|| {
             let sensed = sensor.sense(seen)?;
             let warnings = sensed.warnings.iter().map(ToString::to_string).chain(sensor.validity_warnings(&sensed));
@@ -161,8 +132,7 @@ impl Sensor {
             Refusal::Observation(error) => failed(error),
             refusal => refused(refusal),
         })?;
-        let scene = self.0.borrow_owner().scene.clone();
-        Ok(Forces { scene, sensed, warnings })
+        Ok(Forces { scene: self.scene.clone(), sensed, warnings })
     }
 }
 
@@ -174,47 +144,52 @@ pub struct Forces {
     warnings: Vec<String>,
 }
 
+impl Forces {
+    fn column<'py>(&self, py: Python<'py>, of: impl Fn(&SensedForce) -> f64) -> Bound<'py, PyArray1<f64>> {
+        arrays::column(py, self.sensed.forces.iter().map(of))
+    }
+}
+
 #[pymethods]
 impl Forces {
     /// Node of each contact, or "at" for a contact at a position.
     #[getter]
     fn contacts(&self) -> Vec<String> {
-        let name = |contact: &finray_model::sensing::Contact| match contact.position {
+        let name = |sensed: &SensedForce| match sensed.contact.position {
             ContactPosition::Node(node) => node.to_string(),
             ContactPosition::At(_) => "at".to_owned(),
         };
-        self.sensed.contacts.iter().map(name).collect()
+        self.sensed.forces.iter().map(name).collect()
     }
 
     /// Position of each contact along the front plate, mm from the base; shape (k,). NaN for a node that is not on the front plate.
     #[getter]
     fn s_mm<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let finger = &self.scene.finger;
-        arrays::column(py, self.sensed.contacts.iter().map(|contact| contact.position_mm(finger).unwrap_or(f64::NAN)))
+        self.column(py, |sensed| sensed.contact.position_mm(&self.scene.finger).unwrap_or(f64::NAN))
     }
 
     /// Direction of each force, degrees from the inward normal of the undeformed front plate, positive towards the tip; shape (k,).
     #[getter]
     fn angle_deg<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        arrays::column(py, self.sensed.contacts.iter().map(|contact| contact.angle_deg))
+        self.column(py, |sensed| sensed.contact.angle_deg)
     }
 
     /// Force of each contact along its direction, N; shape (k,).
     #[getter]
     fn force_n<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        arrays::column(py, self.sensed.forces_n.iter().copied())
+        self.column(py, |sensed| sensed.force_n)
     }
 
     /// Standard deviation of each force, N; shape (k,).
     #[getter]
     fn sigma_n<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        arrays::column(py, self.sensed.sigmas_n.iter().copied())
+        self.column(py, |sensed| sensed.sigma_n)
     }
 
     /// Lower and upper limit of the 95 % interval of each force, N; shape (k, 2).
     #[getter]
     fn interval_n<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        arrays::pairs(py, (0..self.sensed.forces_n.len()).map(|contact| self.sensed.interval_n(contact)))
+        arrays::pairs(py, self.sensed.forces.iter().map(SensedForce::interval_n))
     }
 
     /// Reasons why the forces may be less accurate than stated.
@@ -224,12 +199,12 @@ impl Forces {
     }
 
     fn __len__(&self) -> usize {
-        self.sensed.forces_n.len()
+        self.sensed.forces.len()
     }
 
     fn __repr__(&self) -> String {
-        let pairs = self.sensed.forces_n.iter().zip(&self.sensed.sigmas_n);
-        let forces: Vec<String> = pairs.map(|(force_n, sigma_n)| format!("{force_n:.4} +- {sigma_n:.4} N")).collect();
+        let force = |sensed: &SensedForce| format!("{:.4} +- {:.4} N", sensed.force_n, sensed.sigma_n);
+        let forces: Vec<String> = self.sensed.forces.iter().map(force).collect();
         format!("<finray.Forces {}>", forces.join(", "))
     }
 }

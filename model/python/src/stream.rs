@@ -5,19 +5,19 @@ use crate::error::failed;
 use crate::images::{ImageArgument, ImageView};
 use crate::observation::Observation;
 use crate::scene::Scene;
-use crate::sensor::{SensorBasis, contacts};
+use crate::sensor::{contacts, options};
 use finray_files::live::{FrameInfo, Line};
 use finray_imaging::locate::{Observer, ObserverError};
-use finray_model::sensor::{FrameState, Refusal, WatchedFinger};
+use finray_model::sensor::{FingerTracker, FrameState, Refusal};
 use pyo3::prelude::*;
 use self_cell::self_cell;
 use std::path::PathBuf;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 /// State of the evaluation of a stream.
 struct Evaluation<'s> {
-    finger: WatchedFinger<'s>,
+    finger: FingerTracker,
     /// Locator of the markers; `None` before the first image.
     observer: Option<Observer<'s>>,
     /// Number of evaluated and dropped frames.
@@ -26,7 +26,7 @@ struct Evaluation<'s> {
 
 self_cell!(
     struct OwnedEvaluation {
-        owner: SensorBasis,
+        owner: Arc<finray_model::Scene>,
         #[not_covariant]
         dependent: Evaluation,
     }
@@ -70,9 +70,9 @@ impl StreamSensor {
         rest_frames: usize,
     ) -> PyResult<StreamSensor> {
         let contacts = contacts(scene, contact_at, contact, 0.0)?;
-        let basis = SensorBasis::new(scene, estimator, network, noise_mm)?;
-        let evaluation = OwnedEvaluation::try_new(basis, |basis| {
-            let finger = WatchedFinger::new("", &basis.scene, contacts, basis.options(None), rest_frames)?;
+        let options = options(estimator, network, noise_mm, None)?;
+        let evaluation = OwnedEvaluation::try_new(scene.scene.clone(), |scene| {
+            let finger = FingerTracker::new("", scene.clone(), contacts, options, rest_frames)?;
             Ok::<_, Refusal>(Evaluation { finger, observer: None, frames: 0 })
         });
         Ok(StreamSensor(Mutex::new(evaluation.map_err(failed)?)))
@@ -114,10 +114,10 @@ impl StreamSensor {
             return Err(failed(format!("dropped: expected at most {LARGEST_INTEGER}, found {dropped}")));
         }
         let mut evaluation = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        evaluation.with_dependent_mut(|basis, evaluation| {
+        evaluation.with_dependent_mut(|scene, evaluation| {
             let Evaluation { finger, observer, frames } = evaluation;
             let seen = match content {
-                Content::Image(image) => observer_of(observer, &basis.scene).map_err(failed)?.observe_frame(&image),
+                Content::Image(image) => observer_of(observer, scene).map_err(failed)?.observe_frame(&image),
                 Content::Markers(observation) => Ok(observation.seen.clone()),
                 Content::Unreadable(reason) => Err((FrameState::Refused, reason)),
             };

@@ -2,12 +2,10 @@
 
 use super::{Estimator, EstimatorError, EstimatorId, PreparedEstimator, Sensed};
 use crate::Mesh;
-use crate::compliance::NodalCompliance;
 use crate::measurement::Measurement;
-use crate::sensing::{
-    Contact, Discretisation, LinearEstimator, Linearisation, NonlinearEstimator, Prior, SensingError,
-};
+use crate::sensing::{Contact, Discretisation, LinearEstimator, Linearisation, NonlinearEstimator, Prior};
 use nalgebra::{DMatrix, DVector};
+use std::sync::Arc;
 
 /// Beam elements per member of the co-rotational mesh that is used to compute the error of linearisation. The discretisation error of this mesh is
 /// small compared with the error of linearisation.
@@ -22,9 +20,7 @@ pub struct BeamEstimator<'m> {
     mesh: &'m Mesh,
     /// Mesh of the co-rotational finger, used to compute the model error. For the nonlinear estimator, this mesh is finer than `mesh`. `None` if the
     /// standard deviations follow from noise alone.
-    reference: Option<Mesh>,
-    /// Compliance for all contacts, computed once. `None` if the compliance is computed separately for each set of contacts.
-    solved: Option<NodalCompliance>,
+    reference: Option<Arc<Mesh>>,
 }
 
 impl<'m> BeamEstimator<'m> {
@@ -41,13 +37,13 @@ impl<'m> BeamEstimator<'m> {
 
     fn linear(id: EstimatorId, prior: Prior, mesh: &'m Mesh) -> BeamEstimator<'m> {
         let reference = Mesh::with_elements_per_member(mesh.finger(), LINEARISATION_ELEMENTS);
-        BeamEstimator { id, prior: Some(prior), mesh, reference: Some(reference), solved: None }
+        BeamEstimator { id, prior: Some(prior), mesh, reference: Some(Arc::new(reference)) }
     }
 
     /// Estimator that uses the Gauss-Newton method on a mesh of the co-rotational finger. The standard deviations include the error of the mesh.
     pub fn nonlinear(mesh: &'m Mesh) -> BeamEstimator<'m> {
-        let reference = Some(Discretisation::finer(mesh));
-        BeamEstimator { id: EstimatorId::Nonlinear, prior: None, mesh, reference, solved: None }
+        let reference = Some(Arc::new(Discretisation::finer(mesh)));
+        BeamEstimator { id: EstimatorId::Nonlinear, prior: None, mesh, reference }
     }
 
     /// The same estimator with standard deviations that follow from noise alone, as in the Cramer-Rao bound.
@@ -68,15 +64,8 @@ impl Estimator for BeamEstimator<'_> {
     ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError> {
         match self.prior {
             Some(prior) => {
-                // Because of rounding, the solution for a unit moment may fail even if the solution for the force succeeds.
-                let estimator = match self.solved.as_ref().map(|solved| LinearEstimator::on(solved, contacts, markers))
-                {
-                    None | Some(Err(SensingError::Statics(_))) => {
-                        LinearEstimator::new(self.mesh.finger(), contacts, markers)
-                    }
-                    Some(found) => found,
-                }?;
-                let linearisation = self.reference.as_ref().map(|mesh| Linearisation::new(mesh, contacts));
+                let estimator = LinearEstimator::new(self.mesh.finger(), contacts, markers)?;
+                let linearisation = self.reference.as_ref().map(|mesh| Linearisation::new(mesh.clone(), contacts));
                 Ok(Box::new(Linear { sum: SumSigma::of(&estimator, prior), estimator, prior, linearisation }))
             }
             None => {
@@ -87,24 +76,17 @@ impl Estimator for BeamEstimator<'_> {
             }
         }
     }
-
-    fn for_many(&self, finger_is_linear: bool) -> Option<Box<dyn Estimator + '_>> {
-        self.prior?;
-        let reference = self.reference.clone().filter(|_| !finger_is_linear);
-        let solved = Some(NodalCompliance::new(self.mesh.finger()));
-        Some(Box::new(BeamEstimator { solved, reference, ..*self }))
-    }
 }
 
 /// A linear estimator prepared for contacts and markers.
-struct Linear<'m> {
+struct Linear {
     estimator: LinearEstimator,
     prior: Prior,
     sum: SumSigma,
-    linearisation: Option<Linearisation<'m>>,
+    linearisation: Option<Linearisation>,
 }
 
-impl PreparedEstimator for Linear<'_> {
+impl PreparedEstimator for Linear {
     fn estimate(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Sensed, EstimatorError> {
         let estimate = match &mut self.linearisation {
             Some(linearisation) => self.estimator.estimate_on(linearisation, measurement, noise_mm, self.prior)?,
@@ -178,18 +160,6 @@ impl PreparedEstimator for Nonlinear<'_> {
             forces_n: estimate.forces.forces_n,
             sigmas_n: Some(estimate.forces.sigmas_n),
         })
-    }
-
-    fn expect_samples_of(&mut self, noise_free: &Measurement, noise_mm: f64, samples: usize) {
-        self.estimator.forget();
-        // For a single sample, a search on the noise-free measurement would cost more time than it saves.
-        if samples < 2 {
-            return;
-        }
-        // If the measurement contradicts the model, there may be several minima, and a common starting point would select one of them.
-        if self.estimator.estimate(noise_free, Some(noise_mm)).is_ok_and(|found| found.forces.warning.is_none()) {
-            self.estimator.hold();
-        }
     }
 
     fn expect_forces(&mut self, forces_n: &[f64]) {

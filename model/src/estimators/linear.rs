@@ -1,8 +1,9 @@
 //! Linear least squares, without a prior and with the paper's range of forces as a prior.
 
-use super::{Answer, BeamEstimator, ELEMENTS, EstimatorError, EstimatorRow, Question, known_contacts};
-use crate::sensing::{LinearEstimator, Linearisation, Prior};
-use crate::{Finger, Mesh};
+use super::kept::{LinearSolution, MarkerSet};
+use super::{Answer, EstimatorError, EstimatorRow, Question, known_contacts};
+use crate::Finger;
+use crate::sensing::Prior;
 
 pub(super) const LEAST_SQUARES: EstimatorRow = EstimatorRow {
     name: "least-squares",
@@ -14,8 +15,6 @@ pub(super) const LEAST_SQUARES: EstimatorRow = EstimatorRow {
     needs: "position and direction of the contact",
     refuses: "contacts that are not identifiable",
     unseen_contacts: "any",
-    mesh: Mesh::key_nodes,
-    on: |mesh, _| Box::new(BeamEstimator::least_squares(mesh)),
     admits: |finger, contacts, _| known_contacts(finger, contacts).map(drop),
     answer: |finger, question| answer(finger, question, Prior::None),
 };
@@ -24,16 +23,21 @@ pub(super) const RIDGE: EstimatorRow = EstimatorRow {
     name: "ridge",
     label: "ridge",
     help: "Least squares with the paper's range of forces as a prior",
-    on: |mesh, _| Box::new(BeamEstimator::ridge(mesh)),
     answer: |finger, question| answer(finger, question, Prior::PAPER),
     ..LEAST_SQUARES
 };
 
 fn answer(finger: &Finger, question: &Question, prior: Prior) -> Result<Answer, EstimatorError> {
-    let contacts = known_contacts(finger, question.contacts)?;
-    let estimator = LinearEstimator::new(finger, &contacts, question.measurement)?;
-    let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
-    let mut linearisation = Linearisation::new(&mesh, &contacts);
-    let estimate = estimator.estimate_on(&mut linearisation, question.measurement, question.noise_mm, prior)?;
-    Ok((contacts, estimate))
+    let markers = MarkerSet::of(question.measurement);
+    let mut kept = question.kept.borrow_mut();
+    let solution = match kept.linear.take().filter(|(of, _)| *of == markers) {
+        Some((_, solution)) => solution,
+        None => {
+            let contacts = known_contacts(finger, question.contacts)?;
+            LinearSolution::new(question.prepared, contacts, question.measurement)?
+        }
+    };
+    let (_, LinearSolution { contacts, estimator, linearisation }) = kept.linear.insert((markers, solution));
+    let estimate = estimator.estimate_on(linearisation, question.measurement, question.noise_mm, prior)?;
+    Ok((contacts.clone(), estimate))
 }

@@ -4,14 +4,15 @@
 //! earlier measurements.
 
 mod beam;
-mod beam_theory;
+mod kept;
 mod linear;
 pub mod network;
 mod nonlinear;
 
 pub use beam::BeamEstimator;
-pub use beam_theory::{BeamTheoryError, WithBeamTheoryError};
+pub(crate) use kept::{Kept, PreparedFinger};
 
+use crate::Finger;
 use crate::measurement::Measurement;
 use crate::mesh::MeshSizeError;
 use crate::registry;
@@ -19,8 +20,8 @@ use crate::sensing::network::NetworkError;
 use crate::sensing::{
     Contact, ContactQuestion, Estimate, NearForces, Pad, SensingError, TouchedObject, UnloadedFinger, check_contacts,
 };
-use crate::{Finger, Mesh};
 use network::{Networks, NoNetwork};
+use std::cell::RefCell;
 
 /// Beam elements per member for the nonlinear estimator: the error of this mesh is small compared with the noise.
 pub const ELEMENTS: usize = 4;
@@ -50,8 +51,6 @@ struct EstimatorRow {
     needs: &'static str,
     refuses: &'static str,
     unseen_contacts: &'static str,
-    mesh: fn(&Finger) -> Mesh,
-    on: for<'m> fn(&'m Mesh, &'m Networks) -> Box<dyn Estimator + 'm>,
     admits: fn(&Finger, &[ContactQuestion], &Networks) -> Result<(), EstimatorError>,
     answer: fn(&Finger, &Question) -> Result<Answer, EstimatorError>,
 }
@@ -88,16 +87,6 @@ impl EstimatorId {
         self.row().unseen_contacts
     }
 
-    /// The mesh on which the estimator works for a finger.
-    pub fn mesh(self, finger: &Finger) -> Mesh {
-        (self.row().mesh)(finger)
-    }
-
-    /// The estimator on its [mesh](EstimatorId::mesh). `networks` are the candidates for [`EstimatorId::Network`].
-    pub fn on<'m>(self, mesh: &'m Mesh, networks: &'m Networks) -> Box<dyn Estimator + 'm> {
-        (self.row().on)(mesh, networks)
-    }
-
     /// Checks, without a measurement, that the estimator supports the contacts.
     ///
     /// # Errors
@@ -115,7 +104,7 @@ impl EstimatorId {
     ///
     /// # Errors
     /// [`EstimatorError`] if a contact is wrong, or the estimator refuses to answer.
-    pub fn answer(self, finger: &Finger, question: &Question) -> Result<Answer, EstimatorError> {
+    pub(crate) fn answer(self, finger: &Finger, question: &Question) -> Result<Answer, EstimatorError> {
         if !question.pad.is_none() && !self.searches() {
             return Err(EstimatorError::NoPad);
         }
@@ -128,7 +117,11 @@ impl EstimatorId {
 
 /// Input of one estimate: the contacts, the measurement and options.
 #[derive(Debug, Clone, Copy)]
-pub struct Question<'q> {
+pub(crate) struct Question<'q> {
+    /// The finger, with its meshes.
+    pub prepared: &'q PreparedFinger,
+    /// Results of earlier measurements for the same contacts.
+    pub kept: &'q RefCell<Kept>,
     /// Contacts whose forces are estimated.
     pub contacts: &'q [ContactQuestion],
     /// Pad between objects and the plate. Estimators that do not search refuse a question with a pad.
@@ -151,7 +144,7 @@ pub struct Question<'q> {
 }
 
 /// Contacts with their given or estimated position and direction, and their forces.
-pub type Answer = (Vec<Contact>, Estimate);
+pub(crate) type Answer = (Vec<Contact>, Estimate);
 
 /// The contacts, all with known position and direction. Returns [`EstimatorError::NotKnown`] if a position or direction is unknown, because most
 /// estimators do not support unknown positions or directions.
@@ -176,12 +169,6 @@ pub trait Estimator: Sync {
         contacts: &[Contact],
         markers: &Measurement,
     ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError>;
-
-    /// An estimator that computes the part shared by all sets of contacts only once, with the same results up to rounding. `None` if sharing this
-    /// computation saves no time. If the true finger is linear, a linear estimator omits the error of linearisation.
-    fn for_many(&self, _finger_is_linear: bool) -> Option<Box<dyn Estimator + '_>> {
-        None
-    }
 }
 
 /// An estimator prepared for contacts and markers.
@@ -191,10 +178,6 @@ pub trait PreparedEstimator {
     /// # Errors
     /// [`EstimatorError`] if the estimator refuses to answer.
     fn estimate(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Sensed, EstimatorError>;
-
-    /// Announces that the next `samples` measurements are `noise_free` plus noise of `noise_mm`. Searches may therefore start from the result for
-    /// `noise_free`.
-    fn expect_samples_of(&mut self, _noise_free: &Measurement, _noise_mm: f64, _samples: usize) {}
 
     /// Announces forces, N, close to the forces of the next measurement, from which a search may start. Only the computation of error bounds at the
     /// true forces uses this method.
@@ -227,15 +210,15 @@ pub enum EstimatorError {
     #[error(transparent)]
     NoNetwork(#[from] NoNetwork),
     /// No mesh has the requested number of nodes.
-    #[error("--mesh-nodes: {0}")]
+    #[error(transparent)]
     Mesh(#[from] MeshSizeError),
     /// The estimator does not support unknown positions or directions.
-    #[error("a position or direction that is `normal`, `friction`, `object` or `auto` needs --estimator {name}", name = EstimatorId::Nonlinear)]
+    #[error("a position or direction that is `normal`, `friction`, `object` or `auto` needs the estimator {name}", name = EstimatorId::Nonlinear)]
     NotKnown,
     /// The estimator does not support a pad between object and plate.
-    #[error("a scene whose contacts have a pad (pad_mm, pad_length_mm) needs --estimator {name}", name = EstimatorId::Nonlinear)]
+    #[error("a scene whose contacts have a pad (pad_mm, pad_length_mm) needs the estimator {name}", name = EstimatorId::Nonlinear)]
     NoPad,
     /// The estimator does not support an unloaded finger that differs from the scene's finger.
-    #[error("a scene with the table [assembly] needs --estimator {name}", name = EstimatorId::Nonlinear)]
+    #[error("a scene with the table [assembly] needs the estimator {name}", name = EstimatorId::Nonlinear)]
     NoAssembly,
 }

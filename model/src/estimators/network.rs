@@ -1,12 +1,14 @@
 //! Trained networks as estimators.
 
+use super::kept::MarkerSet;
 use super::{
     Answer, Estimator, EstimatorError, EstimatorId, EstimatorRow, PreparedEstimator, Question, Sensed, known_contacts,
 };
+use crate::Finger;
 use crate::measurement::Measurement;
 use crate::sensing::Contact;
 use crate::sensing::network::{ContactSet, Network, NetworkError, NetworkEstimator};
-use crate::{Finger, Mesh};
+use std::sync::{Arc, LazyLock};
 
 pub(super) const ROW: EstimatorRow = EstimatorRow {
     name: "network",
@@ -18,8 +20,6 @@ pub(super) const ROW: EstimatorRow = EstimatorRow {
     needs: "a training for each set of contacts",
     refuses: "other contacts, displacements unlike its training",
     unseen_contacts: "none",
-    mesh: Mesh::key_nodes,
-    on: |mesh, networks| Box::new(NetworkSensing { networks, finger: mesh.finger(), refuses: true }),
     admits: |finger, contacts, networks| {
         networks.choose(finger, &known_contacts(finger, contacts)?)?;
         Ok(())
@@ -29,15 +29,23 @@ pub(super) const ROW: EstimatorRow = EstimatorRow {
 
 fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError> {
     let contacts = known_contacts(finger, question.contacts)?;
-    let network = question.networks.choose(finger, &contacts)?;
-    let mut estimator = NetworkEstimator::new(network, finger, &contacts, question.measurement)?;
+    let markers = MarkerSet::of(question.measurement);
+    let mut kept = question.kept.borrow_mut();
+    let estimator = match kept.network.take().filter(|(of, _)| *of == markers) {
+        Some((_, estimator)) => estimator,
+        None => {
+            let network = question.networks.choose(finger, &contacts)?;
+            NetworkEstimator::new(network, finger, &contacts, question.measurement)?
+        }
+    };
+    let (_, estimator) = kept.network.insert((markers, estimator));
     let estimate = estimator.estimate(question.measurement, question.noise_mm)?;
     Ok((contacts, estimate))
 }
 
-/// A list of networks, from which the estimator selects a network by the finger and the contacts.
+/// A list of networks, from which the estimator selects a network by the finger and the contacts. Clones share the networks.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Networks(Vec<Network>);
+pub struct Networks(Arc<[Network]>);
 
 /// No network is trained for the finger and contacts.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -46,15 +54,10 @@ pub enum NoNetwork {
     #[error(transparent)]
     Made(#[from] NetworkError),
     /// No network is trained for this finger.
-    #[error(
-        "no network ships for this finger: train one with `finray train SCENE --contact ... --out FILE` and give it with --network FILE"
-    )]
+    #[error("no network ships for this finger: train one (`finray train`)")]
     Finger,
     /// No network is trained for these contacts. The field lists the contacts.
-    #[error(
-        "no network ships for these contacts ({0}): train one with `finray train SCENE --contact ... --out FILE` and give it with \
-         --network FILE"
-    )]
+    #[error("no network ships for these contacts ({0}): train one (`finray train`)")]
     Contacts(String),
 }
 
@@ -64,18 +67,18 @@ impl Networks {
     /// # Errors
     /// [`NetworkError`] for the first file that cannot be read.
     pub fn read(files: &[&[u8]]) -> Result<Networks, NetworkError> {
-        files.iter().map(|bytes| Network::from_bytes(bytes)).collect::<Result<_, _>>().map(Networks)
+        files.iter().map(|bytes| Network::from_bytes(bytes)).collect::<Result<_, _>>().map(Networks::of)
     }
 
     /// An empty list of networks.
     pub fn none() -> &'static Networks {
-        static NONE: Networks = Networks(Vec::new());
+        static NONE: LazyLock<Networks> = LazyLock::new(|| Networks::of(Vec::new()));
         &NONE
     }
 
     /// A list of the given networks.
     pub fn of(networks: Vec<Network>) -> Networks {
-        Networks(networks)
+        Networks(networks.into())
     }
 
     /// Selects the network for the contacts of a finger; the order of the contacts does not matter. A network for exactly these contacts has priority

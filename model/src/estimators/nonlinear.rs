@@ -1,9 +1,9 @@
 //! Gauss-Newton on the co-rotational finger.
 
-use super::{Answer, BeamEstimator, ELEMENTS, EstimatorError, EstimatorRow, Question};
+use super::{Answer, EstimatorError, EstimatorRow, Question};
 use crate::sensing::{
     Discretisation, LinearisedAssembly, NearForces, NonlinearEstimate, NonlinearEstimator, check_questions,
-    linearise_assembly, sense_refining,
+    linearise_assembly,
 };
 use crate::{Finger, Mesh};
 
@@ -17,8 +17,6 @@ pub(super) const ROW: EstimatorRow = EstimatorRow {
     needs: "contacts; their positions and directions may be unknown",
     refuses: "measurements that no shape of the finger explains; directions and positions that are not identifiable",
     unseen_contacts: "any",
-    mesh: |finger| Mesh::with_elements_per_member(finger, ELEMENTS),
-    on: |mesh, _| Box::new(BeamEstimator::nonlinear(mesh)),
     admits: |finger, contacts, _| Ok(check_questions(finger, contacts)?),
     answer,
 };
@@ -37,16 +35,16 @@ fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError
     };
     let linearised = linearise_assembly(finger, contacts, (pad, object), unloaded, measurement, noise_mm, near)?;
     let LinearisedAssembly { measurement, contacts, forces_n } = &linearised;
-    let near = Some(NearForces { contacts, forces_n });
+    let near = Some(NearForces { contacts, forces_n, shape: None });
     let sensed = sense(finger, &Question { measurement, noise_mm: Some(noise_mm), near, ..*question })?;
     Ok((sensed.contacts, sensed.forces))
 }
 
 /// Estimates the forces on a mesh of `mesh_nodes` nodes. Without `mesh_nodes`, refines the mesh until doubling the mesh hardly changes the forces.
 fn sense(finger: &Finger, question: &Question) -> Result<NonlinearEstimate, EstimatorError> {
-    let &Question { contacts, pad, object, measurement, noise_mm, near, .. } = question;
+    let &Question { contacts, pad, object, measurement, noise_mm, .. } = question;
     match question.mesh_nodes {
-        None => Ok(sense_refining(finger, contacts, pad, object, measurement, noise_mm, near)?),
+        None => Ok(question.kept.borrow_mut().refine(question)?),
         Some(nodes) => {
             let mesh = Mesh::with_nodes(finger, nodes)?;
             let finer = Discretisation::finer(&mesh);

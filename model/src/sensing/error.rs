@@ -133,7 +133,7 @@ pub enum SensingError {
     /// of base, friction or contact, the estimator also needs the noise of the displacements.
     #[error(
         "base, friction or contact has a standard deviation, so the noise of the displacements must be known as \
-            well: state the noise (--noise-mm, or noise_mm in [camera] of the scene)"
+            well: state the noise (noise_mm)"
     )]
     NoiseNotStated,
     /// A direction refers to the normal of an object, but no object is known.

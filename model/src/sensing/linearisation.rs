@@ -7,6 +7,7 @@ use crate::mesh::Mesh;
 use crate::statics::{Ladder, Statics, StaticsError};
 use crate::{Kinematics, Vector};
 use nalgebra::{DMatrix, DVector};
+use std::sync::Arc;
 
 /// Grid spacing of the tabulated forces, as a share of a reference force. The reference force is the largest force, rounded down to a power of two.
 /// Extrapolation from a grid point causes an error of some thousandths of the error of linearisation.
@@ -37,10 +38,9 @@ const MOST_REFUSED: [usize; 2] = [30, 8];
 /// compliance of the estimator (weighted, at the markers). The error of estimated forces f' is f' - f, where f solves f + G (u(f) - C f) = f'.
 /// Newton's method finds f with derivatives from the tangent stiffness.
 #[derive(Debug, Clone)]
-pub struct Linearisation<'m> {
-    mesh: &'m Mesh,
+pub struct Linearisation {
+    mesh: Arc<Mesh>,
     contacts: Vec<Contact>,
-    statics: Statics<Ladder<'m>>,
     /// Smallest and largest value of a single force for which an equilibrium exists, N. A limit is infinite until the limit is known.
     ends_n: [f64; 2],
     /// Gains of the points. Other markers have another gain, and so has a prior with another noise.
@@ -89,12 +89,11 @@ struct Solution {
     rates: DMatrix<f64>,
 }
 
-impl<'m> Linearisation<'m> {
+impl Linearisation {
     /// Prepares the co-rotational finger on a mesh.
-    pub fn new(mesh: &'m Mesh, contacts: &[Contact]) -> Linearisation<'m> {
-        let statics = Statics::ladder(mesh, Kinematics::Corotational);
+    pub fn new(mesh: Arc<Mesh>, contacts: &[Contact]) -> Linearisation {
         let ends_n = [f64::NEG_INFINITY, f64::INFINITY];
-        Linearisation { mesh, contacts: contacts.to_vec(), statics, ends_n, gains: Vec::new(), points: Vec::new() }
+        Linearisation { mesh, contacts: contacts.to_vec(), ends_n, gains: Vec::new(), points: Vec::new() }
     }
 
     /// Error of linearisation of the estimated forces `sensed_n`, N.
@@ -162,15 +161,17 @@ impl<'m> Linearisation<'m> {
         measurement: &Measurement,
         target_n: &[f64],
     ) -> Result<Option<Solution>, SensingError> {
+        let mesh = self.mesh.clone();
+        let mut statics = Statics::ladder(&mesh, Kinematics::Corotational);
         let target = DVector::from_column_slice(target_n);
         let (mut forces_n, mut motion) = self.start(target_n);
         let most_refused = MOST_REFUSED[usize::from(target.len() > 1)];
         let (mut refused, mut astray, mut missing_before_n) = (0, 0, f64::INFINITY);
         for _ in 0..MAX_STEPS {
-            if !self.statics.linearise(&motion, &self.loads(&forces_n)?) {
+            if !statics.linearise(&motion, &self.loads(&forces_n)?) {
                 return Ok(None);
             }
-            let rates = self.rates(&motion, measurement)?;
+            let rates = self.rates(&mut statics, &motion, measurement)?;
             let displacements =
                 weighted(measurement, |marker| motion.displacements[self.mesh.marker_node(marker.node)]);
             let sensed = &forces_n + gain * (&displacements - compliance * &forces_n);
@@ -193,7 +194,7 @@ impl<'m> Linearisation<'m> {
             let mut part = if closer { 1.0 } else { 0.5 };
             loop {
                 let next = &forces_n + &step * part;
-                match self.followed(&motion, &forces_n, &next)? {
+                match self.followed(&mut statics, &motion, &forces_n, &next)? {
                     Ok(followed) => {
                         (forces_n, motion) = (next, followed);
                         break;
@@ -229,6 +230,7 @@ impl<'m> Linearisation<'m> {
     /// Equilibria under all values of a single force form one path, so the search for the ends of this path is done only once.
     fn followed(
         &mut self,
+        statics: &mut Statics<Ladder>,
         motion: &FrameMotion,
         forces_n: &DVector<f64>,
         next_n: &DVector<f64>,
@@ -240,7 +242,7 @@ impl<'m> Linearisation<'m> {
         if single && to_n.abs() > self.ends_n[side].abs() {
             return Ok(Err(f64::max((self.ends_n[side] - from_n) / (to_n - from_n), 0.0)));
         }
-        match self.statics.shifted(motion, &self.loads(forces_n)?, &self.loads(next_n)?) {
+        match statics.shifted(motion, &self.loads(forces_n)?, &self.loads(next_n)?) {
             Ok(equilibrium) => Ok(Ok(equilibrium.motion)),
             Err(StaticsError::NoEquilibrium { converged_fraction }) => {
                 if single {
@@ -259,13 +261,18 @@ impl<'m> Linearisation<'m> {
     }
 
     /// Derivatives of the weighted marker displacements with respect to the forces, mm/N, at `motion`. The last linearisation of `statics` must be at `motion`.
-    fn rates(&mut self, motion: &FrameMotion, measurement: &Measurement) -> Result<DMatrix<f64>, SensingError> {
+    fn rates(
+        &self,
+        statics: &mut Statics<Ladder>,
+        motion: &FrameMotion,
+        measurement: &Measurement,
+    ) -> Result<DMatrix<f64>, SensingError> {
         let finger = self.mesh.finger();
         let mut rates = DMatrix::zeros(measurement.coordinate_count(), self.contacts.len());
         let mut of_nodes = vec![Vector::zeros(); finger.key_node_count()];
         for (contact, mut column) in self.contacts.iter().zip(rates.column_iter_mut()) {
             let load = self.mesh.frame_load(&contact.unit_load(finger))?;
-            self.statics.equations_mut().added_load(motion, &load, &mut of_nodes);
+            statics.equations_mut().added_load(motion, &load, &mut of_nodes);
             column.copy_from(&weighted(measurement, |marker| of_nodes[marker.node.0 - 1]));
         }
         Ok(rates)

@@ -4,7 +4,7 @@ use super::means::{MeanBase, MeanPosition};
 use super::stream::FALSE_ALARM;
 use crate::Vector;
 use crate::finger::{Finger, NodeId};
-use crate::observation::{Observation, ObservedBase, ObservedMarker, exists};
+use crate::observation::{Observation, ObservationError, ObservedBase, ObservedMarker, exists};
 use crate::rigid_fit::rigid_fit;
 use crate::scene::Scene;
 use crate::sensing::ResidualTest;
@@ -39,6 +39,27 @@ pub struct RestPositions {
     turn: UnitComplex<f64>,
 }
 
+/// Reason for which an observation does not show the scene's finger without load.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RestError {
+    /// The observation does not fit the finger.
+    #[error(transparent)]
+    Observation(#[from] ObservationError),
+    /// No free marker is seen.
+    #[error("no marker is seen")]
+    NoMarker,
+    /// The markers are elsewhere.
+    #[error(
+        "the unloaded finger's markers are {misplaced_mm:.3} mm (rms) from their places in the scene, after the best rigid motion: check the unit, the \
+         numbers of the nodes and the finger"
+    )]
+    Misplaced {
+        /// Distance of the markers from their places in the scene, root mean square, mm.
+        misplaced_mm: f64,
+    },
+}
+
 /// A marker of the unloaded finger.
 #[derive(Debug, Clone)]
 pub(super) struct RestMarker {
@@ -56,23 +77,19 @@ impl RestPositions {
     /// Adds an observation of the unloaded finger at rest.
     ///
     /// # Errors
-    /// The reason, in words, if the markers are not those of the scene's finger without load. The observation is then not added.
-    pub fn add(&mut self, scene: &Scene, seen: &Observation) -> Result<(), String> {
+    /// [`RestError`] if the markers are not those of the scene's finger without load. The observation is then not added.
+    pub fn add(&mut self, scene: &Scene, seen: &Observation) -> Result<(), RestError> {
         let finger = &scene.finger;
         // Clamped markers may be shifted relative to the scene, as all markers may.
         let free = |marker: &&ObservedMarker| !finger.is_clamped(marker.node);
         let free = Observation { markers: seen.markers.iter().filter(free).copied().collect(), ..seen.clone() };
-        let found = free.for_sensing(scene, true, None).map_err(|error| error.to_string())?;
-        if found.measurement.markers().is_empty() {
-            return Err("no marker is seen".to_owned());
+        if free.for_sensing(scene, true, None)?.measurement.markers().is_empty() {
+            return Err(RestError::NoMarker);
         }
         let positions = || seen.markers.iter().filter_map(|marker| Some((marker.node, marker.position?)));
         let (_, [misplaced_mm, spread_mm]) = fitted(finger, positions());
         if misplaced_mm > MISPLACED * spread_mm {
-            return Err(format!(
-                "the unloaded finger's markers are {misplaced_mm:.3} mm (rms) from their places in the scene, after the best rigid motion: check the \
-                 unit, the numbers of the nodes and the finger"
-            ));
+            return Err(RestError::Misplaced { misplaced_mm });
         }
         self.frames += 1;
         self.bases[0].add(seen.base, usize::MAX);

@@ -1,12 +1,11 @@
 //! Contacts that come and go in a stream of observations.
 
-use super::{Refusal, SensedForces, Sensor, SensorContacts, SensorOptions, SensorWarning};
+use super::{PreparedScene, Refusal, SensedForce, SensedForces, Sensor, SensorContacts, SensorOptions, SensorWarning};
 use crate::Vector;
 use crate::estimators::EstimatorError;
 use crate::measurement::BaseUncertainty;
 use crate::observation::Observation;
-use crate::scene::Scene;
-use crate::sensing::{ContactQuestion, Refinement, ResidualTest, SensingError, Warning};
+use crate::sensing::{ContactQuestion, ResidualTest, SensingError, Warning};
 use nalgebra::{Matrix3, Vector3};
 
 /// Probability per frame of a false alarm: noise alone makes the frame appear to show a force, or to contradict its contacts. For the many frames of
@@ -15,42 +14,51 @@ pub(super) const FALSE_ALARM: f64 = 1e-4;
 
 /// Senses the forces in each observation of a stream, and determines how many contacts the observation shows.
 ///
+/// ```
+/// use finray_model::Scene;
+/// use finray_model::observation::Observation;
+/// use finray_model::measurement::Measurement;
+/// use finray_model::sensor::{ContactSpec, SensorContacts, SensorOptions, StreamSensor};
+///
+/// let scene = Scene::from_toml(finray_fixtures::PAPER_SCENE)?;
+/// let at_rest = Observation::of_displacements(&Measurement::at_rest(&scene.finger));
+/// let contacts = SensorContacts::from_specs(&[ContactSpec::at_position("auto")?], &scene, 0.0, None)?;
+/// let options = SensorOptions { noise_mm: Some(0.02), ..SensorOptions::default() };
+/// let sensor = StreamSensor::new(scene, contacts, options)?;
+/// assert_eq!(sensor.sense(&at_rest, None)?, None); // no force
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// Contacts at given positions are sensed as [`Sensor`] senses them. For a single contact of unknown position, a second contact of the same kind is
 /// added if the markers contradict the first contact alone.
 #[derive(Debug, Clone)]
-pub struct StreamSensor<'s> {
-    scene: &'s Scene,
-    options: SensorOptions<'s>,
-    /// A sensor for the requested contacts and, if a second contact may be added, a sensor for two contacts. Each sensor is stored with the meshes
-    /// and shapes that its estimator keeps from one observation to the next.
-    sensors: Vec<(Sensor<'s>, Option<Refinement<'s>>)>,
+pub struct StreamSensor {
+    /// A sensor for the requested contacts and, if a second contact may be added, a sensor for two contacts.
+    sensors: Vec<Sensor>,
 }
 
-impl<'s> StreamSensor<'s> {
+impl StreamSensor {
     /// Combines a scene with contacts and options.
     ///
     /// # Errors
     /// [`Refusal`] if the estimator does not support the contacts, as for [`Sensor::new`].
     pub fn new(
-        scene: &'s Scene,
+        scene: impl Into<PreparedScene>,
         contacts: SensorContacts,
-        options: SensorOptions<'s>,
-    ) -> Result<StreamSensor<'s>, Refusal> {
-        let one_more = match &contacts {
+        options: SensorOptions,
+    ) -> Result<StreamSensor, Refusal> {
+        let sensor = Sensor::new(scene, contacts, options)?;
+        let one_more = match &sensor.contacts {
             SensorContacts::Asked(questions) => match questions[..] {
                 [question @ ContactQuestion { position: None, .. }] => {
-                    Sensor::new(scene, SensorContacts::Asked(vec![question; 2]), options).ok()
+                    let two = SensorContacts::Asked(vec![question; 2]);
+                    Sensor::new(sensor.prepared.clone(), two, sensor.options.clone()).ok()
                 }
                 _ => None,
             },
             SensorContacts::Measured { .. } => None,
         };
-        let sensors = [Sensor::new(scene, contacts, options)?].into_iter().chain(one_more);
-        let sensors = sensors.map(|sensor| {
-            let refinement = sensor.refinement();
-            (sensor, refinement)
-        });
-        Ok(StreamSensor { scene, options, sensors: sensors.collect() })
+        Ok(StreamSensor { sensors: [sensor].into_iter().chain(one_more).collect() })
     }
 
     /// The forces that an observation shows. The number of contacts is the smallest that explains the markers. `None` if the markers show no force:
@@ -60,30 +68,28 @@ impl<'s> StreamSensor<'s> {
     ///
     /// # Errors
     /// [`Refusal`] as for [`Sensor::sense`], or if the markers contradict the contacts.
-    pub fn sense(
-        &mut self,
-        seen: &Observation,
-        before: Option<&SensedForces>,
-    ) -> Result<Option<SensedForces>, Refusal> {
+    pub fn sense(&self, seen: &Observation, before: Option<&SensedForces>) -> Result<Option<SensedForces>, Refusal> {
         if self.is_noise(seen)? {
             return Ok(None);
         }
         let mut refusal = None;
-        for (sensor, kept) in &mut self.sensors {
-            let sensed =
-                sensor.sense_keeping(seen, before, kept.as_mut()).and_then(|sensed| match contradiction(&sensed) {
-                    Some(warning) => Err(Refusal::Contradicted { contacts: sensed.contacts.len(), warning }),
-                    None => Ok(sensed),
-                });
+        for sensor in &self.sensors {
+            let sensed = sensor.sense_near(seen, before).and_then(|sensed| match contradiction(&sensed) {
+                Some(warning) => Err(Refusal::Contradicted { contacts: sensed.forces.len(), warning }),
+                None => Ok(sensed),
+            });
             match sensed {
                 Ok(sensed) if sensed.warnings.contains(&SensorWarning::NoResidual) => {
                     return Err(SensingError::NoiseNotStated.into());
                 }
                 Ok(sensed) => {
-                    let includes_zero = |i| (sensed.interval_n(i)[0]..=sensed.interval_n(i)[1]).contains(&0.0);
+                    let includes_zero = |force: &SensedForce| {
+                        let [least_n, most_n] = force.interval_n();
+                        (least_n..=most_n).contains(&0.0)
+                    };
                     // The intervals of correlated forces may each include zero although the markers show a force.
-                    let are_asked = sensed.contacts.len() > 1 && refusal.is_none();
-                    if are_asked || !(0..sensed.contacts.len()).all(includes_zero) {
+                    let are_asked = sensed.forces.len() > 1 && refusal.is_none();
+                    if are_asked || !sensed.forces.iter().all(includes_zero) {
                         return Ok(Some(sensed));
                     }
                     // A second contact that may carry no force does not explain what the first alone leaves unexplained.
@@ -100,13 +106,14 @@ impl<'s> StreamSensor<'s> {
 
     /// Whether the noise of the markers and the uncertainty of the base explain all displacements. False if the noise is unknown.
     fn is_noise(&self, seen: &Observation) -> Result<bool, Refusal> {
-        let stated_mm = self.options.noise_mm.or(self.scene.noise_mm);
-        let found = seen.for_sensing(self.scene, self.options.estimator.searches(), stated_mm)?;
-        let stated_mm = stated_mm.map(|noise_mm| self.scene.marker_errors.sd_mm(noise_mm));
+        let Sensor { prepared: scene, options, .. } = &self.sensors[0];
+        let stated_mm = options.noise_mm.or(scene.noise_mm);
+        let found = seen.for_sensing(scene, options.estimator.searches(), stated_mm)?;
+        let stated_mm = stated_mm.map(|noise_mm| scene.marker_errors.sd_mm(noise_mm));
         let Some(noise_mm) = stated_mm.or(found.noise_mm) else { return Ok(false) };
         let markers = found.measurement.markers().iter().map(|marker| {
             let sd_mm = noise_mm / if stated_mm.is_some() { 1.0 } else { marker.weight };
-            (self.scene.finger.marker_position(marker.node), marker.displacement, sd_mm)
+            (scene.finger.marker_position(marker.node), marker.displacement, sd_mm)
         });
         let test = noise_test(markers, found.measurement.base().unwrap_or_default());
         Ok(test.is_some_and(|test| test.p_value() >= FALSE_ALARM))

@@ -132,14 +132,14 @@ fn errors(
             false => Direction::Leaning(Lean { from: Normal::Undeformed, ..Lean::within(FRICTION) }),
         };
         let question = ContactQuestion { position: None, direction };
-        let sensor = Sensor::new(&scene, SensorContacts::Asked(vec![question]), SensorOptions::default());
+        let sensor = Sensor::new(scene.clone(), SensorContacts::Asked(vec![question]), SensorOptions::default());
         let sensed = sensor.expect("a question").sense(&seen);
         if let Err(refusal) = &sensed {
             println!("case {case}: {refusal}");
         }
         sensed.ok().map(|sensed| {
-            let off_n = sensed.forces_n[0] - force_n;
-            [off_n / sensed.sigmas_n[0], off_n / force_n]
+            let off_n = sensed.forces[0].force_n - force_n;
+            [off_n / sensed.forces[0].sigma_n, off_n / force_n]
         })
     };
     use rayon::prelude::*;

@@ -12,6 +12,7 @@ use finray_tests::{
 use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use std::sync::Arc;
 
 /// Largest error of forces sensed from noise-free data of the same model, as a share of the largest force.
 const EXACT: f64 = 1e-9;
@@ -248,10 +249,10 @@ fn a_ridge_of_estimated_noise_is_rounded() {
 #[test]
 fn exact_linear_data_are_not_refused_where_the_corotational_finger_is_lost() {
     let finger = paper();
-    let reference = Mesh::with_elements_per_member(&finger, 4);
+    let reference = Arc::new(Mesh::with_elements_per_member(&finger, 4));
     let answer = |contacts: &[Contact], measurement: &Measurement, noise_mm: Option<f64>| {
         let estimator = LinearEstimator::new(&finger, contacts, measurement).expect("identifiable");
-        estimator.estimate_on(&mut Linearisation::new(&reference, contacts), measurement, noise_mm, Prior::None)
+        estimator.estimate_on(&mut Linearisation::new(reference.clone(), contacts), measurement, noise_mm, Prior::None)
     };
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     for (node, forces_n) in [(19, [20.0, -0.1]), (16, [29.0, 6.0]), (24, [60.0, 12.0]), (14, [-15.0, 3.0])] {
@@ -278,13 +279,13 @@ fn exact_linear_data_are_not_refused_where_the_corotational_finger_is_lost() {
 #[test]
 fn the_interval_holds_if_neither_finger_explains_the_measurement() {
     let finger = paper();
-    let reference = Mesh::with_elements_per_member(&finger, 4);
+    let reference = Arc::new(Mesh::with_elements_per_member(&finger, 4));
     for (s_mm, force_n) in [(38.0, 20.0), (30.0, 25.0), (45.0, 18.0)] {
         let contacts = [at_position(s_mm, 0.0)];
         let bent = seen(&reference, &contacts, &[force_n], Kinematics::Corotational).expect("an equilibrium");
         let estimator = LinearEstimator::new(&finger, &contacts, &bent).expect("identifiable");
         for prior in [Prior::None, Prior::Gaussian { force_n: 2.0 }] {
-            let mut linearisation = Linearisation::new(&reference, &contacts);
+            let mut linearisation = Linearisation::new(reference.clone(), &contacts);
             let estimate = estimator.estimate_on(&mut linearisation, &bent, Some(CAMERA_NOISE_MM), prior);
             let Estimate { forces_n, sigmas_n, warning, .. } = estimate.expect("an answer");
             let error_n = forces_n[0] - force_n;

@@ -94,11 +94,11 @@ fn error(scene: &Scene, unknown: Unknown, knows_position: bool, case: u64, large
     let seen = Observation { image: String::new(), markers: finger.marked_nodes().map(marker).collect(), base: None };
     let position = knows_position.then_some(ContactPosition::At(s_mm));
     let question = ContactQuestion { position, direction: Direction::Angle(angle_deg) };
-    let sensor = Sensor::new(scene, SensorContacts::Asked(vec![question]), SensorOptions::default());
+    let sensor = Sensor::new(scene.clone(), SensorContacts::Asked(vec![question]), SensorOptions::default());
     let sensed = sensor.expect("a question").sense(&seen).ok()?;
     let is_misfit = |warning: &SensorWarning| matches!(warning, SensorWarning::Model { warning: Warning::Residual(test), .. } if test.p_value() < MISFIT);
     let is_warned = sensed.warnings.iter().any(is_misfit);
-    is_warned.then(|| (sensed.forces_n[0] - force_n) / sensed.sigmas_n[0])
+    is_warned.then(|| (sensed.forces[0].force_n - force_n) / sensed.forces[0].sigma_n)
 }
 
 /// The finger has an error that the scene does not state: 0.5 mm in the ribs, a softer part of the plate, 0.5 % in the scale, 0.3 mm and 0.3 degrees

@@ -25,19 +25,19 @@ fn the_start_of_a_search_does_not_change_its_result() {
     let options = SensorOptions { noise_mm: Some(0.02), ..SensorOptions::default() };
     for direction in [Direction::Angle(0.0), Direction::NORMAL, Direction::Auto] {
         let asked = SensorContacts::Asked(vec![ContactQuestion { position: None, direction }]);
-        let sensor = Sensor::new(&scene, asked, options).expect("a question");
+        let sensor = Sensor::new(scene.clone(), asked, options.clone()).expect("a question");
         let observed = seen(&scene, 80.0, 2.0);
         let expected = sensor.sense(&observed).expect("an answer");
         let near = |force_n: f64, s_mm: f64| {
             let mut near = expected.clone();
-            near.contacts = vec![Contact { position: ContactPosition::At(s_mm), angle_deg: 0.0 }];
-            near.forces_n = vec![force_n];
+            near.forces[0].contact = Contact { position: ContactPosition::At(s_mm), angle_deg: 0.0 };
+            near.forces[0].force_n = force_n;
             near
         };
         for before in [near(1.9, 78.0), near(0.5, 30.0), near(-2.0, 80.0), near(500.0, 140.0), expected.clone()] {
             let found = sensor.sense_near(&observed, Some(&before)).expect("an answer");
-            let off = (found.forces_n[0] - expected.forces_n[0]) / expected.sigmas_n[0];
-            assert!(off.abs() < 1e-3, "{direction:?} from {:?}: {off} sigma", before.forces_n);
+            let off = (found.forces[0].force_n - expected.forces[0].force_n) / expected.forces[0].sigma_n;
+            assert!(off.abs() < 1e-3, "{direction:?} from {:?}: {off} sigma", before.forces);
         }
     }
 }
@@ -65,19 +65,19 @@ fn shapes_of_the_previous_observation_do_not_change_the_forces() {
     let stream = stream.map(|(s_mm, force_n)| noisy(s_mm, force_n));
     for direction in [Direction::Angle(0.0), Direction::NORMAL, Direction::Auto] {
         let asked = SensorContacts::Asked(vec![ContactQuestion { position: None, direction }]);
-        let sensor = Sensor::new(&scene, asked.clone(), options).expect("a question");
-        let mut following = StreamSensor::new(&scene, asked, options).expect("a question");
+        let sensor = Sensor::new(scene.clone(), asked.clone(), options.clone()).expect("a question");
+        let following = StreamSensor::new(scene.clone(), asked, options.clone()).expect("a question");
         let mut before = None;
         let mut in_contact = 0;
         for observed in &stream {
             let found = following.sense(observed, before.as_ref()).expect("an answer");
             if let Some(found) = &found {
                 let expected = sensor.sense_near(observed, before.as_ref()).expect("an answer");
-                let off = (found.forces_n[0] - expected.forces_n[0]) / expected.sigmas_n[0];
+                let off = (found.forces[0].force_n - expected.forces[0].force_n) / expected.forces[0].sigma_n;
                 assert!(off.abs() < 1e-4, "{direction:?}: {off} sigma");
-                assert!((found.sigmas_n[0] / expected.sigmas_n[0] - 1.0).abs() < 1e-3, "{direction:?}");
+                assert!((found.forces[0].sigma_n / expected.forces[0].sigma_n - 1.0).abs() < 1e-3, "{direction:?}");
                 let mut others = expected;
-                others.forces_n[0] *= 1.01;
+                others.forces[0].force_n *= 1.01;
                 let of_others = following.clone().sense(observed, Some(&others)).expect("an answer");
                 assert_eq!(of_others, Some(sensor.sense_near(observed, Some(&others)).expect("an answer")));
                 in_contact += 1;
@@ -124,9 +124,9 @@ fn a_finger_that_snaps_and_returns_is_sensed_as_from_rest() {
         let is_snapped = |frame: usize| [5, 6, 8].contains(&frame);
         for position in [Some(contact.position), None] {
             let question = ContactQuestion { position, direction: Direction::Angle(angle_deg) };
-            let from_rest =
-                StreamSensor::new(&scene, SensorContacts::Asked(vec![question]), options).expect("a question");
-            let (mut following, mut before) = (from_rest.clone(), None);
+            let from_rest = StreamSensor::new(scene.clone(), SensorContacts::Asked(vec![question]), options.clone())
+                .expect("a question");
+            let (following, mut before) = (from_rest.clone(), None);
             for (frame, observed) in stream.clone().enumerate() {
                 let case = format!("{contact:?}, known: {}, frame {frame}", position.is_some());
                 let found = following.sense(observed, before.as_ref());
@@ -138,7 +138,7 @@ fn a_finger_that_snaps_and_returns_is_sensed_as_from_rest() {
                 }
                 before = found.ok().flatten();
                 let (Some(found), Ok(Some(expected))) = (&before, expected) else { continue };
-                let off = (found.forces_n[0] - expected.forces_n[0]) / expected.sigmas_n[0];
+                let off = (found.forces[0].force_n - expected.forces[0].force_n) / expected.forces[0].sigma_n;
                 assert!(off.abs() < 1e-3, "{case}: {off} sigma");
             }
         }

@@ -215,7 +215,7 @@ fn a_v_seen_at_its_tip_is_given_no_force_of_the_wrong_sign() {
             };
             *answered += 1;
             if truth_n == 1.0 {
-                let near = NearForces { contacts: &[contact], forces_n: &[-0.359] };
+                let near = NearForces { contacts: &[contact], forces_n: &[-0.359], shape: None };
                 let of_near = sense_refining(
                     &finger,
                     &[contact.into()],

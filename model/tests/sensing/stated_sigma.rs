@@ -9,6 +9,7 @@ use finray_model::{Finger, Kinematics, Mesh};
 use finray_tests::{CAMERA_NOISE_MM, ELEMENTS, TWO_SIDED_95, at_node, noisy, paper, seen};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use std::sync::Arc;
 
 fn linear(
     finger: &Finger,
@@ -16,8 +17,8 @@ fn linear(
     seen: &Measurement,
     noise_mm: Option<f64>,
 ) -> Result<Estimate, SensingError> {
-    let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
-    let mut linearisation = Linearisation::new(&mesh, &[contact]);
+    let mesh = Arc::new(Mesh::with_elements_per_member(finger, ELEMENTS));
+    let mut linearisation = Linearisation::new(mesh, &[contact]);
     LinearEstimator::new(finger, &[contact], seen)?.estimate_on(&mut linearisation, seen, noise_mm, Prior::None)
 }
 

@@ -4,7 +4,7 @@ use finray_model::measurement::BaseUncertainty;
 use finray_model::mesh::Load;
 use finray_model::observation::{Observation, ObservedBase, ObservedMarker};
 use finray_model::sensing::{ContactPosition, ContactQuestion, Direction};
-use finray_model::sensor::{FrameState, SensorContacts, SensorOptions, WatchedFinger, ZeroDrift};
+use finray_model::sensor::{FingerTracker, FrameState, SensorContacts, SensorOptions, ZeroDrift};
 use finray_model::{Finger, Kinematics, Mesh, NodeId, Scene, Vector, statics};
 use finray_tests::random_stream;
 use nalgebra::Isometry2;
@@ -77,7 +77,7 @@ fn asked() -> SensorContacts {
     SensorContacts::Asked(vec![ContactQuestion { position: None, direction: Direction::Angle(0.0) }])
 }
 
-fn options(noise_mm: Option<f64>) -> SensorOptions<'static> {
+fn options(noise_mm: Option<f64>) -> SensorOptions {
     SensorOptions { noise_mm, ..SensorOptions::default() }
 }
 
@@ -89,7 +89,8 @@ fn watched(
     frames: impl IntoIterator<Item = Vec<Vector>>,
 ) -> (Vec<FrameState>, Vec<ZeroDrift>) {
     let scene = of.scene.clone();
-    let mut finger = WatchedFinger::new("", &scene, asked(), options(noise_mm), rest_frames).expect("a question");
+    let mut finger =
+        FingerTracker::new("", scene.clone(), asked(), options(noise_mm), rest_frames).expect("a question");
     for _ in 0..rest_frames {
         assert_eq!(finger.evaluate(Ok(of.at_rest())).drift, None);
     }
@@ -163,13 +164,13 @@ fn rest_frames_state_the_noise() {
     let (states, _) = watched(&mut of, None, 2, vec![Vec::new(); 20]);
     assert!(states.iter().all(|state| *state != FrameState::None), "{states:?}");
     let scene = of.scene.clone();
-    let mut finger = WatchedFinger::new("", &scene, asked(), options(None), REST_FRAMES).expect("a question");
+    let mut finger = FingerTracker::new("", scene.clone(), asked(), options(None), REST_FRAMES).expect("a question");
     for _ in 0..REST_FRAMES {
         finger.evaluate(Ok(of.at_rest()));
     }
     let both = of.under(&[(60.0, 1.0), (120.0, 0.5)]);
     let seen = of.frame(|node| both[node.0 - 1]);
-    assert_eq!(finger.evaluate(Ok(seen)).contacts().count(), 2);
+    assert_eq!(finger.evaluate(Ok(seen)).forces().len(), 2);
 }
 
 /// Rest frames whose markers do not have the shape of the scene's finger are refused: another unit, another scale, mirrored, or nodes in reverse order.
@@ -195,7 +196,7 @@ fn rest_frames_must_show_the_finger_of_the_scene() {
         &|marker| ObservedMarker { sd_mm: Some(-1.0), ..marker },
     ];
     for (case, change) in invalid.into_iter().enumerate() {
-        let mut finger = WatchedFinger::new("", &scene, asked(), options(None), 1).expect("a question");
+        let mut finger = FingerTracker::new("", scene.clone(), asked(), options(None), 1).expect("a question");
         let result = finger.evaluate(Ok(changed(of.at_rest(), change)));
         assert_eq!(result.state, FrameState::Refused, "{case}");
         // An observation that is invalid after the rest frames is refused, too.
@@ -206,7 +207,7 @@ fn rest_frames_must_show_the_finger_of_the_scene() {
     }
     let turned = moved_to(|at| nalgebra::Rotation2::new(0.05) * at + Vector::new(3.0, -2.0));
     let pressed = of.moved(80.0, 2.0);
-    let mut finger = WatchedFinger::new("", &scene, asked(), options(Some(NOISE_MM)), 20).expect("a question");
+    let mut finger = FingerTracker::new("", scene.clone(), asked(), options(Some(NOISE_MM)), 20).expect("a question");
     for _ in 0..20 {
         finger.evaluate(Ok(changed(of.at_rest(), &turned)));
     }
@@ -214,7 +215,7 @@ fn rest_frames_must_show_the_finger_of_the_scene() {
     for _ in 0..100 {
         let seen = of.frame(|node| pressed[node.0 - 1]);
         let result = finger.evaluate(Ok(changed(seen, &turned)));
-        let [low, high] = result.sensed.unwrap_or_else(|| panic!("{:?}", result.refused)).interval_n(0);
+        let [low, high] = result.sensed.unwrap_or_else(|| panic!("{:?}", result.refused)).forces[0].interval_n();
         held += usize::from((low..=high).contains(&2.0));
     }
     // The binomial distribution of 100 intervals of 95 % reaches 88 in 99.6 % of the cases.
@@ -229,7 +230,8 @@ fn a_finger_that_moves_in_the_rest_frames_causes_a_warning() {
             let mut of = Watched::new(500);
             let scene = of.scene.clone();
             let pressed = of.moved(80.0, 0.5);
-            let mut finger = WatchedFinger::new("", &scene, asked(), options(noise_mm), REST_FRAMES).expect("valid");
+            let mut finger =
+                FingerTracker::new("", scene.clone(), asked(), options(noise_mm), REST_FRAMES).expect("valid");
             for frame in 0..REST_FRAMES {
                 let seen = of.frame(|node| if frame >= loaded_from { pressed[node.0 - 1] } else { Vector::zeros() });
                 finger.evaluate(Ok(seen));
@@ -251,12 +253,12 @@ fn impossible_contacts_are_refused_at_once() {
     let off = |s_mm| vec![at(ContactPosition::At(s_mm))];
     let same = vec![at(ContactPosition::At(80.0)); 2];
     for questions in [vec![], clamped, missing, off(-5.0), off(800.0), same] {
-        let refused = WatchedFinger::new("", &scene, SensorContacts::Asked(questions.clone()), options(None), 0);
+        let refused = FingerTracker::new("", scene.clone(), SensorContacts::Asked(questions.clone()), options(None), 0);
         assert!(refused.is_err(), "{questions:?}");
     }
     let question = SensorContacts::Asked(off(80.0));
     let no_mesh = SensorOptions { mesh_nodes: Some(0), ..options(None) };
-    assert!(WatchedFinger::new("", &scene, question, no_mesh, 0).is_err());
+    assert!(FingerTracker::new("", scene.clone(), question, no_mesh, 0).is_err());
 }
 
 /// The pose of the base has an independent error in each image. One rest frame doubles the variance of this error in a displacement, and thus the
@@ -272,7 +274,7 @@ fn the_base_at_rest_is_uncertain() {
     let streams = 400;
     let mut squares = 0.0;
     for _ in 0..streams {
-        let mut finger = WatchedFinger::new("", &scene, asked.clone(), options(None), 1).expect("a question");
+        let mut finger = FingerTracker::new("", scene.clone(), asked.clone(), options(None), 1).expect("a question");
         for frame in [false, true] {
             let (shift, turn) = (base.sd_mm * vector(&mut of.chance), base.sd_rad * normal(&mut of.chance));
             let mut seen = of.frame(|node| {
@@ -289,7 +291,7 @@ fn the_base_at_rest_is_uncertain() {
             let result = finger.evaluate(Ok(seen));
             if frame {
                 let sensed = result.sensed.unwrap_or_else(|| panic!("{:?}: {:?}", result.state, result.refused));
-                squares += ((sensed.forces_n[0] - 2.0) / sensed.sigmas_n[0]).powi(2);
+                squares += ((sensed.forces[0].force_n - 2.0) / sensed.forces[0].sigma_n).powi(2);
             }
         }
     }

@@ -127,26 +127,26 @@ impl<'a> Line<'a> {
 }
 
 fn contact_lines<'a>(result: &'a FingerResult<'a>) -> impl Iterator<Item = ContactLine<'a>> {
-    result.contacts().map(|(i, sensed, contact)| ContactLine {
+    result.forces().iter().map(|sensed| ContactLine {
         finger: result.name,
-        contact: match contact.position {
+        contact: match sensed.contact.position {
             ContactPosition::Node(node) => node.to_string(),
             ContactPosition::At(_) => "at".to_owned(),
         },
-        s_mm: contact.position_mm(result.finger),
-        angle_deg: contact.angle_deg,
-        force_n: sensed.forces_n[i],
-        sigma_n: sensed.sigmas_n[i],
-        interval_n: sensed.interval_n(i),
+        s_mm: sensed.contact.position_mm(result.finger),
+        angle_deg: sensed.contact.angle_deg,
+        force_n: sensed.force_n,
+        sigma_n: sensed.sigma_n,
+        interval_n: sensed.interval_n(),
     })
 }
 
 /// The forces of a frame as vectors.
 pub fn contact_forces(result: &FingerResult) -> Vec<ContactForce> {
-    let forces = result.contacts().map(|(i, sensed, contact)| ContactForce {
+    let forces = result.forces().iter().zip(1..).map(|(sensed, contact)| ContactForce {
         finger: result.name.to_owned(),
-        contact: i + 1,
-        force: result.finger.direction(contact.angle_deg) * sensed.forces_n[i],
+        contact,
+        force: result.finger.direction(sensed.contact.angle_deg) * sensed.force_n,
     });
     forces.collect()
 }

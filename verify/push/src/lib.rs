@@ -225,20 +225,20 @@ impl PushedFinger {
         let options = SensorOptions { estimator, noise_mm: Some(push.noise_mm), ..SensorOptions::default() };
         let contacts = SensorContacts::Asked(vec![question]);
         let refusal = |refusal: Refusal| refusal.to_string();
-        let sensor = Sensor::new(&self.scene, contacts, options).map_err(refusal)?;
+        let sensor = Sensor::new(self.scene.clone(), contacts, options).map_err(refusal)?;
         let sensed = sensor.sense(seen).map_err(refusal)?;
-        let contact = sensed.contacts[0];
-        let s_mm = contact.position_mm(&self.scene.finger);
-        let doubts = sensor.doubts(&sensed).unwrap_or_default();
+        let force = sensed.forces[0];
+        let s_mm = force.contact.position_mm(&self.scene.finger);
+        let validity = sensor.assess_validity(&sensed).unwrap_or_default();
         let warnings = sensed.warnings.iter().map(ToString::to_string);
         Ok(Sensed::Force(Box::new(SensedForce {
-            force_n: sensed.forces_n[0],
-            sigma_n: sensed.sigmas_n[0],
-            interval_n: sensed.interval_n(0),
+            force_n: force.force_n,
+            sigma_n: force.sigma_n,
+            interval_n: force.interval_n(),
             s_mm,
             at: s_mm.and_then(at),
-            angle_deg: contact.angle_deg,
-            warnings: warnings.chain(doubts.iter().map(ToString::to_string)).collect(),
+            angle_deg: force.contact.angle_deg,
+            warnings: warnings.chain(validity.iter().map(ToString::to_string)).collect(),
         })))
     }
 }

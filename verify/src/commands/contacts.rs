@@ -2,22 +2,22 @@
 
 use crate::commands::prelude::*;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
-use finray_model::sensor::{AskedContact, AskedDirection, SensorContacts};
+use finray_model::sensor::{ContactSpec, DirectionSpec, SensorContacts};
 
 const AT_NODES: &str = "contact";
 const AT_POSITIONS: &str = "contact-at";
 
 /// Values of `--contact` and `--contact-at` in the order in which they stand on the command line. Clap's derive macro keeps the order of values only
 /// within each option.
-pub struct Contacts(Vec<AskedContact>);
+pub struct Contacts(Vec<ContactSpec>);
 
 impl Contacts {
-    /// Combines the contacts with a scene, as [`SensorContacts::of_asked`] does.
+    /// Combines the contacts with a scene, as [`SensorContacts::from_specs`] does.
     ///
     /// # Errors
     /// [`Failure::BadInput`] if the contacts contradict each other or the scene.
     pub fn of(&self, scene: &Scene, friction: f64, measured_deg: Option<f64>) -> Result<SensorContacts, Failure> {
-        SensorContacts::of_asked(&self.0, scene, friction, measured_deg).map_err(bad_input)
+        SensorContacts::from_specs(&self.0, scene, friction, measured_deg).map_err(bad_input)
     }
 
     /// Whether any contact of unknown position is given without a direction; its force is then assumed along the undeformed normal.
@@ -32,7 +32,7 @@ impl Contacts {
 
     /// Whether any contact has the direction `measured`.
     pub fn ask_measured(&self) -> bool {
-        self.0.iter().any(|asked| asked.direction == AskedDirection::Measured)
+        self.0.iter().any(|asked| asked.direction == DirectionSpec::Measured)
     }
 }
 
@@ -59,10 +59,10 @@ impl Args for Contacts {
             .arg(
                 list(AT_NODES)
                     .value_name(node)
-                    .value_parser(AskedContact::at_node)
+                    .value_parser(ContactSpec::at_node)
                     .help("Contact at a node of the front plate, tip included"),
             )
-            .arg(list(AT_POSITIONS).value_name(place).value_parser(AskedContact::at_position).help(place_help))
+            .arg(list(AT_POSITIONS).value_name(place).value_parser(ContactSpec::at_position).help(place_help))
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -74,7 +74,7 @@ impl FromArgMatches for Contacts {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Contacts, clap::Error> {
         let positions_and_values = |name| {
             let positions = matches.indices_of(name).into_iter().flatten();
-            positions.zip(matches.get_many::<AskedContact>(name).into_iter().flatten().copied())
+            positions.zip(matches.get_many::<ContactSpec>(name).into_iter().flatten().copied())
         };
         let mut contacts: Vec<_> = positions_and_values(AT_NODES).chain(positions_and_values(AT_POSITIONS)).collect();
         contacts.sort_by_key(|(position, _)| *position);

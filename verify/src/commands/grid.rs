@@ -2,12 +2,11 @@
 
 use crate::commands::prelude::*;
 use finray_files::{open_stream, streamed};
-use finray_model::Mesh;
-use finray_model::estimators::{BeamTheoryError, Estimator, WithBeamTheoryError};
-use finray_model::measurement::Measurement;
 use finray_model::sensing::SensingError;
+use finray_model::sensor::PreparedScene;
 use finray_report::{map_figure_svg, standalone};
 use finray_studies::sampling::map::AccuracyMap;
+use finray_studies::sampling::sampled::SampledSensor;
 use finray_studies::sampling::sweep::{Grid, Head, Partial, Request, Shard, Sweep, Table};
 use finray_studies::sampling::worst::TrustCounts;
 use finray_studies::settings::TRUSTED_ERROR;
@@ -59,20 +58,14 @@ pub fn run(
     let truth_meshes = truth_ids.iter().map(|id| id.mesh(finger)).collect::<Result<Vec<_>, _>>()?;
     let truths = truth_ids.iter().zip(&truth_meshes).map(|(id, mesh)| id.on(mesh));
     let truths = truths.collect::<Result<Vec<_>, _>>()?;
-    let meshes: Vec<Mesh> = estimator_ids.iter().map(|id| id.mesh(finger)).collect();
-    let error = BeamTheoryError(scene.model_error);
-    let estimators = estimator_ids.iter().zip(&meshes).map(|(id, mesh)| id.on(mesh, &networks));
-    let estimators: Vec<_> = estimators.map(|estimator| WithBeamTheoryError::around(estimator, error)).collect();
+    // The true fingers have no other errors of the scene than the errors of beam theory.
+    let sensed = PreparedScene::from(Scene { model_error: scene.model_error, ..Scene::of_finger(finger.clone()) });
+    let sensors: Vec<SampledSensor> = estimator_ids.iter().map(|id| SampledSensor::new(*id, &networks)).collect();
     let grid = grid(arguments, noise_mm, &scene, &truths)?;
-    for estimator in &estimators {
-        require_an_answer(finger, &**estimator, &grid)?;
+    for sensor in &sensors {
+        require_an_answer(&sensed, sensor, &grid)?;
     }
-    let sweep = Sweep::new(
-        finger,
-        truths.iter().map(|truth| &**truth).collect(),
-        estimators.iter().map(|estimator| &**estimator).collect(),
-        &grid,
-    );
+    let sweep = Sweep::new(sensed, truths.iter().map(|truth| &**truth).collect(), sensors, &grid);
     let request = Request {
         finray: env!("CARGO_PKG_VERSION").to_owned(),
         table,
@@ -124,12 +117,11 @@ fn shared(one: Vec<f64>, other: &[f64]) -> Vec<f64> {
     one.into_iter().filter(|figure| other.iter().any(|theirs| (figure - theirs).abs() < SAME)).collect()
 }
 
-/// Checks that the estimator answers for at least one cell (position and direction) of the grid; otherwise returns the first cell's refusal.
-fn require_an_answer(finger: &Finger, estimator: &dyn Estimator, grid: &Grid) -> Result<(), Failure> {
-    let at_rest = Measurement::at_rest(finger);
+/// Checks that the estimator supports the contact of at least one cell of the grid; otherwise returns the first cell's refusal.
+fn require_an_answer(scene: &PreparedScene, sensor: &SampledSensor, grid: &Grid) -> Result<(), Failure> {
     let mut refusal = None;
     for contact in 0..grid.contact_count() {
-        match estimator.prepare(&[grid.contact(contact)], &at_rest) {
+        match sensor.at(scene, grid.contact(contact)) {
             Ok(_) => return Ok(()),
             Err(error) => refusal = refusal.or(Some(error)),
         }

@@ -12,7 +12,7 @@ use finray_files::recording::{ContactForce, Recording};
 use finray_files::{open_stream, streamed};
 use finray_imaging::locate::Observer;
 use finray_model::observation::Observation;
-use finray_model::sensor::{FingerResult, FrameState, SensorOptions, WatchedFinger};
+use finray_model::sensor::{FingerResult, FingerTracker, FrameState, SensorOptions};
 use input::{Content, Format, Source};
 use newest::Newest;
 use serve::Server;
@@ -142,10 +142,10 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     if arguments.record_images && !shows_pixels {
         return Err(bad_input("--record-images: expected a stream of images, found positions of markers"));
     }
-    let mut watched: Vec<(WatchedFinger, Option<Observer>)> = scenes
+    let mut watched: Vec<(FingerTracker, Option<Observer>)> = scenes
         .iter()
         .map(|(name, scene)| {
-            let finger = watched_finger(arguments, &networks, name, scene)?;
+            let finger = tracker(arguments, &networks, name, scene)?;
             Ok((finger, shows_pixels.then(|| Observer::new(scene, None)).transpose().map_err(bad_input)?))
         })
         .collect::<Result<_, Failure>>()?;
@@ -167,7 +167,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         };
         let unknown = unknown_finger(&frame.content, &fingers);
         let result = |(finger, observer)| {
-            let (finger, observer): (&mut WatchedFinger, &mut Option<Observer>) = (finger, observer);
+            let (finger, observer): (&mut FingerTracker, &mut Option<Observer>) = (finger, observer);
             let seen = match &unknown {
                 None => observed(&frame.content, finger.name(), observer.as_mut()),
                 Some(reason) => Err((FrameState::Refused, reason.clone())),
@@ -217,15 +217,10 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
 }
 
 /// Prepares the evaluation of a finger.
-fn watched_finger<'s>(
-    arguments: &Arguments,
-    networks: &'s Networks,
-    name: &'s str,
-    scene: &'s Scene,
-) -> Result<WatchedFinger<'s>, Failure> {
+fn tracker(arguments: &Arguments, networks: &Networks, name: &str, scene: &Scene) -> Result<FingerTracker, Failure> {
     let &Arguments { rest_frames, estimator, noise_mm, .. } = arguments;
-    let options = SensorOptions { estimator, networks, noise_mm, mesh_nodes: None };
-    Ok(WatchedFinger::new(name, scene, arguments.contacts.of(scene, 0.0, None)?, options, rest_frames)?)
+    let options = SensorOptions { estimator, networks: networks.clone(), noise_mm, mesh_nodes: None };
+    Ok(FingerTracker::new(name, scene.clone(), arguments.contacts.of(scene, 0.0, None)?, options, rest_frames)?)
 }
 
 /// The markers of a finger in a frame; without markers, the state of the frame and the reason for it.

@@ -7,7 +7,7 @@ use finray_files::read_text;
 use finray_files::views::{self, MeasuredForce};
 use finray_model::observation::Observation;
 use finray_model::sensing::ContactPosition;
-use finray_model::sensor::{MissingInScene, Refusal, SensedForces, Sensor, SensorOptions, SensorWarning};
+use finray_model::sensor::{MissingInScene, Refusal, SensedForce, SensedForces, Sensor, SensorOptions, SensorWarning};
 
 /// Help text below the options.
 const AFTER_HELP: &str = "\
@@ -81,7 +81,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let (networks, _) = networks_of(arguments.network.as_deref(), &[arguments.estimator])?;
     let options = SensorOptions {
         estimator: arguments.estimator,
-        networks: &networks,
+        networks,
         noise_mm: arguments.noise_mm,
         mesh_nodes: arguments.mesh_nodes,
     };
@@ -129,9 +129,9 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         let sensed = sensed(&sensor, &seen, &table)?;
         warn("", &sensed.warnings);
         write_file(&arguments.out, &csv_text(rows(finger, &sensed))?)?;
-        let doubts = sensor.validity_warnings(&sensed);
-        doubts.iter().for_each(|doubt| print_message(format_args!("warning: {doubt}")));
-        format!("{} sensed", count(sensed.forces_n.len(), "force"))
+        let warnings = sensor.validity_warnings(&sensed);
+        warnings.iter().for_each(|warning| print_message(format_args!("warning: {warning}")));
+        format!("{} sensed", count(sensed.forces.len(), "force"))
     };
     hints::of_displacements(&arguments.displacements, &text, finger);
     Ok(summary(done, [&arguments.out]))
@@ -144,20 +144,20 @@ struct ImageQuestion<'a> {
     friction: f64,
     /// Measured forces, if a contact has the direction `measured`.
     forces: Option<Vec<MeasuredForce>>,
-    options: SensorOptions<'a>,
+    options: SensorOptions,
 }
 
-impl<'a> ImageQuestion<'a> {
+impl ImageQuestion<'_> {
     fn force(&self, image: &str) -> Option<&MeasuredForce> {
         self.forces.iter().flatten().find(|measured| measured.image == image)
     }
 
     /// Builds the sensor for one image. The direction of a measured force is rotated into the frame of the image's base.
-    fn sensor(&self, seen: &Observation) -> Result<Sensor<'a>, Failure> {
+    fn sensor(&self, seen: &Observation) -> Result<Sensor, Failure> {
         let in_base = |measured: &MeasuredForce| seen.frame(self.scene).rotation.inverse() * measured.force;
         let measured_deg = self.force(&seen.image).map(|measured| self.scene.finger.angle_deg(in_base(measured)));
         let contacts = self.contacts.of(self.scene, self.friction, measured_deg)?;
-        Ok(Sensor::new(self.scene, contacts, self.options)?)
+        Ok(Sensor::new(self.scene.clone(), contacts, self.options.clone())?)
     }
 }
 
@@ -184,8 +184,8 @@ fn all_images(question: &ImageQuestion, table: &ObservationTable) -> Result<Vec<
         match sensor.sense(&seen) {
             Ok(sensed) => {
                 warn(&format!("{image}: "), &sensed.warnings);
-                let doubts = sensor.validity_warnings(&sensed);
-                doubts.iter().for_each(|doubt| print_message(format_args!("warning: {image}: {doubt}")));
+                let warnings = sensor.validity_warnings(&sensed);
+                warnings.iter().for_each(|warning| print_message(format_args!("warning: {image}: {warning}")));
                 all.extend(rows(finger, &sensed).into_iter().map(|row| of_image(row, "")));
             }
             // An invalid cell of the file ends the command. A refusal for any reason other than an invalid cell affects only the rows of the refused
@@ -215,21 +215,16 @@ fn warn(about: &str, warnings: &[SensorWarning]) {
 }
 
 fn rows(finger: &Finger, sensed: &SensedForces) -> Vec<Row> {
-    let forces = sensed.forces_n.iter().zip(&sensed.sigmas_n);
-    sensed
-        .contacts
-        .iter()
-        .zip(forces)
-        .map(|(contact, (&force_n, &sigma_n))| Row {
-            contact: Some(match contact.position {
-                ContactPosition::Node(node) => node.to_string(),
-                ContactPosition::At(_) => "at".to_owned(),
-            }),
-            s_mm: contact.position_mm(finger),
-            angle_deg: Some(contact.angle_deg),
-            force_n: Some(force_n),
-            sigma_n: Some(sigma_n),
-            ..Row::default()
-        })
-        .collect()
+    let row = |sensed: &SensedForce| Row {
+        contact: Some(match sensed.contact.position {
+            ContactPosition::Node(node) => node.to_string(),
+            ContactPosition::At(_) => "at".to_owned(),
+        }),
+        s_mm: sensed.contact.position_mm(finger),
+        angle_deg: Some(sensed.contact.angle_deg),
+        force_n: Some(sensed.force_n),
+        sigma_n: Some(sensed.sigma_n),
+        ..Row::default()
+    };
+    sensed.forces.iter().map(row).collect()
 }

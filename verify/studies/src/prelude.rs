@@ -7,6 +7,7 @@ pub(crate) use crate::settings::{
 pub(crate) use crate::statistics::{Span, mean, rms};
 pub(crate) use finray_lattice::{Lattice, LatticeError};
 pub(crate) use finray_model::camera::Camera;
+pub(crate) use finray_model::estimators::network::Networks;
 pub(crate) use finray_model::estimators::{
     BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorId, PreparedEstimator, Sensed,
 };
@@ -21,6 +22,7 @@ pub(crate) use finray_model::sensing::{
     Contact, ContactForce, ContactPosition, ContactQuestion, Direction, LinearEstimator, NonlinearEstimator, Prior,
     RespondingFinger, SensingError,
 };
+pub(crate) use finray_model::sensor::{PreparedScene, Refusal, SensedForces, Sensor, SensorContacts, SensorOptions};
 pub(crate) use finray_model::statics::{Statics, StaticsError};
 pub(crate) use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector, statics};
 pub(crate) use nalgebra::{DMatrix, DVector};

@@ -15,7 +15,7 @@ use std::path::Path;
 fn sensed_twice(scene: &Scene, contacts: &[MeasuredContact], friction: f64, seen: &Observation) -> [SensedForces; 2] {
     let contacts = SensorContacts::Measured { contacts: contacts.to_vec(), friction };
     let options = SensorOptions { noise_mm: Some(CAMERA_NOISE_MM), ..SensorOptions::default() };
-    let sensor = Sensor::new(scene, contacts, options).unwrap();
+    let sensor = Sensor::new(scene.clone(), contacts, options).unwrap();
     let text = to_csv(&[Ok(seen.clone())]).unwrap();
     let table = ObservationTable::new(Path::new("-"), &text, &scene.finger, Coordinates::Displacements).unwrap();
     [seen.clone(), table.observation(None).unwrap()].map(|seen| sensor.sense(&seen).unwrap())
@@ -25,7 +25,7 @@ fn assert_alike(scene: &Scene, friction: f64, seen: &Observation, step: &SensedS
     let read: Vec<MeasuredContact> = step.contacts.iter().map(|contact| contact.read).collect();
     for sensed in sensed_twice(scene, &read, friction, seen) {
         let own = step.contacts.iter().map(|contact| (contact.force.sensed_n, contact.force.sigma_n));
-        let other = sensed.forces_n.iter().copied().zip(sensed.sigmas_n.iter().copied());
+        let other = sensed.forces.iter().map(|force| (force.force_n, force.sigma_n));
         assert!(own.eq(other), "{step:?} and {sensed:?}");
     }
 }
@@ -68,9 +68,9 @@ fn grasp_senses_as_a_sensor_does() {
             let options =
                 SensorOptions { noise_mm: Some(finray_studies::settings::LEAST_STATED_MM), ..SensorOptions::default() };
             let seen = Observation::of_shape(&scene.finger, &finger.shape);
-            let found = Sensor::new(&scene, contacts, options).unwrap().sense(&seen).unwrap();
+            let found = Sensor::new(scene.clone(), contacts, options).unwrap().sense(&seen).unwrap();
             let own = sensed.contacts.iter().map(|contact| (contact.force.sensed_n, contact.force.sigma_n));
-            assert!(own.eq(found.forces_n.iter().copied().zip(found.sigmas_n.iter().copied())), "{sensed:?}");
+            assert!(own.eq(found.forces.iter().map(|force| (force.force_n, force.sigma_n))), "{sensed:?}");
             compared += 1;
         }
     });

@@ -110,7 +110,7 @@ fn a_network_refuses_what_it_was_not_made_for() {
     let asked = |contacts: &[&str]| sense(&bent, contacts, Some(&network)).refused();
     assert_says(&asked(&["--contact", "19"]), &["trained for exactly the contacts 19@0, 20@0, not for 19@0"]);
     assert_says(&asked(&["--contact", "19", "20@5"]), &["exactly the contacts 19@0, 20@0, not for 19@0, 20@5"]);
-    assert_says(&asked(&["--contact", "19", "20@auto"]), &["needs --estimator nonlinear"]);
+    assert_says(&asked(&["--contact", "19", "20@auto"]), &["needs the estimator nonlinear"]);
     let steel = ["sense", SPRING_STEEL, "--displacements", "-", "--estimator", "network", "--network", &network];
     let steel = [&steel[..], &["--contact", "8"]].concat();
     assert_says(&finray_reading(bent.as_bytes(), &steel).refused(), &["trained for another finger"]);

@@ -155,7 +155,7 @@ impl<'f> Observer<'f> {
         Ok(seen)
     }
 
-    /// Observes the finger in the next image of a stream, for [`WatchedFinger::evaluate`](finray_model::sensor::WatchedFinger::evaluate).
+    /// Observes the finger in the next image of a stream, for [`FingerTracker::evaluate`](finray_model::sensor::FingerTracker::evaluate).
     ///
     /// # Errors
     /// Returns the state of the finger and the reason if the image does not show the finger or has another size than the camera's images.

@@ -3,11 +3,12 @@
 use super::estimate::NonlinearEstimate;
 use super::estimator::NonlinearEstimator;
 use super::problem::State;
-use crate::Kinematics;
+use crate::finger::Plate;
 use crate::measurement::Measurement;
 use crate::mesh::Mesh;
 use crate::sensing::{Contact, Pad, SensingError, Warning};
 use crate::statics::{Ladder, Statics};
+use crate::{Finger, Kinematics};
 
 /// The finer mesh divides each element into this number of parts. Members of a single element need more parts (`DIVISIONS_OF_SINGLE`), because their
 /// errors do not yet decrease with the square of the element length.
@@ -42,11 +43,26 @@ pub struct Discretisation<'m> {
     known: Vec<Known>,
 }
 
+/// Error of each force due to a mesh, N, with the forces and contacts to which the error belongs.
 #[derive(Debug, Clone)]
-struct Known {
-    forces_n: Vec<f64>,
-    contacts: Vec<Contact>,
-    error_n: Vec<f64>,
+pub(super) struct Known {
+    pub(super) forces_n: Vec<f64>,
+    pub(super) contacts: Vec<Contact>,
+    pub(super) error_n: Vec<f64>,
+}
+
+impl Known {
+    /// Whether the error also holds for other forces, N, and contacts.
+    pub(super) fn serves(&self, finger: &Finger, contacts: &[Contact], forces_n: &[f64]) -> bool {
+        let largest_n = self.forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
+        let same_force = |(a, b): (&f64, &f64)| (a - b).abs() <= SAME_FORCE * largest_n;
+        let length_mm = finger.plate_length_mm(Plate::Front);
+        let same_contact = |(a, b): (&Contact, &Contact)| {
+            let [a_mm, b_mm] = [a, b].map(|contact| contact.position_mm(finger).unwrap_or(f64::NAN));
+            (a_mm - b_mm).abs() <= SAME_POSITION * length_mm && (a.angle_deg - b.angle_deg).abs() <= SAME_ANGLE_DEG
+        };
+        self.forces_n.iter().zip(forces_n).all(same_force) && self.contacts.iter().zip(contacts).all(same_contact)
+    }
 }
 
 impl<'m> Discretisation<'m> {
@@ -78,8 +94,9 @@ impl<'m> Discretisation<'m> {
         measurement: &Measurement,
         estimate: &mut NonlinearEstimate,
     ) -> Result<(), SensingError> {
+        let finger = self.finer.finger();
         let state = estimator.last.as_mut().ok_or(SensingError::NoContact)?;
-        let error_n = match self.known.iter().find(|known| self.serves(known, state)) {
+        let error_n = match self.known.iter().find(|known| known.serves(finger, &state.contacts, &state.forces_n)) {
             Some(known) => known.error_n.clone(),
             None => {
                 let error_n = self.error(estimator.problem.pad, state, measurement)?;
@@ -93,19 +110,6 @@ impl<'m> Discretisation<'m> {
         };
         estimate.add_model_error(error_n, Warning::Discretisation);
         Ok(())
-    }
-
-    fn serves(&self, known: &Known, state: &State) -> bool {
-        let finger = self.finer.finger();
-        let largest_n = known.forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
-        let same_force = |(a, b): (&f64, &f64)| (a - b).abs() <= SAME_FORCE * largest_n;
-        let length_mm = finger.plate_length_mm(crate::finger::Plate::Front);
-        let same_contact = |(a, b): (&Contact, &Contact)| {
-            let [a_mm, b_mm] = [a, b].map(|contact| contact.position_mm(finger).unwrap_or(f64::NAN));
-            (a_mm - b_mm).abs() <= SAME_POSITION * length_mm && (a.angle_deg - b.angle_deg).abs() <= SAME_ANGLE_DEG
-        };
-        known.forces_n.iter().zip(&state.forces_n).all(same_force)
-            && known.contacts.iter().zip(&state.contacts).all(same_contact)
     }
 
     /// Error of each force due to the mesh, N.

@@ -15,7 +15,8 @@ use super::object_start::{require_touch, without_object};
 use super::position::widen_by_position;
 use super::problem::{ForceProblem, State};
 use super::search_history::SearchHistory;
-use super::states::{Found, resume, state_under};
+use super::states::{Found, resume, state_near, state_under};
+use crate::frame::FrameMotion;
 use crate::measurement::Measurement;
 use crate::mesh::Mesh;
 use crate::sensing::{Contact, ContactQuestion, Pad, SensingError, TouchedObject};
@@ -27,6 +28,8 @@ pub struct NearForces<'n> {
     pub contacts: &'n [Contact],
     /// Force of each contact along its direction, N.
     pub forces_n: &'n [f64],
+    /// Shape of the mesh near the equilibrium under these forces; `None` to follow the equilibrium from rest.
+    pub shape: Option<&'n FrameMotion>,
 }
 
 /// Estimates forces with the co-rotational finger on one mesh. Each estimate after the first starts from the previous estimate, which suits a stream
@@ -160,7 +163,8 @@ impl<'m> NonlinearEstimator<'m> {
         let mut state = None;
         if is_unique && problem.object.is_none() && near.contacts.len() == problem.questions.len() {
             let at_minimum = kept.and_then(|state| minimum_of_earlier(problem, state, seen));
-            state = at_minimum.or_else(|| state_under(problem, near.contacts, near.forces_n, None));
+            let at_shape = at_minimum.or_else(|| state_near(problem, near.contacts, near.forces_n, near.shape?));
+            state = at_shape.or_else(|| state_under(problem, near.contacts, near.forces_n, None));
         }
         let is_chosen = is_chosen && state.is_some();
         self.estimate_from(Near { state, is_chosen }, seen)

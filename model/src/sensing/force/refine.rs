@@ -1,12 +1,13 @@
 //! Estimates on successively finer meshes.
 
+use super::discretisation::Known;
 use super::estimate::NonlinearEstimate;
 use super::estimator::{NearForces, NonlinearEstimator};
 use super::linearised::Seen;
 use super::problem::State;
 use crate::Finger;
 use crate::measurement::Measurement;
-use crate::mesh::Mesh;
+use crate::mesh::MeshLevels;
 use crate::sensing::{Contact, ContactQuestion, Pad, SensingError, TouchedObject, Warning};
 
 /// Refinement ends when doubling the mesh changes each force by no more than either of two limits: this share of the largest force, and
@@ -43,37 +44,47 @@ pub fn sense_refining(
     noise_mm: Option<f64>,
     near: Option<NearForces>,
 ) -> Result<NonlinearEstimate, SensingError> {
-    Refinement::new(finger, questions, pad).sense(object, measurement, noise_mm, near)
+    Refinement::new(MeshLevels::new(finger), questions, pad).sense(object, measurement, noise_mm, near)
 }
 
-/// Estimates forces like [`sense_refining`], and keeps the meshes and the shapes of the last estimate for the next measurement of a stream.
+/// Estimates forces like [`sense_refining`], and keeps the shapes of the last estimate for the next measurement of a stream.
 #[derive(Debug, Clone)]
-pub struct Refinement<'f> {
-    finger: &'f Finger,
+pub struct Refinement {
+    meshes: MeshLevels,
     questions: Vec<ContactQuestion>,
     pad: Pad,
-    /// The meshes that were needed so far, from coarse to fine.
-    levels: Vec<Level>,
-    /// Contacts and forces of the last estimate, N, under which the kept shapes are in equilibrium. `None` if the last estimate failed.
-    found: Option<(Vec<Contact>, Vec<f64>)>,
+    /// States of the last estimate on the meshes that it needed, from coarse to fine.
+    states: Vec<Option<State>>,
+    /// The last estimate; `None` if it failed.
+    found: Option<Refined>,
 }
 
-/// A mesh, and the state of the last estimate on this mesh.
+/// Contacts and forces of an estimate, N, under which the kept shapes are in equilibrium.
 #[derive(Debug, Clone)]
-struct Level {
-    mesh: Mesh,
-    last: Option<State>,
+struct Refined {
+    contacts: Vec<Contact>,
+    forces_n: Vec<f64>,
+    /// Error of the finest mesh.
+    mesh_error: Known,
+    /// Whether the finger explains the measurement.
+    is_explained: bool,
 }
 
-impl<'f> Refinement<'f> {
-    /// Prepares estimates for a finger, contacts and a pad.
-    pub fn new(finger: &'f Finger, questions: &[ContactQuestion], pad: Pad) -> Refinement<'f> {
-        Refinement { finger, questions: questions.to_vec(), pad, levels: Vec::new(), found: None }
+impl Refinement {
+    /// Prepares estimates for a finger's meshes, contacts and a pad.
+    pub fn new(meshes: MeshLevels, questions: &[ContactQuestion], pad: Pad) -> Refinement {
+        Refinement { meshes, questions: questions.to_vec(), pad, states: Vec::new(), found: None }
     }
 
-    /// Estimates the forces of a measurement, as [`sense_refining`] describes. If `near` is the last estimate, the search on each mesh starts from
-    /// the shape that the mesh had in the last estimate, not from the equilibrium under the forces of `near`. If a kept shape and the equilibrium
-    /// under the forces of `near` lead to the same minimum, the forces agree within the tolerance of the search, about 1e-8 of the largest force.
+    /// Whether `near` is the last estimate, so that its shapes are kept.
+    pub fn keeps(&self, near: NearForces) -> bool {
+        self.found.as_ref().is_some_and(|found| near.contacts == found.contacts && near.forces_n == found.forces_n)
+    }
+
+    /// Estimates the forces of a measurement, as [`sense_refining`] describes. If `near` is the last estimate, the search starts from the shapes of
+    /// that estimate, on the finest mesh, if the finger explained the last measurement. If the forces then hardly differ from those of the last
+    /// estimate, the error of the mesh is the same. If a kept shape and the equilibrium under the forces of `near` lead to the same minimum, the
+    /// forces agree within the tolerance of the search, about 1e-8 of the largest force.
     ///
     /// # Errors
     /// [`SensingError`] from the estimate on any of the meshes.
@@ -84,37 +95,23 @@ impl<'f> Refinement<'f> {
         noise_mm: Option<f64>,
         near: Option<NearForces>,
     ) -> Result<NonlinearEstimate, SensingError> {
-        let found = self.found.take();
-        let is_last = |near: NearForces| {
-            found.as_ref().is_some_and(|(contacts, forces_n)| near.contacts == contacts && near.forces_n == forces_n)
-        };
-        if !near.is_some_and(is_last) {
-            self.levels.iter_mut().for_each(|level| level.last = None);
-        }
-        let members = 3 * self.finger.rib_count() + 2;
-        let mut elements = LEAST_ELEMENTS.div_ceil(members).next_power_of_two().max(*ELEMENTS.start());
-        let mut on = |level: usize, elements: usize, near: Option<NearForces>| {
-            if level == self.levels.len() {
-                self.levels.push(Level { mesh: Mesh::with_elements_per_member(self.finger, elements), last: None });
-            }
-            let Level { mesh, last } = &mut self.levels[level];
-            let mut estimator = NonlinearEstimator::new(mesh, &self.questions)?.with_pad(self.pad).with_object(object);
-            let estimate = match near {
-                None => estimator.estimate(measurement, noise_mm),
-                // A finer mesh starts from the forces that were chosen among all minima on the coarser mesh.
-                Some(near) => {
-                    let seen = Seen { measurement, noise_mm };
-                    estimator.estimate_resuming(last.take(), near, level > 0, seen)
+        let seen = Seen { measurement, noise_mm };
+        match near.filter(|near| self.keeps(*near)) {
+            None => self.states.clear(),
+            Some(near) => {
+                if let Some(estimate) = self.sense_similar(object, seen, near) {
+                    return Ok(estimate);
                 }
-            };
-            *last = estimator.last.take();
-            estimate
-        };
-        let mut coarse = on(0, elements, near)?;
+            }
+        }
+        self.found = None;
+        let mut coarse = self.on(0, object, seen, near, false)?;
         for level in 1.. {
-            elements *= 2;
-            let near = NearForces { contacts: &coarse.contacts, forces_n: &coarse.forces.forces_n };
-            let fine = on(level, elements, Some(near))?;
+            let [of_coarse, of_fine] = [level - 1, level].map(|level| self.meshes.with_elements(self.elements(level)));
+            let shape = self.states[level - 1].as_ref().map(|state| of_fine.interpolate(of_coarse, &state.motion));
+            let (contacts, forces_n) = (&coarse.contacts[..], &coarse.forces.forces_n[..]);
+            let near = NearForces { contacts, forces_n, shape: shape.as_ref() };
+            let fine = self.on(level, object, seen, Some(near), true)?;
             let largest_n = fine.forces.forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
             let pairs = fine.forces.forces_n.iter().zip(&coarse.forces.forces_n);
             let change_n: Vec<f64> = pairs.map(|(fine, coarse)| fine - coarse).collect();
@@ -124,14 +121,66 @@ impl<'f> Refinement<'f> {
             };
             let is_settled = change_n.iter().zip(&fine.forces.sigmas_n).all(is_small);
             coarse = fine;
-            if is_settled || 2 * elements > *ELEMENTS.end() {
+            if is_settled || 2 * self.elements(level) > *ELEMENTS.end() {
                 let remains = if is_settled { REMAINS } else { 1.0 };
-                coarse
-                    .add_model_error(change_n.iter().map(|change| remains * change).collect(), Warning::Discretisation);
+                let error_n: Vec<f64> = change_n.iter().map(|change| remains * change).collect();
+                let is_explained = coarse.forces.warning.is_none();
+                coarse.add_model_error(error_n.clone(), Warning::Discretisation);
+                self.states.truncate(level + 1);
+                let (contacts, forces_n) = (coarse.contacts.clone(), coarse.forces.forces_n.clone());
+                let mesh_error = Known { contacts: contacts.clone(), forces_n: forces_n.clone(), error_n };
+                self.found = Some(Refined { contacts, forces_n, mesh_error, is_explained });
                 break;
             }
         }
-        self.found = Some((coarse.contacts.clone(), coarse.forces.forces_n.clone()));
         Ok(coarse)
+    }
+
+    /// Estimates forces similar to those of the last estimate, on the finest mesh of that estimate. `None` if the forces are not similar, if the
+    /// finger does not explain the measurement, or if the search fails.
+    fn sense_similar(
+        &mut self,
+        object: Option<&TouchedObject>,
+        seen: Seen,
+        near: NearForces,
+    ) -> Option<NonlinearEstimate> {
+        let found = self.found.take().filter(|found| found.is_explained)?;
+        let finest = self.states.len().checked_sub(1)?;
+        let mut estimate = self.on(finest, object, seen, Some(near), false).ok()?;
+        let (contacts, forces_n) = (estimate.contacts.clone(), estimate.forces.forces_n.clone());
+        let is_similar = found.mesh_error.serves(self.meshes.finger(), &contacts, &forces_n);
+        (is_similar && estimate.forces.warning.is_none()).then_some(())?;
+        estimate.add_model_error(found.mesh_error.error_n.clone(), Warning::Discretisation);
+        self.found = Some(Refined { contacts, forces_n, ..found });
+        Some(estimate)
+    }
+
+    /// Number of beam elements per member on a level.
+    fn elements(&self, level: usize) -> usize {
+        let members = 3 * self.meshes.finger().rib_count() + 2;
+        LEAST_ELEMENTS.div_ceil(members).next_power_of_two().max(*ELEMENTS.start()) << level
+    }
+
+    /// Estimates the forces on the mesh of a level. `is_chosen` states whether `near` was chosen among all minima on a coarser mesh.
+    fn on(
+        &mut self,
+        level: usize,
+        object: Option<&TouchedObject>,
+        seen: Seen,
+        near: Option<NearForces>,
+        is_chosen: bool,
+    ) -> Result<NonlinearEstimate, SensingError> {
+        let mesh = self.meshes.with_elements(self.elements(level)).clone();
+        if self.states.len() <= level {
+            self.states.resize_with(level + 1, || None);
+        }
+        let last = &mut self.states[level];
+        let mut estimator = NonlinearEstimator::new(&mesh, &self.questions)?.with_pad(self.pad).with_object(object);
+        let estimate = match near {
+            None => estimator.estimate(seen.measurement, seen.noise_mm),
+            Some(near) => estimator.estimate_resuming(last.take(), near, is_chosen, seen),
+        };
+        *last = estimator.last.take();
+        estimate
     }
 }

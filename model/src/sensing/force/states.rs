@@ -7,6 +7,7 @@ use super::nuisances::Nuisances;
 use super::problem::{ForceProblem, State};
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::sensing::{Contact, SensingError};
+use crate::statics::{Equilibrium, Ladder, Statics, StaticsError};
 
 /// The iteration that adapts the loads to the shape ends after this number of updates. Each update of the loads removes most of the change that
 /// remains.
@@ -27,14 +28,33 @@ pub(super) fn state_under(
     forces_n: &[f64],
     from: Option<&State>,
 ) -> Option<State> {
+    state_found(problem, contacts, forces_n, |statics, loads| match from {
+        Some(from) => statics.tried(&from.motion, [&from.loads, loads], 1, |_, _| true),
+        None => statics.equilibrium(loads),
+    })
+}
+
+/// State under forces, N, at contacts, found from a shape near the equilibrium. `None` if no equilibrium is found.
+pub(super) fn state_near(
+    problem: &mut ForceProblem,
+    contacts: &[Contact],
+    forces_n: &[f64],
+    shape: &FrameMotion,
+) -> Option<State> {
+    state_found(problem, contacts, forces_n, |statics, loads| statics.tried(shape, [loads, loads], 1, |_, _| true))
+}
+
+fn state_found<'m>(
+    problem: &mut ForceProblem<'m>,
+    contacts: &[Contact],
+    forces_n: &[f64],
+    find: impl FnOnce(&mut Statics<Ladder<'m>>, &[FrameLoad]) -> Result<Equilibrium, StaticsError>,
+) -> Option<State> {
     let of_contacts = contacts.iter().zip(forces_n).flat_map(|(c, f)| problem.pad.loads(problem.mesh, c, *f, 0.0));
     let loads = of_contacts.collect::<Result<Vec<_>, _>>().ok()?;
-    let equilibrium = match from {
-        Some(from) => problem.statics.tried(&from.motion, [&from.loads, &loads], 1, |_, _| true),
-        None => problem.statics.equilibrium(&loads),
-    };
+    let motion = find(&mut problem.statics, &loads).ok()?.motion;
     let nuisances = Nuisances::expected(contacts.len(), &problem.shared_errors);
-    let mut state = state_of(problem, contacts.to_vec(), forces_n.to_vec(), nuisances, loads, equilibrium.ok()?.motion);
+    let mut state = state_of(problem, contacts.to_vec(), forces_n.to_vec(), nuisances, loads, motion);
     problem.statics.linearise(&state.motion, &state.loads).then_some(())?;
     differentiate(problem, &mut state).ok()?;
     Some(state)

@@ -8,8 +8,10 @@ use super::{Context, Evidence};
 use crate::prelude::*;
 use crate::sampling::map::{AccuracyMap, MapRequest};
 use crate::sampling::noise::Noise;
+use crate::sampling::sampled::{SampledForces, SampledSensor};
 use crate::sampling::sweep::MapCell;
 use crate::truths::{Truth, TruthId};
+use finray_model::sensor::SensedForce;
 use std::convert::Infallible;
 use std::ops::Add;
 
@@ -93,14 +95,13 @@ pub fn run(context: &Context, maps: &[AccuracyMap]) -> Result<Vec<CoverageRow>, 
     context.progress.part("coverage", cells.contact_count() + node_contacts);
     let step = || context.progress.step();
 
-    let meshes: Vec<(EstimatorId, Mesh)> = EstimatorId::ALL.iter().map(|id| (*id, id.mesh(finger))).collect();
-    let all: Vec<Box<dyn Estimator>> = meshes.iter().map(|(id, mesh)| id.on(mesh, context.networks)).collect();
-    let all: Vec<&dyn Estimator> = all.iter().map(|estimator| &**estimator).collect();
-    let (at_nodes, everywhere): (Vec<_>, Vec<_>) = all.iter().partition(|estimator| estimator.id().at_nodes());
+    let scene = PreparedScene::from(Scene::of_finger(finger.clone()));
+    let sensors = EstimatorId::ALL.iter().map(|id| SampledSensor::new(*id, context.networks));
+    let (at_nodes, everywhere): (Vec<_>, Vec<_>) = sensors.partition(|sensor| sensor.options.estimator.at_nodes());
     let truth = context.corotational;
-    let mut rows = coverage(finger, truth, &everywhere, (&cells, noise_mm), &step);
+    let mut rows = coverage(&scene, truth, &everywhere, (&cells, noise_mm), &step);
     if is_paper {
-        rows.extend(coverage(finger, truth, &at_nodes, (&nodes, noise_mm), &step));
+        rows.extend(coverage(&scene, truth, &at_nodes, (&nodes, noise_mm), &step));
         let softer = maps.iter().filter(|map| map.truth == TruthId::Twin && map.noise_mm > 0.0);
         rows.extend(softer.filter_map(of_map));
     }
@@ -150,45 +151,39 @@ impl Add for Counts {
     }
 }
 
-/// Senses every contact and force of a grid by each estimator. Each contact and force has independent noise samples, as many as the grid requests.
-/// Returns one row per estimator. `progress` is called after each contact. The result does not depend on the number of threads.
+/// Senses every contact and force of a grid by each sensor. Each contact and force has independent noise samples, as many as the grid requests.
+/// Returns one row per sensor. `progress` is called after each contact. The result does not depend on the number of threads.
 pub fn coverage(
-    finger: &Finger,
+    scene: &PreparedScene,
     truth: &dyn Truth,
-    estimators: &[&dyn Estimator],
+    sensors: &[SampledSensor],
     (grid, noise_mm): (&MapRequest, f64),
     progress: &(dyn Fn() + Sync),
 ) -> Vec<CoverageRow> {
     let of_contact = |number: usize| {
         let contact = grid.contact(number);
         let shapes = truth.shapes(&contact, &grid.forces_n);
-        let mut counts = vec![Counts::default(); estimators.len()];
-        if let Some(first) = shapes.first() {
-            let markers = Measurement::of_shape(finger, first);
-            let mut prepared: Vec<_> = estimators.iter().map(|e| e.prepare(&[contact], &markers).ok()).collect();
-            let mut noise = Noise::of_stream(grid.seed, number as u64);
-            for (shape, &force_n) in shapes.iter().zip(&grid.forces_n) {
-                let seen = Measurement::of_shape(finger, shape);
-                for prepared in prepared.iter_mut().flatten() {
-                    prepared.expect_samples_of(&seen, noise_mm, grid.noise_samples);
-                }
-                for _ in 0..grid.noise_samples {
-                    let noisy = noise.on(&seen, noise_mm);
-                    for (counts, prepared) in counts.iter_mut().zip(&mut prepared) {
-                        counts.sense(prepared.as_deref_mut(), &noisy, noise_mm, force_n);
-                    }
-                }
+        let sensors: Vec<_> = sensors.iter().map(|sensor| sensor.at(scene, contact)).collect();
+        let mut counts = vec![Counts::default(); sensors.len()];
+        let mut noise = Noise::of_stream(grid.seed, number as u64);
+        for (shape, &force_n) in shapes.iter().zip(&grid.forces_n) {
+            let seen = Measurement::of_shape(&scene.finger, shape);
+            let samples: Vec<_> = (0..grid.noise_samples).map(|_| noise.on(&seen, noise_mm)).collect();
+            for (counts, sensors) in counts.iter_mut().zip(&sensors) {
+                let sampled = sensors.as_ref().ok().and_then(|sensors| sensors.first());
+                let sampled = sampled.map(|sensor| SampledForces::new(sensor, &seen, noise_mm, samples.len()));
+                samples.iter().for_each(|sample| counts.sense(sampled.as_ref(), sample, force_n));
             }
         }
         progress();
         counts
     };
     let contacts: Vec<Vec<Counts>> = (0..grid.contact_count()).into_par_iter().map(of_contact).collect();
-    let row = |(i, estimator): (usize, &&dyn Estimator)| {
+    let row = |(i, sensor): (usize, &SampledSensor)| {
         let counts = contacts.iter().map(|counts| counts[i]).fold(Counts::default(), Counts::add);
-        counts.row((truth.id(), estimator.id(), noise_mm, grid.contact_count()))
+        counts.row((truth.id(), sensor.options.estimator, noise_mm, grid.contact_count()))
     };
-    estimators.iter().enumerate().map(row).collect()
+    sensors.iter().enumerate().map(row).collect()
 }
 
 impl Counts {
@@ -212,25 +207,19 @@ impl Counts {
     }
 
     /// Adds one sample. The sample counts as refused if the estimator does not support the contact.
-    fn sense(
-        &mut self,
-        prepared: Option<&mut (dyn PreparedEstimator + '_)>,
-        noisy: &Measurement,
-        noise_mm: f64,
-        force_n: f64,
-    ) {
+    fn sense(&mut self, sensor: Option<&SampledForces>, sample: &Measurement, force_n: f64) {
         self.samples += 1;
-        let sensed = prepared.and_then(|prepared| prepared.estimate(noisy, Some(noise_mm)).ok());
-        let stated = sensed.as_ref().and_then(|sensed| Some((sensed, *sensed.sigmas_n.as_ref()?.first()?)));
-        let Some((sensed, sigma_n)) = stated else {
+        let Some(sensed) = sensor.and_then(|sensor| sensor.sense(sample).ok()) else {
             self.refused += 1;
             return;
         };
-        let [answers, covered] = &mut self.answers[usize::from(sensed.warned)];
+        let SensedForce { force_n: sensed_n, sigma_n, .. } = sensed.forces[0];
+        let is_warned = !sensed.warnings.is_empty();
+        let [answers, covered] = &mut self.answers[usize::from(is_warned)];
         *answers += 1;
-        let error_n = sensed.forces_n[0] - force_n;
+        let error_n = sensed_n - force_n;
         *covered += usize::from(error_n.abs() <= TWO_SIDED_95 * sigma_n);
-        if sensed.warned {
+        if is_warned {
             for (sum, figure) in self.squares_n2.iter_mut().zip([error_n, sigma_n]) {
                 *sum += figure * figure;
             }

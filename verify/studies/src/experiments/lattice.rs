@@ -9,6 +9,7 @@ use crate::prelude::*;
 use crate::problems::lattice::{FINENESS, NEWTON};
 use crate::problems::{self, ProblemError};
 use crate::sampling::map::{AccuracyMap, MapRequest, accuracy_maps};
+use crate::sampling::sampled::SampledSensor;
 use crate::sampling::sweep::MapCell;
 use crate::truths::{LATTICE_FINENESS, TruthId};
 use finray_lattice::settling::Precision;
@@ -244,16 +245,16 @@ impl LatticeSensing {
             let (forces_n, noise_levels_mm) = (theirs.request.forces_n.clone(), noise_levels_mm.to_vec());
             MapRequest { positions_mm, angles_deg, forces_n, noise_levels_mm, noise_samples, seed: 1 }
         });
-        let map = |estimators: &[&dyn Estimator], request: &MapRequest| {
-            let maps = accuracy_maps(finger, &truth, estimators, request, &|| ());
+        let scene = PreparedScene::from(Scene::of_finger(finger.clone()));
+        let map = |estimators: &[EstimatorId], request: &MapRequest| {
+            let sensors: Vec<_> = estimators.iter().map(|id| SampledSensor::new(*id, Networks::none())).collect();
+            let maps = accuracy_maps(scene.clone(), &truth, &sensors, request, &|| ());
             step();
             maps
         };
-        let coarse = Mesh::key_nodes(finger);
-        let fine = Mesh::with_elements_per_member(finger, ELEMENTS);
         // The first map of each estimator is without noise.
-        let mut linear = map(&[&BeamEstimator::least_squares(&coarse), &BeamEstimator::ridge(&coarse)], &linear);
-        let mut nonlinear = map(&[&BeamEstimator::nonlinear(&fine)], &nonlinear);
+        let mut linear = map(&[EstimatorId::LeastSquares, EstimatorId::Ridge], &linear);
+        let mut nonlinear = map(&[EstimatorId::Nonlinear], &nonlinear);
         let (least_squares, exact) = (linear.remove(0), nonlinear.remove(0));
         let difference = MapDifference::of(&least_squares, theirs);
         linear.append(&mut nonlinear);

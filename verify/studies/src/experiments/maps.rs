@@ -3,8 +3,8 @@
 use super::{Context, Evidence};
 use crate::prelude::*;
 use crate::sampling::map::{AccuracyMap, MapRequest, accuracy_maps};
+use crate::sampling::sampled::SampledSensor;
 use crate::truths::{Truth, TruthError, TruthId};
-use finray_model::estimators::{BeamTheoryError, WithBeamTheoryError};
 
 impl Evidence for AccuracyMap {}
 
@@ -31,19 +31,17 @@ pub(crate) fn run(context: &Context) -> Result<Vec<AccuracyMap>, TruthError> {
         }
     }
     context.progress.part("maps", plans.iter().map(|plan| plan.request.contact_count()).sum());
+    let Scene { model_error, finger, .. } = &context.given.scene;
+    let scene = PreparedScene::from(Scene { model_error: *model_error, ..Scene::of_finger(finger.clone()) });
     // Maps with the same grid and true finger are computed together, so that each true shape is computed once.
     let maps = |plans: &[Plan]| {
-        let meshes: Vec<Mesh> = plans.iter().map(|plan| plan.estimator.mesh(finger)).collect();
-        let on_mesh = plans.iter().zip(&meshes).map(|(plan, mesh)| plan.estimator.on(mesh, context.networks));
-        let error = BeamTheoryError(context.given.scene.model_error);
-        let estimators: Vec<Box<dyn Estimator + '_>> =
-            on_mesh.map(|estimator| WithBeamTheoryError::around(estimator, error)).collect();
-        let estimators: Vec<&dyn Estimator> = estimators.iter().map(AsRef::as_ref).collect();
+        let sensor = |plan: &Plan| SampledSensor::new(plan.estimator, context.networks);
+        let sensors: Vec<SampledSensor> = plans.iter().map(sensor).collect();
         let Plan { truth, request, .. } = &plans[0];
         let truth = truths.iter().find(|candidate| candidate.id() == *truth);
         let of = |truth: &dyn Truth| {
-            accuracy_maps(finger, truth, &estimators, request, &|| {
-                estimators.iter().for_each(|_| context.progress.step())
+            accuracy_maps(scene.clone(), truth, &sensors, request, &|| {
+                sensors.iter().for_each(|_| context.progress.step())
             })
         };
         truth.map_or_else(Vec::new, |truth| of(&**truth))

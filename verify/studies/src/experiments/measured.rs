@@ -169,13 +169,13 @@ fn sensed(
             marker.sd_mm = marker.own_sd_mm.or(marker.sd_mm);
         }
     }
-    let sensor = Sensor::new(&scene, SensorContacts::Asked(vec![question]), SensorOptions::default());
+    let sensor = Sensor::new(scene, SensorContacts::Asked(vec![question]), SensorOptions::default());
     let answer = sensor.and_then(|sensor| sensor.sense(&observation)).map_err(|refusal| refusal.to_string());
     let measured_n = force.norm();
     let (sensed_n, sigma_n, s_mm, refused) = match answer {
         Ok(found) => {
-            let s_mm = found.contacts[0].position_mm(finger);
-            (Some(found.forces_n[0]), Some(found.sigmas_n[0]), s_mm, String::new())
+            let force = found.forces[0];
+            (Some(force.force_n), Some(force.sigma_n), force.contact.position_mm(finger), String::new())
         }
         Err(reason) => (None, None, None, reason),
     };

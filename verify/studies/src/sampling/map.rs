@@ -4,6 +4,7 @@
 //! samples of a cell.
 
 use crate::prelude::*;
+use crate::sampling::sampled::SampledSensor;
 use crate::sampling::sweep::{self, CellState, Grid, MapCell, Sweep};
 use crate::settings::{GROSS_ERROR, TRUSTED_ERROR};
 use crate::truths::{Truth, TruthId};
@@ -27,16 +28,16 @@ pub struct AccuracyMap {
     pub cells: Vec<MapCell>,
 }
 
-/// Computes a map for each estimator and noise level, in this order. Pairs of position and direction are computed in parallel; the result does not
+/// Computes a map for each sensor and noise level, in this order. Pairs of position and direction are computed in parallel; the result does not
 /// depend on the number of threads. `progress` is called after each pair.
 pub fn accuracy_maps(
-    finger: &Finger,
+    scene: impl Into<PreparedScene>,
     truth: &dyn Truth,
-    estimators: &[&dyn Estimator],
+    sensors: &[SampledSensor],
     request: &MapRequest,
     progress: &(dyn Fn() + Sync),
 ) -> Vec<AccuracyMap> {
-    let sweep = Sweep::new(finger, vec![truth], estimators.to_vec(), request);
+    let sweep = Sweep::new(scene, vec![truth], sensors.to_vec(), request);
     let block = |number| {
         let cells: Vec<MapCell> = sweep.block(number).iter().map(MapCell::from).collect();
         progress();
@@ -47,11 +48,11 @@ pub fn accuracy_maps(
     let map = |number: usize| AccuracyMap {
         request: request.clone(),
         truth: truth.id(),
-        estimator: estimators[number / levels].id(),
+        estimator: sensors[number / levels].options.estimator,
         noise_mm: request.noise_levels_mm[number % levels],
         cells: blocks.iter().flat_map(|block| &block[number * forces..][..forces]).copied().collect(),
     };
-    (0..estimators.len() * levels).map(map).collect()
+    (0..sensors.len() * levels).map(map).collect()
 }
 
 impl AccuracyMap {

@@ -2,6 +2,7 @@
 
 pub mod map;
 pub mod noise;
+pub mod sampled;
 pub mod scatter;
 pub mod sweep;
 pub mod worst;

@@ -211,7 +211,8 @@ fn intervals(model_error: f64, noise_mm: f64, unknown: Unknown, samples: usize) 
                 Unknown::Position => ContactQuestion { position: None, ..known },
             };
             let options = SensorOptions { noise_mm: Some(noise_mm), ..SensorOptions::default() };
-            let sensor = Sensor::new(&scene, SensorContacts::Asked(vec![question]), options).expect("one contact");
+            let sensor =
+                Sensor::new(scene.clone(), SensorContacts::Asked(vec![question]), options).expect("one contact");
             let chance = &mut random_stream(4800, number);
             for _ in 0..samples {
                 let mut seen = Observation::default();
@@ -223,7 +224,7 @@ fn intervals(model_error: f64, noise_mm: f64, unknown: Unknown, samples: usize) 
                 }
                 found.samples += 1.0;
                 let Ok(sensed) = sensor.sense(&seen) else { continue };
-                let [low, high] = sensed.interval_n(0);
+                let [low, high] = sensed.forces[0].interval_n();
                 found.answered += 1.0;
                 found.held += f64::from(u8::from((low..=high).contains(&case.force_n)));
                 found.widths += (high - low) / case.force_n;

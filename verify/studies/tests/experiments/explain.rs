@@ -1,12 +1,14 @@
 //! Explanations of the maps, compared with independent results: scatter over noise samples, finite differences of equilibria, and sensing under
 //! slightly wrong assumptions.
 
-use finray_model::estimators::{BeamEstimator, ELEMENTS};
+use finray_model::estimators::network::Networks;
+use finray_model::estimators::{ELEMENTS, EstimatorId};
 use finray_model::measurement::{Marker, Measurement};
 use finray_model::sensing::{ContactPosition, ContactQuestion, Direction, NonlinearEstimator};
-use finray_model::{Kinematics, Load, Mesh, Vector, statics};
+use finray_model::{Kinematics, Load, Mesh, Scene, Vector, statics};
 use finray_studies::experiments::explain::{Explanation, ExplanationMap};
 use finray_studies::sampling::map::{MapRequest, accuracy_maps};
+use finray_studies::sampling::sampled::SampledSensor;
 use finray_studies::truths::MeshTruth;
 use finray_studies::truths::TruthId;
 use finray_tests::{at_position, noisy, paper};
@@ -60,9 +62,8 @@ fn assert_near(ours: f64, theirs: f64, relative: f64, absolute: f64, cell: &Expl
 
 #[test]
 fn the_bound_is_how_the_nonlinear_estimator_scatters() {
-    let finger = paper();
     let truth = MeshTruth::new(TruthId::Corotational, &MESH, Kinematics::Corotational).expect("a finger");
-    let nonlinear = BeamEstimator::nonlinear(&MESH);
+    let nonlinear = SampledSensor::new(EstimatorId::Nonlinear, Networks::none());
     let request = MapRequest {
         positions_mm: POSITIONS_MM.into(),
         angles_deg: ANGLES_DEG.into(),
@@ -71,7 +72,7 @@ fn the_bound_is_how_the_nonlinear_estimator_scatters() {
         noise_samples: SAMPLES,
         seed: 5,
     };
-    let map = accuracy_maps(&finger, &truth, &[&nonlinear], &request, &|| ()).swap_remove(0);
+    let map = accuracy_maps(Scene::of_finger(paper()), &truth, &[nonlinear], &request, &|| ()).swap_remove(0);
     for (cell, sensed) in EXPLAINED.iter().zip(&map.cells) {
         assert_eq!((cell.s_mm, cell.angle_deg), (sensed.s_mm, sensed.angle_deg));
         assert_near(cell.bound.unwrap(), sensed.spread.expect("an answer"), SCATTER, 0.0, cell);

@@ -244,13 +244,13 @@ fn a_measured_force_has_its_direction_in_the_frame_of_the_base() {
         assert!((number("force_n", i) / 2.0 - 1.0).abs() < 2e-3, "{}", number("force_n", i));
     }
     // An image whose force was not measured is refused, both alone and among other images.
-    assert_says(sensed.texts("refused")[2], &["measured", "--forces"]);
+    assert_says(sensed.texts("refused")[2], &["measured", "force of the image"]);
     assert!(sensed.texts("force_n")[2].is_empty());
     let alone = |image: &str| sense("19@measured", &["--forces", &forces, "--image-name", image]);
     assert_eq!(Csv::of(&alone("b.png").computed()).texts("force_n")[0], sensed.texts("force_n")[1]);
-    assert_says(&alone("c.png").refused(), &["measured", "--forces"]);
+    assert_says(&alone("c.png").refused(), &["measured", "force of the image"]);
     // `sense` refuses `@measured` without a measured force, a measured force without `@measured`, and one measured force for two contacts.
-    assert_says(&sense("19@measured", &["--all-images"]).refused(), &["measured", "--forces"]);
+    assert_says(&sense("19@measured", &["--all-images"]).refused(), &["measured", "force of the image"]);
     assert_says(
         &sense("19@12", &with_forces).refused(),
         &["--forces: expected a contact with the direction `measured`"],

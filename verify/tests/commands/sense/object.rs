@@ -67,7 +67,7 @@ fn objects_that_cannot_be_are_refused() {
     let noise = ["--noise-mm", "0.01"];
     assert_says(&refused("", &noise), &["expected a table [contact.object] in the scene"]);
     assert_says(&refused(OBJECT, &[]), &["noise of the displacements must be known"]);
-    assert_says(&refused(OBJECT, &["--estimator", "ridge"]), &["`object` or `auto` needs --estimator nonlinear"]);
+    assert_says(&refused(OBJECT, &["--estimator", "ridge"]), &["`object` or `auto` needs the estimator nonlinear"]);
     for (from, to, expected) in [
         ("[75.45, 29.45]", "[75.45, 31.45]", "so the outline lies outside the finger"),
         ("[75.45, 29.45]", "[75.45, 27.45]", "inside the finger"),

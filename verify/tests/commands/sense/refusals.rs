@@ -24,9 +24,9 @@ fn contacts_that_cannot_be_sensed_are_refused() {
         (vec!["--contact-at", "0"], "s = 0 mm is not on the front plate"),
         (vec!["--contact-at", "153.1"], "s = 153.1 mm is not on the front plate"),
         (vec!["--contact-at", "1e-300"], "not identifiable"),
-        (vec!["--contact", "19@normal"], "`object` or `auto` needs --estimator nonlinear"),
-        (vec!["--contact", "19@auto"], "`object` or `auto` needs --estimator nonlinear"),
-        (vec!["--contact-at", "auto"], "`object` or `auto` needs --estimator nonlinear"),
+        (vec!["--contact", "19@normal"], "`object` or `auto` needs the estimator nonlinear"),
+        (vec!["--contact", "19@auto"], "`object` or `auto` needs the estimator nonlinear"),
+        (vec!["--contact-at", "auto"], "`object` or `auto` needs the estimator nonlinear"),
         (
             vec!["--contact", "19@nan"],
             "expected an angle in degrees, `normal`, `friction`, `object`, `measured` or `auto`",
@@ -67,7 +67,7 @@ fn a_wrong_contact_without_stated_noise_is_no_silent_answer() {
     let at =
         |node: &str| finray_reading(shape.as_bytes(), &["sense", PAPER, "--displacements", "-", "--contact", node]);
     let (_, warnings) = at("15").warned();
-    assert_says(&warnings.concat(), &["the residual is 1.9", "no noise is stated", "--noise-mm"]);
+    assert_says(&warnings.concat(), &["the residual is 1.9", "no noise is stated", "noise_mm"]);
     assert_eq!(at("19").err, "");
 }
 

@@ -47,14 +47,18 @@ impl OutlineEstimator<'_> {
                 if estimator.at_nodes() {
                     read.iter_mut().for_each(|read| read.contact.angle_deg = 0.0);
                 }
-                (options.estimator, options.networks) = (estimator, networks);
+                (options.estimator, options.networks) = (estimator, networks.clone());
                 SensorContacts::Asked(read.iter().map(|read| read.contact.into()).collect())
             }
         };
-        let sensed = Sensor::new(self.scene, contacts, options)?.sense(seen)?;
+        let sensed = Sensor::new(self.scene.clone(), contacts, options)?.sense(seen)?;
         let force = |(i, (seen, read)): (usize, (&SeenContact, MeasuredContact))| SensedContact {
             read,
-            force: SensedForce { true_n: seen.normal_n, sensed_n: sensed.forces_n[i], sigma_n: sensed.sigmas_n[i] },
+            force: SensedForce {
+                true_n: seen.normal_n,
+                sensed_n: sensed.forces[i].force_n,
+                sigma_n: sensed.forces[i].sigma_n,
+            },
         };
         let [sensed_n, sigma_n] = sensed.sum_along(finger, along);
         let total = SensedForce { true_n: felt.iter().map(|seen| seen.force.dot(&along)).sum(), sensed_n, sigma_n };

@@ -5,7 +5,7 @@ use super::refined::TOTAL_TOLERANCE;
 use super::{ContactScene, ForceRow, Refinement, SceneStep, TotalChange, force_rows};
 use crate::prelude::*;
 use crate::sampling::noise::Noise;
-use finray_model::validity::Doubt;
+use finray_model::validity::ValidityWarning;
 
 /// A press warns if the object stops farther than this distance from its prescribed position, mm. Rounding alone causes a smaller distance.
 const STOPPED_MM: f64 = 1e-6;
@@ -82,7 +82,7 @@ fn coarse(refinement: &Refinement) -> Option<String> {
 #[derive(Debug, Clone, Default)]
 struct PressValidity {
     steps: usize,
-    worst: Option<(f64, usize, Vec<Doubt>)>,
+    worst: Option<(f64, usize, Vec<ValidityWarning>)>,
     unsolved: Option<(usize, StaticsError)>,
 }
 
@@ -95,7 +95,7 @@ impl PressValidity {
                 let strain = validity.largest_strain(&scene.strain_limits);
                 let share = strain.map_or(0.0, |at| at.strain / scene.strain_limits.of(at.member.part));
                 if self.worst.as_ref().is_none_or(|(most, ..)| share >= *most) {
-                    self.worst = Some((share, self.steps, validity.doubts(&scene.strain_limits)));
+                    self.worst = Some((share, self.steps, validity.warnings(&scene.strain_limits)));
                 }
             }
             Err(error) => self.unsolved = self.unsolved.take().or(Some((self.steps, error))),
@@ -107,10 +107,9 @@ impl PressValidity {
         let unsolved = self.unsolved.iter().map(|(step, error)| {
             format!("warning: step {step}: the beam model has no equilibrium under the contact forces: {error}")
         });
-        let worst = self
-            .worst
-            .iter()
-            .flat_map(|(_, step, doubts)| doubts.iter().map(move |doubt| format!("warning: step {step}: {doubt}")));
+        let worst = self.worst.iter().flat_map(|(_, step, warnings)| {
+            warnings.iter().map(move |warning| format!("warning: step {step}: {warning}"))
+        });
         unsolved.chain(worst).collect()
     }
 }

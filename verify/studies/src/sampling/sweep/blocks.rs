@@ -5,6 +5,7 @@ use super::tally::Tally;
 use super::{Cell, Grid, Table};
 use crate::prelude::*;
 use crate::sampling::noise::with_sample;
+use crate::sampling::sampled::{SampledForces, SampledSensor};
 use crate::truths::Truth;
 use std::ops::Range;
 use std::time::Duration;
@@ -17,14 +18,11 @@ const LEAST_TIME: Duration = Duration::from_millis(10);
 /// Largest number of rows in memory, exceeded only if pieces of a single block already have more rows.
 const MOST_ROWS: usize = 1 << 16;
 
-/// A sweep of true fingers and estimators over a grid.
+/// A sweep of true fingers and sensors over a grid.
 pub struct Sweep<'s> {
-    finger: &'s Finger,
+    scene: PreparedScene,
     truths: Vec<&'s dyn Truth>,
-    estimators: Vec<&'s dyn Estimator>,
-    /// For each estimator, two versions prepared once for many contacts: for a nonlinear and for a linear true finger. `None` if preparing once saves
-    /// no time.
-    for_many: Vec<[Option<Box<dyn Estimator + 's>>; 2]>,
+    sensors: Vec<SampledSensor>,
     grid: &'s Grid,
     noise: NoiseSamples,
 }
@@ -32,14 +30,13 @@ pub struct Sweep<'s> {
 impl<'s> Sweep<'s> {
     /// Sets up a sweep; all cells share the same noise samples.
     pub fn new(
-        finger: &'s Finger,
+        scene: impl Into<PreparedScene>,
         truths: Vec<&'s dyn Truth>,
-        estimators: Vec<&'s dyn Estimator>,
+        sensors: Vec<SampledSensor>,
         grid: &'s Grid,
     ) -> Sweep<'s> {
-        let for_many =
-            estimators.iter().map(|estimator| [false, true].map(|linear| estimator.for_many(linear))).collect();
-        Sweep { finger, truths, estimators, for_many, grid, noise: NoiseSamples::new(grid, finger) }
+        let scene = scene.into();
+        Sweep { noise: NoiseSamples::new(grid, &scene.finger), scene, truths, sensors, grid }
     }
 
     /// Number of blocks, one for each true finger and contact.
@@ -49,49 +46,40 @@ impl<'s> Sweep<'s> {
 
     /// Number of cells in every block.
     pub fn cells_in_block(&self) -> usize {
-        self.estimators.len() * self.grid.noise_levels_mm.len() * self.grid.forces_n.len()
+        self.sensors.len() * self.grid.noise_levels_mm.len() * self.grid.forces_n.len()
     }
 
     /// Computes the cells of a block, ordered by estimator, then noise level, then force.
     pub fn block(&self, number: usize) -> Vec<Cell> {
         let truth = self.truths[number / self.grid.contact_count()];
         let contact = self.grid.contact(number % self.grid.contact_count());
-        let s_mm = contact.position_mm(self.finger).unwrap_or(f64::NAN);
+        let finger = &self.scene.finger;
+        let s_mm = contact.position_mm(finger).unwrap_or(f64::NAN);
         let shapes = truth.shapes(&contact, &self.grid.forces_n);
-        let seen: Vec<Measurement> = shapes.iter().map(|shape| Measurement::of_shape(self.finger, shape)).collect();
-        let mut prepared: Vec<_> = self
-            .estimators
-            .iter()
-            .zip(&self.for_many)
-            .map(|(estimator, for_many)| {
-                let linear = usize::from(truth.is_linear());
-                for_many[linear].as_deref().unwrap_or(*estimator)
-            })
-            .map(|estimator| seen.first().map(|markers| estimator.prepare(&[contact], markers)))
-            .collect();
+        let seen: Vec<Measurement> = shapes.iter().map(|shape| Measurement::of_shape(finger, shape)).collect();
+        let prepared: Vec<_> = self.sensors.iter().map(|sensor| sensor.at(&self.scene, contact)).collect();
         let mut tallies = vec![Tally::default(); self.cells_in_block()];
         self.noise.each(|first, samples| {
             let mut tallies = tallies.iter_mut();
-            for estimator in &mut prepared {
+            for sensors in &prepared {
                 for (noise_mm, force_n, n) in self.levels() {
-                    let Some(tally) = tallies.next() else { return };
-                    match (estimator.as_mut(), seen.get(n)) {
-                        (Some(Ok(estimator)), Some(seen)) => {
+                    let (Some(tally), Some(seen)) = (tallies.next(), seen.get(n)) else { continue };
+                    match sensors {
+                        Ok(sensors) => {
                             let count = self.noise.samples(noise_mm).saturating_sub(first);
                             let samples = samples.chunks_exact(self.noise.coordinates).take(count);
-                            sense(&mut **estimator, seen, noise_mm, force_n, samples, tally);
+                            sense(sensors, seen, noise_mm, force_n, samples, tally);
                         }
-                        (Some(Err(error)), Some(_)) => tally.refuse(error),
-                        _ => {}
+                        Err(refusal) => tally.refuse(refusal),
                     }
                 }
             }
         });
-        let cells_of_estimator = tallies.chunks(self.cells_in_block() / self.estimators.len().max(1));
+        let cells_of_estimator = tallies.chunks(self.cells_in_block() / self.sensors.len().max(1));
         cells_of_estimator
-            .zip(&self.estimators)
-            .flat_map(|(tallies, estimator)| {
-                let (seen, estimator) = (&seen, estimator.id());
+            .zip(&self.sensors)
+            .flat_map(|(tallies, sensor)| {
+                let (seen, estimator) = (&seen, sensor.options.estimator);
                 tallies.iter().zip(self.levels()).map(move |(tally, (noise_mm, force_n, n))| {
                     let cell = Cell {
                         truth: truth.id(),
@@ -165,21 +153,22 @@ impl<'s> Sweep<'s> {
     }
 }
 
-/// Estimates the force for each noise sample of a measurement, and adds the answers and refusals to `tally`.
+/// Senses the force in each noise sample of a measurement by the sensors in turn, and adds the answers and refusals to `tally`.
 fn sense<'p>(
-    estimator: &mut dyn PreparedEstimator,
+    sensors: &[Sensor],
     seen: &Measurement,
     noise_mm: f64,
     force_n: f64,
     samples: impl ExactSizeIterator<Item = &'p [f64]>,
     tally: &mut Tally,
 ) {
-    estimator.expect_samples_of(seen, noise_mm, samples.len());
-    for sample in samples {
+    let count = samples.len().div_ceil(sensors.len().max(1));
+    let sampled: Vec<_> = sensors.iter().map(|sensor| SampledForces::new(sensor, seen, noise_mm, count)).collect();
+    for (sample, sensor) in samples.zip(sampled.iter().cycle()) {
         let noisy = if noise_mm > 0.0 { with_sample(seen, sample, noise_mm) } else { seen.clone() };
-        match estimator.estimate(&noisy, Some(noise_mm)) {
+        match sensor.sense(&noisy) {
             Ok(sensed) => tally.answer(&sensed, force_n),
-            Err(error) => tally.refuse(&error),
+            Err(refusal) => tally.refuse(&refusal),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::Cell;
 use crate::prelude::*;
+use finray_model::sensor::SensedForce;
 
 /// Sums over the samples of one cell.
 #[derive(Debug, Clone, Default)]
@@ -13,8 +14,6 @@ pub(super) struct Tally {
     mean: f64,
     squares: f64,
     variance_n2: f64,
-    /// Number of answers with a standard deviation.
-    stated: usize,
     /// Three counts: answers with a warning (`warned`), answers without a warning whose interval contains the true force (`covered`), and answers
     /// with a warning whose interval contains the true force (`covered_warned`).
     warned: usize,
@@ -25,35 +24,35 @@ pub(super) struct Tally {
 }
 
 impl Tally {
-    /// Adds the estimator's answer for one sample; `force_n` is the true force, N.
-    pub(super) fn answer(&mut self, sensed: &Sensed, force_n: f64) {
-        let error = sensed.forces_n[0] / force_n - 1.0;
+    /// Adds the sensed force of one sample; `force_n` is the true force, N.
+    pub(super) fn answer(&mut self, sensed: &SensedForces, force_n: f64) {
+        let [SensedForce { force_n: sensed_n, sigma_n, .. }] = sensed.forces[..] else { return };
+        let error = sensed_n / force_n - 1.0;
         self.answered += 1;
         self.sum += error;
         self.absolute += error.abs();
         let from_mean = error - self.mean;
         self.mean += from_mean / self.answered as f64;
         self.squares += from_mean * (error - self.mean);
-        if let Some(sigma_n) = sensed.sigmas_n.as_ref().and_then(|sigmas_n| sigmas_n.first()) {
-            self.stated += 1;
-            self.variance_n2 += sigma_n * sigma_n;
-            let covered = usize::from((sensed.forces_n[0] - force_n).abs() <= TWO_SIDED_95 * sigma_n);
-            self.warned += usize::from(sensed.warned);
-            match sensed.warned {
-                false => self.covered += covered,
-                true => self.covered_warned += covered,
+        self.variance_n2 += sigma_n * sigma_n;
+        let covered = usize::from((sensed_n - force_n).abs() <= TWO_SIDED_95 * sigma_n);
+        match sensed.warnings.is_empty() {
+            true => self.covered += covered,
+            false => {
+                self.warned += 1;
+                self.covered_warned += covered;
             }
         }
     }
 
-    pub(super) fn refuse(&mut self, error: &EstimatorError) {
-        self.refusal.get_or_insert_with(|| error.to_string().split_whitespace().collect::<Vec<_>>().join(" "));
+    pub(super) fn refuse(&mut self, refusal: &Refusal) {
+        self.refusal.get_or_insert_with(|| refusal.to_string().split_whitespace().collect::<Vec<_>>().join(" "));
     }
 
     /// Returns the cell, filled with the results over its `samples` samples.
     pub(super) fn fill(&self, cell: Cell, samples: usize) -> Cell {
         let count = self.answered as f64;
-        let is_stated = self.answered > 0 && self.stated == self.answered;
+        let is_stated = self.answered > 0;
         let enough = |figure: f64| (self.answered > 0 && 2 * self.answered >= samples).then_some(figure);
         let spread = match self.answered {
             0 | 1 => (cell.noise_mm == 0.0).then_some(0.0),

@@ -6,7 +6,7 @@ use std::fmt;
 
 /// A violated assumption of the beam model.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Doubt {
+pub enum ValidityWarning {
     /// A strain exceeds its limit.
     Strain {
         /// The strain with the largest ratio to its limit.
@@ -32,18 +32,18 @@ pub enum Doubt {
 
 impl Validity {
     /// The assumptions that this equilibrium violates, given the strain limits of the materials.
-    pub fn doubts(&self, limits: &StrainLimits) -> Vec<Doubt> {
+    pub fn warnings(&self, limits: &StrainLimits) -> Vec<ValidityWarning> {
         let strain = self.largest_strain(limits).and_then(|strain| {
             let part = strain.member.part;
             let limit = limits.of(part);
             // With this comparison, a NaN strain does not count as small.
             let small = strain.strain <= limit;
-            (!small).then(|| Doubt::Strain { strain: *strain, limit, stated: limits.stated(part).is_some() })
+            (!small).then(|| ValidityWarning::Strain { strain: *strain, limit, stated: limits.stated(part).is_some() })
         });
         let shear = self.shear_at.filter(|_| self.shear_share > LARGEST_SHEAR_SHARE);
-        let shear = shear.map(|member| Doubt::Shear { share: self.shear_share, member });
+        let shear = shear.map(|member| ValidityWarning::Shear { share: self.shear_share, member });
         // A strip with equal depth and thickness is equally stiff in and out of the plane.
-        let flat = (self.depth_ratio < 1.0).then_some(Doubt::OutOfPlane { depth_ratio: self.depth_ratio });
+        let flat = (self.depth_ratio < 1.0).then_some(ValidityWarning::OutOfPlane { depth_ratio: self.depth_ratio });
         strain.into_iter().chain(shear).chain(flat).collect()
     }
 }
@@ -63,10 +63,10 @@ impl fmt::Display for FibreStrain {
     }
 }
 
-impl fmt::Display for Doubt {
+impl fmt::Display for ValidityWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Doubt::Strain { strain, limit, stated } => {
+            ValidityWarning::Strain { strain, limit, stated } => {
                 write!(f, "strains are not small: {strain}, above the limit of {} % ", percent(*limit))?;
                 let key = format!("finger.{}.largest_strain", key(strain.member.part));
                 if *stated {
@@ -81,7 +81,7 @@ impl fmt::Display for Doubt {
                 }
                 f.write_str("; strains above the limit need a nonlinear material law")
             }
-            Doubt::Shear { share, member } => write!(
+            ValidityWarning::Shear { share, member } => write!(
                 f,
                 "members are too thick for their length: shear, which Euler-Bernoulli beams neglect, increases the \
                     displacement of the loads by up to {} % (ratio of Timoshenko's shear energy to the strain energy; \
@@ -90,7 +90,7 @@ impl fmt::Display for Doubt {
                 percent(*share),
                 percent(LARGEST_SHEAR_SHARE)
             ),
-            Doubt::OutOfPlane { depth_ratio } => write!(
+            ValidityWarning::OutOfPlane { depth_ratio } => write!(
                 f,
                 "depth over thickness is {depth_ratio:.2e}, below the limit of 1: the finger bends more easily out of its plane than in it and may \
                  buckle sideways, which a plane model cannot show"

@@ -9,23 +9,40 @@ use crate::text::{finite, node, positive};
 const FULL_TURN_DEG: f64 = 360.0;
 
 /// A contact as a user states it.
+///
+/// ```
+/// use finray_model::Scene;
+/// use finray_model::sensor::{ContactSpec, SensorContacts};
+///
+/// let scene = Scene::from_toml(finray_fixtures::PAPER_SCENE)?;
+/// // 80 mm from the base, 20 degrees towards the base; and node 16, in an unknown direction.
+/// let specs = [ContactSpec::at_position("80@-20")?, ContactSpec::at_node("16@auto")?];
+/// let contacts = SensorContacts::from_specs(&specs, &scene, 0.0, None)?;
+/// assert!(matches!(contacts, SensorContacts::Asked(questions) if questions.len() == 2));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct AskedContact {
+pub struct ContactSpec {
     /// Position along the front plate; `None` if the position is unknown and to be estimated.
     pub position: Option<ContactPosition>,
     /// Standard deviation of a measured position, mm.
     pub position_sd_mm: Option<f64>,
     /// Direction of the force; along the undeformed normal if none is given.
-    pub direction: AskedDirection,
+    pub direction: DirectionSpec,
     /// Whether a direction is given.
     pub is_direction_given: bool,
     /// Standard deviation of a measured direction, degrees.
     pub direction_sd_deg: Option<f64>,
 }
 
+/// The text of a contact is wrong: what was expected, and what was found.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct ContactTextError(String);
+
 /// Contacts that contradict each other, the scene, or the friction coefficient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum AskedContactsError {
+pub enum ContactSpecError {
     /// A contact has a standard deviation, but its position or direction is not a number.
     #[error("a contact with standard deviations (+-): expected numbers for its position and its direction")]
     NoNumbers,
@@ -33,23 +50,23 @@ pub enum AskedContactsError {
     #[error("expected standard deviations (+-) for all contacts or for no contact")]
     Mixed,
     /// A friction coefficient is given, but no contact has standard deviations.
-    #[error("--friction: expected contacts with standard deviations (+-)")]
+    #[error("a coefficient of friction: expected contacts with standard deviations (+-)")]
     Friction,
     /// The scene or the image lacks a value that a direction needs.
     #[error(transparent)]
     Missing(#[from] MissingInScene),
 }
 
-impl AskedContact {
+impl ContactSpec {
     /// Parses `NODE[@ANGLE_DEG[+-SD]|normal|friction|object|measured|auto]`.
     ///
     /// # Errors
-    /// The error is a message that states the expected text.
-    pub fn at_node(text: &str) -> Result<AskedContact, String> {
+    /// [`ContactTextError`] states the expected text.
+    pub fn at_node(text: &str) -> Result<ContactSpec, ContactTextError> {
         let (position, towards) = split_at_sign(text);
         let (direction, direction_sd_deg) = direction(towards)?;
-        let position = Some(ContactPosition::Node(node(position)?));
-        Ok(AskedContact {
+        let position = Some(ContactPosition::Node(node(position).map_err(ContactTextError)?));
+        Ok(ContactSpec {
             position,
             position_sd_mm: None,
             direction,
@@ -61,8 +78,8 @@ impl AskedContact {
     /// Parses `S_MM[+-SD][@ANGLE_DEG[+-SD]|normal|friction|object|measured|auto]`, or `auto` for the position.
     ///
     /// # Errors
-    /// The error is a message that states the expected text.
-    pub fn at_position(text: &str) -> Result<AskedContact, String> {
+    /// [`ContactTextError`] states the expected text.
+    pub fn at_position(text: &str) -> Result<ContactSpec, ContactTextError> {
         let (position, towards) = split_at_sign(text);
         let (position, position_sd_mm) = match position.trim() {
             "auto" => (None, None),
@@ -72,13 +89,7 @@ impl AskedContact {
             }
         };
         let (direction, direction_sd_deg) = direction(towards)?;
-        Ok(AskedContact {
-            position,
-            position_sd_mm,
-            direction,
-            is_direction_given: towards.is_some(),
-            direction_sd_deg,
-        })
+        Ok(ContactSpec { position, position_sd_mm, direction, is_direction_given: towards.is_some(), direction_sd_deg })
     }
 
     /// Whether position or direction has a standard deviation.
@@ -89,7 +100,7 @@ impl AskedContact {
     /// The measured contact, if position or direction has a standard deviation and both are numbers.
     pub fn measured(&self) -> Option<MeasuredContact> {
         match (self.position, self.direction) {
-            (Some(position), AskedDirection::Itself(Direction::Angle(angle_deg))) if self.has_deviation() => {
+            (Some(position), DirectionSpec::Itself(Direction::Angle(angle_deg))) if self.has_deviation() => {
                 Some(MeasuredContact {
                     contact: Contact { position, angle_deg },
                     direction_sd_rad: self.direction_sd_deg.unwrap_or_default().to_radians(),
@@ -106,37 +117,37 @@ impl SensorContacts {
     /// of position or direction; it confines their forces to a friction cone. `measured_deg` is the direction of the image's measured force, degrees.
     ///
     /// # Errors
-    /// [`AskedContactsError`] if the scene lacks the friction or object that a direction needs, or if only some contacts have standard deviations.
-    pub fn of_asked(
-        asked: &[AskedContact],
+    /// [`ContactSpecError`] if the scene lacks the friction or object that a direction needs, or if only some contacts have standard deviations.
+    pub fn from_specs(
+        specs: &[ContactSpec],
         scene: &Scene,
         friction: f64,
         measured_deg: Option<f64>,
-    ) -> Result<SensorContacts, AskedContactsError> {
-        if asked.iter().any(|asked| asked.has_deviation() && asked.measured().is_none()) {
-            return Err(AskedContactsError::NoNumbers);
+    ) -> Result<SensorContacts, ContactSpecError> {
+        if specs.iter().any(|spec| spec.has_deviation() && spec.measured().is_none()) {
+            return Err(ContactSpecError::NoNumbers);
         }
-        let measured: Vec<MeasuredContact> = asked.iter().filter_map(AskedContact::measured).collect();
+        let measured: Vec<MeasuredContact> = specs.iter().filter_map(ContactSpec::measured).collect();
         if !measured.is_empty() {
-            return match measured.len() == asked.len() {
+            return match measured.len() == specs.len() {
                 true => Ok(SensorContacts::Measured { contacts: measured, friction }),
-                false => Err(AskedContactsError::Mixed),
+                false => Err(ContactSpecError::Mixed),
             };
         }
         if friction > 0.0 {
-            return Err(AskedContactsError::Friction);
+            return Err(ContactSpecError::Friction);
         }
-        let question = |asked: &AskedContact| {
-            let direction = asked.direction.of_scene(scene, measured_deg)?;
-            Ok(ContactQuestion { position: asked.position, direction })
+        let question = |spec: &ContactSpec| {
+            let direction = spec.direction.of_scene(scene, measured_deg)?;
+            Ok(ContactQuestion { position: spec.position, direction })
         };
-        asked.iter().map(question).collect::<Result<_, _>>().map(SensorContacts::Asked)
+        specs.iter().map(question).collect::<Result<_, _>>().map(SensorContacts::Asked)
     }
 }
 
 /// Direction of a force as a user states it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum AskedDirection {
+pub enum DirectionSpec {
     /// An explicit direction, independent of the scene.
     Itself(Direction),
     /// The plate's normal, rotated by the angle of friction from the scene's table `contact`.
@@ -160,11 +171,11 @@ pub enum MissingInScene {
     #[error("the direction `object` needs an outline: expected a table [contact.object] in the scene")]
     Object,
     /// The image has no measured force.
-    #[error("the direction `measured` needs a force: expected the measured force of the image (--forces)")]
+    #[error("the direction `measured` needs a force: expected the measured force of the image")]
     Measured,
 }
 
-impl AskedDirection {
+impl DirectionSpec {
     /// Resolves the direction with the friction and the object of a scene. `measured_deg` is the direction of the measured force, degrees from the
     /// undeformed normal.
     ///
@@ -173,10 +184,10 @@ impl AskedDirection {
     pub fn of_scene(self, scene: &Scene, measured_deg: Option<f64>) -> Result<Direction, MissingInScene> {
         let friction = scene.contact.lean;
         match self {
-            AskedDirection::Itself(direction) => Ok(direction),
-            AskedDirection::Measured => measured_deg.map(Direction::Angle).ok_or(MissingInScene::Measured),
-            AskedDirection::Friction => friction.map(Direction::Leaning).ok_or(MissingInScene::Friction),
-            AskedDirection::Object => {
+            DirectionSpec::Itself(direction) => Ok(direction),
+            DirectionSpec::Measured => measured_deg.map(Direction::Angle).ok_or(MissingInScene::Measured),
+            DirectionSpec::Friction => friction.map(Direction::Leaning).ok_or(MissingInScene::Friction),
+            DirectionSpec::Object => {
                 let object = scene.touched.as_ref().ok_or(MissingInScene::Object)?;
                 // Without a pose of the object, only tangency of plate and outline is known.
                 let from = match object.place {
@@ -190,38 +201,41 @@ impl AskedDirection {
 }
 
 /// Parses a number with an optional standard deviation, `VALUE+-SD`.
-fn with_deviation(text: &str) -> Result<(f64, Option<f64>), String> {
+fn with_deviation(text: &str) -> Result<(f64, Option<f64>), ContactTextError> {
     match text.split_once("+-") {
-        None => Ok((finite(text)?, None)),
-        Some((value, sd)) => Ok((finite(value)?, Some(positive(sd)?))),
+        None => Ok((finite(text).map_err(ContactTextError)?, None)),
+        Some((value, sd)) => {
+            let value = finite(value).map_err(ContactTextError)?;
+            Ok((value, Some(positive(sd).map_err(ContactTextError)?)))
+        }
     }
 }
 
 /// Parses a direction after `@`: an angle in degrees with optional standard deviation, or a keyword. A missing direction means 0 degrees.
-fn direction(text: Option<&str>) -> Result<(AskedDirection, Option<f64>), String> {
+fn direction(text: Option<&str>) -> Result<(DirectionSpec, Option<f64>), ContactTextError> {
     let direction = match text.map(str::trim) {
         None => Direction::Angle(0.0),
         Some("normal") => Direction::NORMAL,
         Some("auto") => Direction::Auto,
-        Some("friction") => return Ok((AskedDirection::Friction, None)),
-        Some("object") => return Ok((AskedDirection::Object, None)),
-        Some("measured") => return Ok((AskedDirection::Measured, None)),
+        Some("friction") => return Ok((DirectionSpec::Friction, None)),
+        Some("object") => return Ok((DirectionSpec::Object, None)),
+        Some("measured") => return Ok((DirectionSpec::Measured, None)),
         Some(number) => match with_deviation(number) {
             Ok((angle_deg, sd_deg)) if angle_deg.abs() <= FULL_TURN_DEG => {
-                return Ok((AskedDirection::Itself(Direction::Angle(angle_deg)), sd_deg));
+                return Ok((DirectionSpec::Itself(Direction::Angle(angle_deg)), sd_deg));
             }
             Ok((angle_deg, _)) => {
-                return Err(format!(
+                return Err(ContactTextError(format!(
                     "expected an angle from -{FULL_TURN_DEG} to {FULL_TURN_DEG} degrees, found {angle_deg}"
-                ));
+                )));
             }
             Err(_) => {
                 let expected = "an angle in degrees, `normal`, `friction`, `object`, `measured` or `auto`";
-                return Err(format!("expected {expected}, found \"{number}\""));
+                return Err(ContactTextError(format!("expected {expected}, found \"{number}\"")));
             }
         },
     };
-    Ok((AskedDirection::Itself(direction), None))
+    Ok((DirectionSpec::Itself(direction), None))
 }
 
 fn split_at_sign(text: &str) -> (&str, Option<&str>) {

@@ -1,10 +1,11 @@
 //! One finger in the frames of a stream: its state, its forces, and the reasons of refusals.
 
-use super::{Refusal, RestPositions, SensedForces, SensorContacts, SensorOptions, StreamSensor, ZeroDrift};
+use super::{
+    PreparedScene, Refusal, RestPositions, SensedForce, SensedForces, SensorContacts, SensorOptions, StreamSensor,
+    ZeroDrift,
+};
 use crate::finger::Finger;
 use crate::observation::Observation;
-use crate::scene::Scene;
-use crate::sensing::Contact;
 use serde::Serialize;
 
 /// State of a finger in a frame.
@@ -23,12 +24,12 @@ pub enum FrameState {
 
 /// A finger in a stream: its sensor, the positions of its markers without load, and the forces of the previous frame.
 #[derive(Debug, Clone)]
-pub struct WatchedFinger<'s> {
-    name: &'s str,
-    scene: &'s Scene,
+pub struct FingerTracker {
+    name: String,
+    scene: PreparedScene,
     contacts: SensorContacts,
-    options: SensorOptions<'s>,
-    sensor: StreamSensor<'s>,
+    options: SensorOptions,
+    sensor: StreamSensor,
     rest: RestPositions,
     /// Number of frames of the unloaded finger that are still to be read.
     rest_frames: usize,
@@ -65,24 +66,25 @@ pub struct FingerResult<'a> {
     pub drift: Option<ZeroDrift>,
 }
 
-impl<'s> WatchedFinger<'s> {
+impl FingerTracker {
     /// Prepares the evaluation of a finger. `name` is empty for the only finger. The first `rest_frames` frames show the unloaded finger; later
     /// displacements are measured from the mean marker positions in these frames.
     ///
     /// # Errors
     /// [`Refusal`] if the estimator does not support the contacts.
     pub fn new(
-        name: &'s str,
-        scene: &'s Scene,
+        name: impl Into<String>,
+        scene: impl Into<PreparedScene>,
         contacts: SensorContacts,
-        options: SensorOptions<'s>,
+        options: SensorOptions,
         rest_frames: usize,
-    ) -> Result<WatchedFinger<'s>, Refusal> {
+    ) -> Result<FingerTracker, Refusal> {
+        let (name, scene) = (name.into(), scene.into());
         let noise_mm = options.noise_mm.or(scene.noise_mm);
-        Ok(WatchedFinger {
+        Ok(FingerTracker {
             name,
+            sensor: sensor(&scene, &contacts, &options, noise_mm, rest_frames)?,
             scene,
-            sensor: sensor(scene, contacts.clone(), options, noise_mm, rest_frames)?,
             contacts,
             options,
             rest: RestPositions::default(),
@@ -109,7 +111,7 @@ impl<'s> WatchedFinger<'s> {
                 (state, markers, refused)
             }
         };
-        let &mut WatchedFinger { name, scene, ref sensed, ref restlessness, drift, .. } = self;
+        let &mut FingerTracker { ref name, ref scene, ref sensed, ref restlessness, drift, .. } = self;
         let (sensed, restlessness) = (sensed.as_ref(), restlessness.as_deref());
         FingerResult { name, finger: &scene.finger, state, markers, sensed, refused, restlessness, drift }
     }
@@ -125,14 +127,14 @@ impl<'s> WatchedFinger<'s> {
     }
 
     /// Name of the finger; empty for the only finger.
-    pub fn name(&self) -> &'s str {
-        self.name
+    pub fn name(&self) -> &str {
+        &self.name
     }
 
     /// Senses the forces, or adds a frame of the unloaded finger. Returns the state, or the reason of a refusal.
     fn state(&mut self, seen: &Observation, before: Option<&SensedForces>) -> Result<FrameState, String> {
         if self.rest_frames > 0 {
-            self.rest.add(self.scene, seen)?;
+            self.rest.add(&self.scene, seen).map_err(|error| error.to_string())?;
             self.rest_frames -= 1;
             if self.rest_frames == 0 {
                 self.begin().map_err(|refusal| refusal.to_string())?;
@@ -144,17 +146,17 @@ impl<'s> WatchedFinger<'s> {
         }
         let state = self.sensed_state(&self.rest.displaced(&self.scene.finger, seen), before)?;
         if state == FrameState::None {
-            self.drift = self.rest.drift(self.scene, seen, self.noise_mm);
+            self.drift = self.rest.drift(&self.scene, seen, self.noise_mm);
         }
         Ok(state)
     }
 
     /// Ends the rest frames. If neither the options, the scene nor the markers state a noise, the noise follows from the rest frames.
     fn begin(&mut self) -> Result<(), Refusal> {
-        self.restlessness = self.rest.restlessness(self.scene, self.noise_mm);
+        self.restlessness = self.rest.restlessness(&self.scene, self.noise_mm);
         if self.noise_mm.is_none() && !self.rest.states_noise() {
             self.noise_mm = self.rest.noise_mm();
-            self.sensor = sensor(self.scene, self.contacts.clone(), self.options, self.noise_mm, self.rest.frames())?;
+            self.sensor = sensor(&self.scene, &self.contacts, &self.options, self.noise_mm, self.rest.frames())?;
         }
         Ok(())
     }
@@ -167,15 +169,16 @@ impl<'s> WatchedFinger<'s> {
 }
 
 /// The sensor of a stream in which displacements are measured from the mean of the rest frames: the noise of this mean adds to that of the frame.
-fn sensor<'s>(
-    scene: &'s Scene,
-    contacts: SensorContacts,
-    options: SensorOptions<'s>,
+fn sensor(
+    scene: &PreparedScene,
+    contacts: &SensorContacts,
+    options: &SensorOptions,
     noise_mm: Option<f64>,
     rest_frames: usize,
-) -> Result<StreamSensor<'s>, Refusal> {
+) -> Result<StreamSensor, Refusal> {
     let wider = if rest_frames == 0 { 1.0 } else { (1.0 + 1.0 / rest_frames as f64).sqrt() };
-    StreamSensor::new(scene, contacts, SensorOptions { noise_mm: noise_mm.map(|noise_mm| wider * noise_mm), ..options })
+    let options = SensorOptions { noise_mm: noise_mm.map(|noise_mm| wider * noise_mm), ..options.clone() };
+    StreamSensor::new(scene.clone(), contacts.clone(), options)
 }
 
 impl FingerResult<'_> {
@@ -193,10 +196,8 @@ impl FingerResult<'_> {
         Some(warnings.join("; ")).filter(|warning| !warning.is_empty())
     }
 
-    /// The contacts, each with its index and the sensed forces to which the index refers.
-    pub fn contacts(&self) -> impl Iterator<Item = (usize, &SensedForces, &Contact)> {
-        self.sensed
-            .into_iter()
-            .flat_map(|sensed| sensed.contacts.iter().enumerate().map(move |(i, contact)| (i, sensed, contact)))
+    /// The sensed forces; none unless the finger is in contact.
+    pub fn forces(&self) -> &[SensedForce] {
+        self.sensed.map_or(&[], |sensed| &sensed.forces)
     }
 }

@@ -1,0 +1,116 @@
+//! Sensed forces, with their intervals and warnings.
+
+use super::TWO_SIDED_95;
+use crate::Vector;
+use crate::finger::Finger;
+use crate::sensing::{Contact, MeasuredContactForces, Warning};
+
+/// Estimated force at a contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SensedForce {
+    /// Position and direction, given or estimated.
+    pub contact: Contact,
+    /// Force along the direction, N.
+    pub force_n: f64,
+    /// Standard deviation of the force, N, including the noise and the known error of the model.
+    pub sigma_n: f64,
+}
+
+/// Estimated forces, in the order of the contacts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SensedForces {
+    /// The force of each contact.
+    pub forces: Vec<SensedForce>,
+    /// Reasons why the forces may be less accurate than their standard deviations, or requests to state the noise. Empty without warnings.
+    pub warnings: Vec<SensorWarning>,
+    /// Forces along and across the direction of each contact. `None` unless the contacts were measured.
+    pub(super) measured: Option<MeasuredContactForces>,
+}
+
+impl SensedForce {
+    /// Lower and upper limit of the 95 % interval of the force, N.
+    pub fn interval_n(&self) -> [f64; 2] {
+        let reach_n = TWO_SIDED_95 * self.sigma_n;
+        [self.force_n - reach_n, self.force_n + reach_n]
+    }
+}
+
+impl SensedForces {
+    /// Forces along given directions with their standard deviations, both N.
+    pub(super) fn new(contacts: &[Contact], forces_n: &[f64], sigmas_n: &[f64]) -> SensedForces {
+        let force = |((&contact, &force_n), &sigma_n)| SensedForce { contact, force_n, sigma_n };
+        let forces = contacts.iter().zip(forces_n).zip(sigmas_n).map(force).collect();
+        SensedForces { forces, warnings: Vec::new(), measured: None }
+    }
+
+    /// Sum of all forces along the unit vector `along` (finger frame) and its standard deviation, both N. Unless the contacts were measured, the
+    /// standard deviation is an upper bound that holds for any correlation of the forces.
+    pub fn sum_along(&self, finger: &Finger, along: Vector) -> [f64; 2] {
+        if let Some(measured) = &self.measured {
+            return measured.sum_along(finger, along);
+        }
+        self.forces.iter().fold([0.0; 2], |[sum_n, sigma_n], sensed| {
+            let share = finger.direction(sensed.contact.angle_deg).dot(&along);
+            [sum_n + share * sensed.force_n, sigma_n + share.abs() * sensed.sigma_n]
+        })
+    }
+}
+
+/// A reason why the forces may be less accurate than their standard deviations, or a request to state the noise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum SensorWarning {
+    /// The measurement contradicts the model, or the error of the model exceeds the noise.
+    Model {
+        /// The contradiction or the error of the model.
+        warning: Warning,
+        /// Whether the estimator is linear.
+        is_linear: bool,
+    },
+    /// The standard deviations are infinite, because no residual remains from which to estimate the noise.
+    NoResidual,
+    /// No noise is stated, and the residual is a large share of the displacements: the contacts or the finger may be wrong.
+    LargeResidual {
+        /// Root mean square of the residual, mm.
+        residual_rms_mm: f64,
+        /// Root mean square of the displacements, mm.
+        moved_rms_mm: f64,
+    },
+}
+
+impl std::fmt::Display for SensorWarning {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        let (warning, is_linear) = match self {
+            SensorWarning::Model { warning, is_linear } => (warning, is_linear),
+            SensorWarning::NoResidual => {
+                return f.write_str(
+                    "sigma_n is infinite: no noise is stated, and there are as many unknowns as measured \
+                        coordinates, so no residual remains from which the noise could be estimated; state the noise \
+                        (noise_mm)",
+                );
+            }
+            SensorWarning::LargeResidual { residual_rms_mm, moved_rms_mm } => {
+                return write!(
+                    f,
+                    "no noise is stated, and the residual is {residual_rms_mm:.3} mm rms (displacement: \
+                        {moved_rms_mm:.3} mm rms), so sigma_n is too small unless the noise is as large as the \
+                        residual; check the contacts and the finger, or state the noise (noise_mm)"
+                );
+            }
+        };
+        let advice = match warning {
+            Warning::UnknownLinearisation => "sigma_n does not include this error",
+            Warning::Residual(_) if *is_linear => {
+                "sigma_n follows from the residual and includes the error of linearisation; the estimator nonlinear \
+                    avoids the error of linearisation, so its warnings have other causes, such as wrong contacts"
+            }
+            _ if *is_linear => "sigma_n includes the error of linearisation, which the estimator nonlinear avoids",
+            Warning::Residual(_) => {
+                "sigma_n follows from the residual and does not include errors of a wrong model; check the contacts, their directions, the finger's \
+                 dimensions and the stated noise"
+            }
+            _ => "sigma_n includes this error",
+        };
+        write!(f, "{warning}; {advice}")
+    }
+}
