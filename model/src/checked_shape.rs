@@ -109,12 +109,12 @@ impl fmt::Display for MeshWarning {
         match self {
             MeshWarning::NoResult { nodes, reason } => write!(
                 f,
-                "the mesh of the key nodes may be too coarse: a finer mesh of {nodes} nodes has no result: {reason}; use {nodes} mesh nodes"
+                "the mesh of the key nodes may be too coarse: a finer mesh of {nodes} nodes has no result: {reason}; choose {nodes} mesh nodes"
             ),
             MeshWarning::Coarse { nodes, largest_mm, error_mm } => write!(
                 f,
                 "the mesh of the key nodes is too coarse: on a finer mesh of {nodes} nodes the largest displacement is \
-                 {largest_mm:.3} mm, and the displacement of a key node differs by {error_mm:.3} mm; use {nodes} mesh nodes"
+                 {largest_mm:.3} mm, and the displacement of a key node differs by {error_mm:.3} mm; choose {nodes} mesh nodes"
             ),
         }
     }

@@ -167,7 +167,7 @@ fn a_mesh_that_is_too_coarse_is_warned_of() {
     let (coarse, warnings) = finray(&[&["solve", &scene], &load[..]].concat()).warned();
     let told =
         warnings.iter().find(|warning| warning.contains("the mesh of the key nodes is too coarse")).expect("a warning");
-    let advice = told.rsplit_once("use ").and_then(|(_, advice)| advice.split_once(" mesh nodes"));
+    let advice = told.rsplit_once("choose ").and_then(|(_, advice)| advice.split_once(" mesh nodes"));
     let (advised, _) = advice.expect("advice");
     let (fine, warnings) = on(advised);
     assert!(largest_mm(&fine) > 5.0 * largest_mm(&coarse));
