@@ -2,7 +2,7 @@
 //!
 //! Each layer is a crate that depends only on the layers below it:
 //! - [`figures`] draws charts and is independent of fingers; [`files`] reads and writes files.
-//! - [`lattice`] models a finger, or two fingers and an object, as rigid bodies and springs.
+//! - [`lattice`] models a finger as rigid bodies and springs.
 //! - The studies: [`truths`] are reference models of the finger, [`estimators`] are tested on these models, and [`sampling`] draws the test cases.
 //!   [`problems`] have known answers, [`experiments`] are the individual studies, and [`study`] runs all of them for a scene.
 //! - [`report`] presents the results as pages.
@@ -11,6 +11,7 @@
 
 pub mod guide;
 
+pub use finray_contact as contact;
 pub use finray_figures as figures;
 pub use finray_files as files;
 pub use finray_lattice as lattice;

@@ -4,8 +4,8 @@ use crate::arrays::{self, not_negative};
 use crate::error::failed;
 use crate::scene::Scene;
 use crate::solve::Shape;
-use finray_studies::experiments::contact_scene::file::{NO_OBJECT, outline_corners};
-use finray_studies::experiments::contact_scene::{ContactScene, ForceRow, SceneStep};
+use finray_contact::press::{ContactScene, ForceRow, NO_OBJECT, SceneStep};
+use finray_files::outline_corners;
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use std::path::Path;
@@ -122,7 +122,7 @@ impl Press {
 ///     scene: scene with a table object.
 ///     noise_mm: standard deviation of the noise in one coordinate of a node or outline point, mm; None: the scene's, or 0.
 ///     seed: seed of the noise.
-///     fineness: lattice segments per plate member, 1 to 100; None: doubled until total forces change by under 0.1 %.
+///     fineness: elements per plate member, 1 to 100; None: doubled until total forces change by under 0.1 %.
 ///
 /// Raises FinrayError for a scene without a valid object, and if the first step fails.
 #[pyfunction]
@@ -154,7 +154,7 @@ pub fn press(
             prepared = prepared.with_fineness(fineness);
         }
         let each = |notes: &[String], _| warnings.extend_from_slice(notes);
-        let run = finray_studies::experiments::contact_scene::Press::run(scene, &prepared, noise_mm, seed, each);
+        let run = finray_contact::press::Press::run(scene, &prepared, noise_mm, seed, each);
         warnings.extend(run.ended.iter().flatten().cloned().chain(run.validity_warnings()));
         let doubts = run.steps.last().map_or_else(Vec::new, |last| doubts(scene, last));
         Ok::<_, PyErr>((run, doubts))

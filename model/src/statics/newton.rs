@@ -51,7 +51,7 @@ impl<'m> Statics<Ladder<'m>> {
         before: &[FrameLoad],
         after: &[FrameLoad],
     ) -> Option<f64> {
-        self.equations.change_loads(motion, before, after);
+        self.equations.change_loads(motion, before, after, (0.0, motion));
         self.turned_by_correction(motion)
     }
 }

@@ -5,6 +5,7 @@ mod images;
 mod lens;
 mod networks;
 mod origin;
+mod outline;
 mod output;
 mod scene;
 pub mod table;
@@ -22,6 +23,7 @@ pub use images::{image_named, image_names, load_image};
 pub use lens::load_lens;
 pub use networks::load_network;
 pub use origin::{Elsewhere, of_another_finger};
+pub use outline::outline_corners;
 pub use output::{
     csv_text, is_stream, open_stream, require_folder, require_writable, streamed, write_all_or_nothing, write_file,
     write_folder, write_from,

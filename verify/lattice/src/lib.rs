@@ -15,15 +15,14 @@
 //! The lattice supports every finger, including fingers with rigid arms, zones, hinged ribs or undeformable ribs. An undeformable rib with rigid
 //! joints forms one body with its two rods. An undeformable rib with hinges is a bar with ten times the axial rigidity of the stiffer plate.
 //!
-//! [`grasp`] finds the equilibrium of two fingers with an object between them. [`pressing`] uses the method of [`grasp`] for one finger and an object
-//! held by a hand; rapier verifies the results ([`pressing::settled`]).
+//! Objects pressed onto a finger are computed on beams (`finray_contact`). [`engine_pressing`] verifies them: rapier finds the contacts of an object with
+//! the lattice on its own.
 #![forbid(unsafe_code)]
 
 pub mod bodies;
 pub mod energy;
-pub mod grasp;
+pub mod engine_pressing;
 pub mod pattern;
-pub mod pressing;
 pub mod settling;
 pub mod skin;
 pub mod springs;
@@ -63,29 +62,9 @@ pub enum LatticeError {
         /// Largest movement between the last two position checks, relative to the largest displacement; infinite before the second check.
         residual: f64,
     },
-    /// The front plate tapers. The computation of contacts assumes that the plate's outline is parallel to the plate's middle line.
-    #[error("finger.front.tip_thickness_mm: expected a front plate of constant thickness where an object touches it")]
-    Tapered,
-    /// The object overlaps the finger at the start.
-    #[error("the object overlaps the undeformed finger by {overlap_mm:.3} mm at the start")]
-    Overlap {
-        /// Depth of the overlap, mm.
-        overlap_mm: f64,
-    },
-    /// The finger does not hold the object against the applied force.
-    #[error(
-        "the finger does not hold the object against the force{}", touched_n.map_or(String::new(), |n| format!(": they last touched at {n:.3} N"))
-    )]
-    LetGo {
-        /// Pull at which the finger lost the object, N (in rapier: the last pull with contact). `None` if the object never touched the finger.
-        touched_n: Option<f64>,
-    },
-    /// No equilibrium is found with the object at its prescribed position.
-    #[error("no stable equilibrium of finger and object is found{}", if *is_folded { ": the finger folds" } else { "" })]
-    NoContactEquilibrium {
-        /// Whether the finger folds: a rigid body of the lattice has rotated by more than 1 rad.
-        is_folded: bool,
-    },
+    /// Finger and object cannot be brought into contact, or the finger does not hold the object.
+    #[error(transparent)]
+    Contact(#[from] finray_contact::ContactError),
     /// Newton's method found no stable equilibrium on the way to the full load.
     #[error("no stable equilibrium of the lattice was found beyond {:.4} % of the load", 100.0 * converged_fraction)]
     NoEquilibrium {

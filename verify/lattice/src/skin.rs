@@ -5,50 +5,11 @@ use super::energy::{BodyMotion, Energy};
 use super::settling::{Dynamics, rapier};
 use super::springs::BodyIndex;
 use super::{Lattice, LatticeError};
-use finray_model::finger::Plate;
-use finray_model::mesh::FingerShape;
+use finray_contact::{ContactError, Touch, TouchedPart};
+use finray_model::finger::{FingerPoint, Plate};
+use finray_model::mesh::{FingerShape, Load};
 use finray_model::{NodeId, Vector};
 use rapier2d::prelude::{CoefficientCombineRule, ColliderBuilder, Group, InteractionGroups, InteractionTestMode};
-
-/// The part of the finger that an object touches.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum TouchedPart {
-    /// Rod at a key node of the front plate.
-    Rod(NodeId),
-    /// Front plate, at this position from its base, mm.
-    Plate(f64),
-}
-
-impl TouchedPart {
-    /// Position along the front plate, mm from its base.
-    pub fn position_mm(&self, lattice: &Lattice) -> f64 {
-        match *self {
-            TouchedPart::Rod(node) => lattice.finger().front_position_mm(node).unwrap_or_default(),
-            TouchedPart::Plate(position_mm) => position_mm,
-        }
-    }
-}
-
-/// A point at which the object pushes on the finger.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Touch {
-    /// Body of the lattice that carries the force.
-    pub body: BodyIndex,
-    /// Touched part of the finger.
-    pub part: TouchedPart,
-    /// Whether the touched part is clamped; the force then does not bend the finger.
-    pub clamped: bool,
-    /// Contact point, finger frame, deformed, mm.
-    pub point: Vector,
-    /// Vector from the body's centre to the contact point, in the undeformed orientation of the body, mm.
-    pub arm: Vector,
-    /// Unit vector from the object into the finger, finger frame.
-    pub normal: Vector,
-    /// Force on the finger, N, finger frame.
-    pub force: Vector,
-    /// Overlap of object and finger, mm; negative for a gap.
-    pub overlap_mm: f64,
-}
 
 /// Part of the finger that a collider represents.
 #[derive(Clone, Copy)]
@@ -77,9 +38,9 @@ pub(crate) fn groups_of_object() -> InteractionGroups {
 /// Checks that the front plate has constant thickness, so that its surface is parallel to its middle line.
 ///
 /// # Errors
-/// [`LatticeError::Tapered`] if the plate tapers.
+/// [`ContactError::Tapered`] if the plate tapers.
 pub(crate) fn require_one_thickness(lattice: &Lattice) -> Result<(), LatticeError> {
-    if lattice.finger().tapers(Plate::Front) { Err(LatticeError::Tapered) } else { Ok(()) }
+    if lattice.finger().tapers(Plate::Front) { Err(ContactError::Tapered.into()) } else { Ok(()) }
 }
 
 /// Adds the contact surface to the rapier world: a disc at every rod of the front plate, and capsules between the rods.
@@ -121,22 +82,37 @@ pub(crate) fn add_skin(
 }
 
 impl Lattice {
-    /// Equilibrium under the forces of the given contacts, applied as fixed loads. Newton's method finds the equilibrium, without contact search or
-    /// physics engine. Correct contact forces yield the shape in which the contacts were found.
+    /// Loads on the bodies from the contact forces of an object on a finger of the given deformed shape, which another solver has found.
+    ///
+    /// # Errors
+    /// [`LatticeError::Load`] if a touched position is not on the plate.
+    pub fn contact_loads(&self, touches: &[Touch], shape: &FingerShape) -> Result<Vec<BodyLoad>, LatticeError> {
+        let half_mm = 0.5 * self.finger.description().front.thickness_mm;
+        let load = |touch: &Touch| match touch.part {
+            TouchedPart::Rod(node) => {
+                let arm = touch.point - shape.point(FingerPoint::Node(node));
+                Load::Node { node, force: touch.force, moment_nmm: arm.perp(&touch.force) }
+            }
+            TouchedPart::Plate(s_mm) => Load::at_position(s_mm, touch.force),
+        };
+        let bending: Vec<&Touch> = touches.iter().filter(|touch| !touch.clamped).collect();
+        let mut loads = self.body_loads(&bending.iter().map(|touch| load(touch)).collect::<Vec<_>>())?;
+        // Friction acts on the surface, half a thickness from the axis on which the loads act.
+        for touch in bending.into_iter().filter(|touch| matches!(touch.part, TouchedPart::Plate(_))) {
+            let friction_nmm = -half_mm * touch.normal.perp(&touch.force);
+            let of_touch = loads.iter_mut().find(|load| load.force == touch.force);
+            of_touch.into_iter().for_each(|load| load.moment_nmm += friction_nmm);
+        }
+        Ok(loads)
+    }
+
+    /// Motions of the bodies in the equilibrium under loads. Newton's method finds the equilibrium, without contact search or physics engine.
     ///
     /// # Errors
     /// [`LatticeError::NoEquilibrium`] if no stable equilibrium is found.
-    pub fn equilibrium_under(&self, touches: &[Touch]) -> Result<FingerShape, LatticeError> {
-        let load = |touch: &Touch| BodyLoad {
-            body: touch.body,
-            force: touch.force,
-            share: 1.0,
-            lever: touch.arm,
-            moment_nmm: 0.0,
-        };
-        let loads: Vec<BodyLoad> = touches.iter().map(load).collect();
+    pub fn motions_under(&self, loads: &[BodyLoad]) -> Result<Vec<BodyMotion>, LatticeError> {
         let mut motions = vec![BodyMotion::default(); self.assembly.bodies.len()];
-        Energy::new(&self.assembly).follow(&mut motions, &loads, 0.0, 1.0)?;
-        Ok(self.shape(&motions))
+        Energy::new(&self.assembly).follow(&mut motions, loads, 0.0, 1.0)?;
+        Ok(motions)
     }
 }

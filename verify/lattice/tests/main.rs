@@ -1,8 +1,5 @@
 //! Tests of `finray-lattice`: each file tests the source file of the same path.
 
 mod energy;
-mod grasp {
-    mod contact;
-}
-mod pressing;
+mod engine_pressing;
 mod settling;

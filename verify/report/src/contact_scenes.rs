@@ -4,10 +4,10 @@ mod words;
 
 use super::drawings::{ACROSS_AXIS, ALONG_AXIS, lines_of, point, side_by_side, true_and_sensed};
 use crate::prelude::*;
+use finray_contact::press::{ForceRow, SceneStep, SeenContact};
 use finray_model::sensing::ContactPosition;
 use finray_studies::experiments::contact_scene::samples::NoiseSamples;
 use finray_studies::experiments::contact_scene::study::SceneStudy;
-use finray_studies::experiments::contact_scene::{ForceRow, SceneStep, SeenContact};
 use std::collections::BTreeMap;
 
 const CSV: &str = "contact_scenes.csv";

@@ -2,9 +2,9 @@
 
 use super::maps::small;
 use crate::prelude::*;
+use finray_contact::press::{SensedContact, contacts_sensed};
 use finray_model::finger::FingerPoint;
 use finray_studies::experiments::causes::{CauseMap, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM};
-use finray_studies::experiments::contact_scene::contacts_sensed;
 use finray_studies::experiments::contact_scene::study::{SceneStudy, StudiedStep};
 use serde_json::{Value, json};
 
@@ -114,9 +114,7 @@ fn of_scene(finger: &Finger, scene: &SceneStudy) -> Value {
         let bent = drawn_points(finger).into_iter().map(|at| point(&pressed.shape.point(at)));
         let sensed = studied.noisy.as_ref().ok().and_then(Option::as_ref);
         let contacts = contacts_sensed(&studied.step.contacts, sensed).map(|(seen, sensed)| {
-            let along = |of: &finray_studies::experiments::contact_scene::SensedContact| {
-                point(&(finger.direction(of.read.contact.angle_deg) * of.force.sensed_n))
-            };
+            let along = |of: &SensedContact| point(&(finger.direction(of.read.contact.angle_deg) * of.force.sensed_n));
             json!({
                 "x": number(seen.point.x), "y": number(seen.point.y),
                 "true": point(&(finger.direction(seen.contact.angle_deg) * seen.normal_n)),

@@ -17,7 +17,7 @@ use serde::Serialize;
 const CSV: &str = "grasp.csv";
 const SCENES_CSV: &str = "grasp_scenes.csv";
 /// How grasps are computed and sensed.
-const ABOUT: &str = "In simulation, two lattice fingers on the paper's linkage close on a free object, lift it, carry it and put it \
+const ABOUT: &str = "In simulation, two fingers of beams on the paper's linkage close on a free object, lift it, carry it and put it \
     down: a disc off the centre, a box in an oblique pose that the fingers rotate, and a ball in mid-air between \
     spring-steel fingers. Every step is an equilibrium of fingers, object, gravity and contacts with Coulomb friction. \
     The lengths of the linkage are assumed, because the paper gives them only in a figure that was not available. \

@@ -4,6 +4,7 @@ mod stream;
 
 use crate::commands::prelude::*;
 use clap::value_parser;
+use finray_contact::WorldError;
 use finray_figures::FigureError;
 use finray_report::{grasp_animation_svg, grasp_svg, standalone};
 use finray_studies::experiments::contact_scene::file::load_scene_with_outline;
@@ -51,7 +52,7 @@ pub struct Arguments {
     /// Seed of the noise
     #[arg(long, help_heading = "Sensing", value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Lattice segments per plate member
+    /// Elements per plate member
     #[arg(long, value_name = "N", default_value_t = FINENESS as u16, value_parser = value_parser!(u16).range(1..=12))]
     fineness: u16,
     /// Folder for the results
@@ -155,8 +156,7 @@ fn write(
 impl From<GraspError> for Failure {
     fn from(error: GraspError) -> Failure {
         match error {
-            GraspError::Lattice(inner) => inner.into(),
-            GraspError::World(finray_lattice::grasp::WorldError::Lattice(inner)) => inner.into(),
+            GraspError::World(WorldError::Finger(inner)) => inner.into(),
             other => bad_input(other),
         }
     }

@@ -27,6 +27,7 @@ mod parse;
 mod prelude;
 mod scenes;
 
+use finray_contact::ContactError;
 use finray_files::{FileError, is_standard_stream};
 use finray_lattice::LatticeError;
 use finray_model::checked_shape::CheckedShapeError;
@@ -236,14 +237,20 @@ impl From<LatticeError> for Failure {
         match error {
             LatticeError::Load(_)
             | LatticeError::LoadNotFinite
-            | LatticeError::Overlap { .. }
             | LatticeError::NoSegments
-            | LatticeError::Tapered
             | LatticeError::TooFine { .. } => bad_input(error),
-            LatticeError::LetGo { .. }
-            | LatticeError::NotSettled { .. }
-            | LatticeError::NoContactEquilibrium { .. }
-            | LatticeError::NoEquilibrium { .. } => not_computed(error),
+            LatticeError::Contact(inner) => inner.into(),
+            LatticeError::NotSettled { .. } | LatticeError::NoEquilibrium { .. } => not_computed(error),
+        }
+    }
+}
+
+impl From<ContactError> for Failure {
+    fn from(error: ContactError) -> Failure {
+        match error {
+            ContactError::Tapered | ContactError::Overlap { .. } => bad_input(error),
+            ContactError::Statics(inner) => inner.into(),
+            _ => not_computed(error),
         }
     }
 }

@@ -2,11 +2,11 @@
 
 use crate::commands::prelude::*;
 use clap::value_parser;
+use finray_contact::press::{ContactScene, NO_OBJECT, Press};
 use finray_files::displacements;
 use finray_report::{DrawnPress, press_svg, standalone};
-use finray_studies::experiments::contact_scene::file::{NO_OBJECT, load_scene_with_outline};
+use finray_studies::experiments::contact_scene::file::load_scene_with_outline;
 use finray_studies::experiments::contact_scene::study::SceneWithOutline;
-use finray_studies::experiments::contact_scene::{ContactScene, Press};
 
 /// Help text below the options.
 const AFTER_HELP: &str = "\
@@ -29,7 +29,7 @@ pub struct Arguments {
     /// Seed of the noise
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Lattice segments per plate member [default: doubled until total forces change by under 0.1 %]
+    /// Elements per plate member [default: doubled until total forces change by under 0.1 %]
     #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=100))]
     fineness: Option<u16>,
     /// Also write the displacements of the last step to FILE, in the format of `finray solve`

@@ -2,11 +2,9 @@
 
 use finray_model::{Finger, Scene};
 
+pub use finray_contact::press::LEAST_STATED_MM;
 pub use finray_fixtures::CAMERA_NOISE_MM;
 
-/// Standard deviation that estimators assume for a noise-free measurement, mm. If estimators assumed a smaller standard deviation, mesh errors of
-/// micrometres would look like outliers.
-pub const LEAST_STATED_MM: f64 = 0.01;
 /// Range of forces on one contact node of the paper's finger, N (paper, sec. V-C). Below 0.5 N noise alone causes errors of several per cent.
 pub const ONE_FORCE_N: [f64; 2] = [0.5, 3.0];
 /// Range of forces on each of two contact nodes of the paper's finger, N (paper, sec. V-C).

@@ -1,12 +1,12 @@
 //! `press`, `grasp` and `sense` agree: an observation gives the same forces whether it stays in memory or is read from a table.
 
+use finray_contact::press::{ContactScene, SensedStep, read_contact};
 use finray_files::observations::{Coordinates, ObservationTable, to_csv};
 use finray_fixtures::{BOX_SCENE, DISC_SCENE, FRICTION_SCENE, GRASPED_DISC_SCENE};
 use finray_model::Scene;
 use finray_model::observation::Observation;
 use finray_model::sensing::MeasuredContact;
 use finray_model::sensor::{SensedForces, Sensor, SensorContacts, SensorOptions};
-use finray_studies::experiments::contact_scene::{ContactScene, SensedStep, read_contact};
 use finray_studies::experiments::grasp::{Eyes, GraspScene};
 use finray_studies::settings::CAMERA_NOISE_MM;
 use std::path::Path;

@@ -124,7 +124,7 @@ fn outlines_are_read_and_checked() {
 /// Members of 17 mm once had three segments, like members of 13 mm, and the forces had errors of 5 %. The expected totals come from an independent
 /// frame model with contact and a fine mesh.
 #[test]
-fn the_default_lattice_suits_the_finger() {
+fn the_default_mesh_suits_the_finger() {
     const FRAME: [(f64, f64); 4] = [(3.75, 12.253524), (7.5, 24.280193), (11.25, 34.523518), (15.0, 48.599816)];
     let folder = Folder::new();
     let scene = folder.put(
@@ -155,7 +155,7 @@ fn steps_before_a_failure_are_written() {
     let folder = Folder::new();
     let scene = scene(&folder, &DISC.replace("force_n = 2\nsteps = 2", "force_n = 80\nsteps = 40"));
     let out = folder.path("out.csv");
-    let message = finray(&["press", &scene, "--fineness", "1", "--noise-mm", "0", "--out", &out]).failed();
+    let message = finray(&["press", &scene, "--fineness", "2", "--noise-mm", "0", "--out", &out]).failed();
     assert_says(&message, &["of 40: the finger does not hold the object", "the steps until then", "are written"]);
     let totals: Vec<f64> = Csv::of(&folder.read("out.csv")).numbers("step");
     assert!(totals.len() > 1 && totals[0] == 1.0, "{totals:?}");

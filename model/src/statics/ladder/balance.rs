@@ -121,11 +121,10 @@ impl<'m, R: Number> Balance<'m, R> {
     /// Eliminates the tip, then the rungs (pairs of key nodes joined by a rib) towards the base. The lines must already be condensed.
     #[inline(always)]
     pub(super) fn eliminate_rungs(&mut self, stiffness: &mut Factor<R>, motion: &FrameMotion<R>) {
-        stiffness.eliminate_tip(self.applied.on_tip().curvature);
+        stiffness.eliminate_tip(self.applied.on_tip());
         for level in (0..self.rung_ys.len()).rev() {
             let rib = self.rigid_rib(stiffness, level, motion);
-            let curvatures = [self.applied.on_rung(level, 0).curvature, self.applied.on_rung(level, 3).curvature];
-            stiffness.eliminate_rung(level, rib, curvatures);
+            stiffness.eliminate_rung(level, rib, [0, 3].map(|row| self.applied.on_rung(level, row)));
         }
     }
 
@@ -242,16 +241,7 @@ impl<'m, R: Number> Balance<'m, R> {
     /// Corrections of the two ends of a line.
     #[inline(always)]
     fn line_ends(&self, stiffness: &Factor<R>, index: usize) -> Ends<R> {
-        let count = self.corrections.len();
-        // Level of the first end, and the plate (0 back, 1 front) of each end.
-        let (level, sides) = match index {
-            back if back <= count => (back, [0, 0]),
-            front if front < 2 * (count + 1) => (front - (count + 1), [1, 1]),
-            rib => (rib - 2 * (count + 1) + 1, [0, 1]),
-        };
-        let upper = if sides[0] == sides[1] { level + 1 } else { level };
-        stiffness.chains[index]
-            .carried(&joined(&self.key_correction(level, sides[0]), &self.key_correction(upper, sides[1])))
+        line_ends(stiffness, index, &self.corrections, &self.tip_correction)
     }
 
     /// Displacements of the first and last node of a line in the last correction, mm.
@@ -260,16 +250,26 @@ impl<'m, R: Number> Balance<'m, R> {
         let [x, y, _, end_x, end_y, _] = self.line_ends(stiffness, index);
         [Vector2::new(x, y), Vector2::new(end_x, end_y)]
     }
+}
 
-    /// Correction of the back (0) or front (1) node of a level. Level 0 is the base; the rungs follow, then the tip.
-    #[inline(always)]
-    fn key_correction(&self, level: usize, side: usize) -> [R; 3] {
-        match level {
-            0 => [self.work.zero(); 3],
-            level if level > self.corrections.len() => self.tip_correction,
-            level => halves(&self.corrections[level - 1])[side],
-        }
-    }
+/// Motions of the two ends of a line for given motions of the rungs and of the tip.
+#[inline(always)]
+pub(super) fn line_ends<R: Number>(stiffness: &Factor<R>, index: usize, rungs: &[Ends<R>], tip: &[R; 3]) -> Ends<R> {
+    let count = rungs.len();
+    // Level of the first end, and the plate (0 back, 1 front) of each end.
+    let (level, sides) = match index {
+        back if back <= count => (back, [0, 0]),
+        front if front < 2 * (count + 1) => (front - (count + 1), [1, 1]),
+        rib => (rib - 2 * (count + 1) + 1, [0, 1]),
+    };
+    let upper = if sides[0] == sides[1] { level + 1 } else { level };
+    // Level 0 is the base; the rungs follow, then the tip.
+    let key_motion = |level: usize, side: usize| match level {
+        0 => [tip[0].zero(); 3],
+        level if level > count => *tip,
+        level => halves(&rungs[level - 1])[side],
+    };
+    stiffness.chains[index].carried(&joined(&key_motion(level, sides[0]), &key_motion(upper, sides[1])))
 }
 
 impl Balance<'_> {

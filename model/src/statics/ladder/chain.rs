@@ -203,7 +203,7 @@ impl<R: Number> Chain<R> {
     /// Gradient with respect to the motions of the chain's two ends, or of the key nodes if the chain has brackets. This gradient is equivalent to
     /// the gradients `on_element` with respect to the motions of each element's nodes. `passed` receives the index of each joint and the forward
     /// substitution y = L^-1 g of the joint. Also returns the forward substitution of pinned rotations.
-    fn carried_gradient(
+    pub(super) fn carried_gradient(
         &self,
         joints: &[Joint<R>],
         on_element: impl Fn(usize) -> Ends<R>,

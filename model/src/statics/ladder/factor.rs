@@ -6,6 +6,7 @@ use super::block::Block;
 use super::cantilever::Joint;
 use super::chain::{Chain, joints_of};
 use super::ends::{Ends, EndsMatrix};
+use super::loads::OnNode;
 use super::rung::{RigidRib, Rung};
 use crate::frame::FrameMotion;
 use crate::mesh::Mesh;
@@ -111,10 +112,10 @@ impl<R: Number> Factor<R> {
         joints + chains + rungs + tip
     }
 
-    /// Eliminates the tip. `curvature` is the second derivative of the loads' potential with respect to the rotation of the tip, N mm.
+    /// Eliminates the tip with the loads on it.
     #[inline(always)]
-    pub(super) fn eliminate_tip(&mut self, curvature: R) {
-        let zero = curvature.zero();
+    pub(super) fn eliminate_tip(&mut self, loads: &OnNode<R>) {
+        let zero = loads.curvature.zero();
         (self.positive, self.accurate) = (zero.always(), zero.always());
         for chain in &self.chains {
             self.positive = zero.both(self.positive, chain.positive);
@@ -131,7 +132,9 @@ impl<R: Number> Factor<R> {
                 coupling[i][3 + j] = front[j][3 + i];
             }
         }
-        tip[2][2] += curvature;
+        tip[0][0] += loads.spring;
+        tip[1][1] += loads.spring;
+        tip[2][2] += loads.curvature;
         self.tip.factorise(&tip, &coupling);
         self.positive = zero.both(self.positive, self.tip.factor.positive);
         let [back, front] = members.map(|line| &self.chains[line].diagonal);
@@ -142,18 +145,20 @@ impl<R: Number> Factor<R> {
         self.accurate = zero.both(self.accurate, self.tip.factor.pivots_exceed(&limits));
     }
 
-    /// Eliminates a rung (pair of key nodes joined by a rib). `curvatures` are the second derivatives of the loads' potential with respect to the
-    /// rotations of the rung's back and front node, N mm.
+    /// Eliminates a rung (pair of key nodes joined by a rib) with the loads on its back and front node.
     #[inline(always)]
-    pub(super) fn eliminate_rung(&mut self, level: usize, rib: Option<RigidRib<R>>, curvatures: [R; 2]) {
-        let zero = curvatures[0].zero();
+    pub(super) fn eliminate_rung(&mut self, level: usize, rib: Option<RigidRib<R>>, loads: [&OnNode<R>; 2]) {
+        let zero = loads[0].curvature.zero();
         let mut stiffness = self.rung_stiffness(level);
         match self.rungs.get(level + 1) {
             Some(above) => above.reduce_stiffness(&mut stiffness),
             None => self.tip.reduce_stiffness(&mut stiffness),
         }
-        stiffness[2][2] += curvatures[0];
-        stiffness[5][5] += curvatures[1];
+        for (row, load) in [0, 3].into_iter().zip(loads) {
+            stiffness[row][row] += load.spring;
+            stiffness[row + 1][row + 1] += load.spring;
+            stiffness[row + 2][row + 2] += load.curvature;
+        }
         let [back, front] = self.plate_members(level).map(|line| &self.chains[line].stiffness);
         self.rungs[level].eliminate(rib, &stiffness, back, front);
         self.positive = zero.both(self.positive, self.rungs[level].block.factor.positive);

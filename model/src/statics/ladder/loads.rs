@@ -17,6 +17,8 @@ pub(super) struct OnNode<R> {
     /// Second derivative with respect to the rotation, N mm. This derivative is not zero for a load on a rigid arm, because the end of the arm moves
     /// on a circle.
     pub curvature: R,
+    /// Second derivative with respect to x and with respect to y, N/mm: springs that hold the node.
+    pub spring: R,
 }
 
 /// Potentials of all loads at one motion of the finger.
@@ -32,7 +34,7 @@ pub(super) struct Applied<R> {
 impl<R: Number> Applied<R> {
     /// No loads, for a ladder of `rungs` rungs (one per rib), in the number type of `like`.
     pub(super) fn none(rungs: usize, like: R) -> Applied<R> {
-        let nothing = OnNode { gradient: [like.zero(); 3], curvature: like.zero() };
+        let nothing = OnNode { gradient: [like.zero(); 3], curvature: like.zero(), spring: like.zero() };
         Applied { nothing, on_nodes: vec![nothing; 2 * rungs + 1], on_members: Vec::new() }
     }
 
@@ -85,21 +87,26 @@ impl<R: Number> Applied<R> {
             let (end, force, moment_nmm) = load.at_end(frame);
             let linear = kinematics == Kinematics::Linear;
             let potential = frame.end_load(motion, end, force * factor, moment_nmm * factor, linear);
-            let on_node = match location(mesh, end.node) {
-                // A load on a clamped node causes no motion.
-                Location::Clamped => continue,
-                Location::Inside { line, element } => {
-                    self.add_to_member(lane, mesh.lines()[line].members.start + element, &potential);
-                    continue;
-                }
-                Location::Rung { rung, row } => 2 * rung + row / 3,
-                Location::Tip => self.on_nodes.len() - 1,
-            };
-            let OnNode { gradient, curvature } = &mut self.on_nodes[on_node];
+            let place = location(mesh, end.node);
+            if let Location::Inside { line, element } = place {
+                self.add_to_member(lane, mesh.lines()[line].members.start + element, &potential);
+                continue;
+            }
+            // A load on a clamped node causes no motion.
+            let Some(OnNode { gradient, curvature, .. }) = self.on_node_mut(place) else { continue };
             for (sum, part) in gradient.iter_mut().zip(&potential.gradient) {
                 add_in_lane(sum, lane, *part);
             }
             add_in_lane(curvature, lane, potential.tangent[(2, 2)]);
+        }
+    }
+
+    /// Loads on the key node at a location; `None` for a clamped node or a node inside a line.
+    fn on_node_mut(&mut self, place: Location) -> Option<&mut OnNode<R>> {
+        match place {
+            Location::Rung { rung, row } => self.on_nodes.get_mut(2 * rung + row / 3),
+            Location::Tip => self.on_nodes.last_mut(),
+            Location::Clamped | Location::Inside { .. } => None,
         }
     }
 
@@ -115,6 +122,20 @@ impl<R: Number> Applied<R> {
         let pairs = sum.gradient.iter_mut().zip(&potential.gradient);
         for (sum, part) in pairs.chain(sum.tangent.iter_mut().zip(&potential.tangent)) {
             add_in_lane(sum, lane, *part);
+        }
+    }
+}
+
+impl Applied<f64> {
+    /// Adds springs of `stiffness` (N/mm) that hold every key node at its displacement in `from`.
+    pub(super) fn add_springs(&mut self, mesh: &Mesh, motion: &FrameMotion, (stiffness, from): (f64, &FrameMotion)) {
+        for node in 0..mesh.finger().key_node_count() {
+            let moved = motion.displacements[node] - from.displacements[node];
+            if let Some(on_node) = self.on_node_mut(location(mesh, node)) {
+                on_node.gradient[0] += stiffness * moved.x;
+                on_node.gradient[1] += stiffness * moved.y;
+                on_node.spring += stiffness;
+            }
         }
     }
 }

@@ -21,6 +21,7 @@ mod ends;
 mod factor;
 mod lines;
 mod loads;
+mod ports;
 mod response;
 mod retraction;
 mod rung;

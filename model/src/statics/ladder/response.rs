@@ -79,8 +79,14 @@ impl Ladder<'_> {
     }
 
     /// Changes the loads of the last linearisation at `motion`, without a new tangent. Newton's correction then leads to first order to the equilibrium
-    /// under the loads `after`.
-    pub fn change_loads(&mut self, motion: &FrameMotion, before: &[FrameLoad], after: &[FrameLoad]) {
+    /// under the loads `after`. `springs` are those of the linearisation: see [`linearise_with_springs`](Self::linearise_with_springs).
+    pub fn change_loads(
+        &mut self,
+        motion: &FrameMotion,
+        before: &[FrameLoad],
+        after: &[FrameLoad],
+        springs: (f64, &FrameMotion),
+    ) {
         let stiffness = Factor::chosen(self.mesh, &self.own, self.rests);
         self.balance.take_off_loads();
         self.balance.apply_loads(0, motion, before, -1.0);
@@ -89,6 +95,9 @@ impl Ladder<'_> {
         // The gradients of lines are sums now; those of key nodes are taken from the loads.
         self.balance.take_off_loads();
         self.balance.apply_loads(0, motion, after, 1.0);
+        if springs.0 != 0.0 {
+            self.balance.applied.add_springs(self.mesh, motion, springs);
+        }
         dispatched::eliminate_gradient(&mut self.balance, stiffness);
     }
 
@@ -123,13 +132,13 @@ impl Ladder<'_> {
     }
 
     /// Clears the gradients on the rungs and returns a zero gradient for the tip.
-    fn take_off(&mut self) -> [f64; 3] {
+    pub(super) fn take_off(&mut self) -> [f64; 3] {
         self.waiting.fill([0.0; 6]);
         [0.0; 3]
     }
 
     /// Adds gradients at the ends of a line to the gradients on the rungs (nodes of one rib each). Returns the gradient on the tip.
-    fn put_on(&mut self, line: usize, on_ends: &Ends, mut tip: [f64; 3]) -> [f64; 3] {
+    pub(super) fn put_on(&mut self, line: usize, on_ends: &Ends, mut tip: [f64; 3]) -> [f64; 3] {
         let per_plate = self.waiting.len() + 1;
         // Level (0 is the base, r + 1 is rung r) and row of each end of the line.
         let ends = match line {
@@ -152,10 +161,15 @@ impl Ladder<'_> {
 
     /// Forward and back substitution for rungs and tip, with the stored factors. Gradients inside lines must already be condensed.
     fn respond(&mut self, motion: &FrameMotion, tip: &[f64; 3], out: &mut [Vector]) {
-        let count = self.waiting.len();
+        let tip_y = self.substitute(tip);
+        self.moved_markers(motion, &self.waiting, &tip_y, out);
+    }
+
+    /// Replaces the gradients on the rungs by their forward substitutions y = L^-1 g. Returns the forward substitution of the tip's gradient.
+    pub(super) fn substitute(&mut self, tip: &[f64; 3]) -> [f64; 3] {
         let stiffness = Factor::chosen(self.mesh, &self.own, self.rests);
         let tip_y = stiffness.tip.forward(tip);
-        for at in (0..count).rev() {
+        for at in (0..self.waiting.len()).rev() {
             let mut gradient = [0.0; 6];
             match stiffness.rungs.get(at + 1) {
                 Some(above) => above.reduce_gradient(&self.waiting[at + 1], &mut gradient),
@@ -166,7 +180,7 @@ impl Ladder<'_> {
             }
             self.waiting[at] = stiffness.rungs[at].forward(&gradient);
         }
-        self.moved_markers(motion, &self.waiting, &tip_y, out);
+        tip_y
     }
 
     /// Writes to `out` the markers' first-order displacements by back substitution from the forward substitutions y of rungs and tip.

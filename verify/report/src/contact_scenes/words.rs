@@ -7,9 +7,9 @@ use finray_studies::experiments::contact_scene::samples::NoiseSamples;
 use finray_studies::experiments::contact_scene::study::{SceneStudy, StrainOfScene, StudiedStep};
 
 /// Text on how the scenes are computed, and on how their forces are sensed.
-pub(super) const ABOUT: &str = "In simulation, an object is pressed onto a finger of rigid bodies and springs, in quasi-static equilibrium. The \
-    contact forces of this finger are the true forces. The engine rapier, started in each equilibrium, must stay in \
-    this equilibrium (page Checks). The nonlinear estimator models the finger with beams and receives the noisy \
+pub(super) const ABOUT: &str = "In simulation, an object is pressed onto a finger of beams, in quasi-static equilibrium. The contact forces of \
+    this finger are the true forces. The engine rapier, started near each equilibrium with a finger of rigid bodies \
+    and springs, must come to rest there (page Checks). The nonlinear estimator receives the noisy \
     displacements of the key nodes and of points on both outlines. The estimator also receives which parts touch, and \
     the coefficient of friction as a bound on the angle of the force.";
 
@@ -20,7 +20,7 @@ pub(super) fn verdict(scenes: &[SceneStudy]) -> Option<String> {
     let smooth = of(false)?;
     let rough = of(true).map(|rough| format!(", and by up to {rough} with friction (only its coefficient is known)"));
     Some(format!(
-        "In simulation, without noise, the sensed total force of objects pressed onto the lattice errs by up to {smooth} without friction{}.{}{}",
+        "In simulation, without noise, the sensed total force of objects pressed onto the finger errs by up to {smooth} without friction{}.{}{}",
         rough.unwrap_or_default(),
         least_known(scenes).unwrap_or_default(),
         beyond_limits(scenes)

@@ -55,7 +55,7 @@ fn about(LoopStudy { target_n, motor_deg_per_s, runs }: &LoopStudy) -> Option<St
     let steady = runs.iter().filter_map(|run| run.over(|of| of.steady_error.abs())).map(|errors| errors.most);
     let steady = percent(steady.fold(0.0, f64::max));
     Some(format!(
-        "A simulated closed loop: two of the paper's fingers (lattices of one segment per member) close on a disc \
+        "A simulated closed loop: two of the paper's fingers (beams with one element per member) close on a disc \
             until the mean of both sensed forces is {target_n} N, and hold this force for 30 frames. The motor turns \
             at {motor_deg_per_s} degrees per second. In each frame the controller corrects half of the missing force, \
             or less if sensing is delayed. All loops share steps of 22.5 degrees up to nine tenths of the target; from \

@@ -11,14 +11,12 @@ impl Evidence for SceneStudy {
     }
 }
 
-/// Number of plate segments between two key nodes in a quick study. The next constant, `QUICK_STEPS`, is the largest number of steps of the object.
-const QUICK_FINENESS: usize = 2;
+/// Largest number of steps of the object in a quick study.
 const QUICK_STEPS: usize = 3;
 
 /// Contact scenes that a report runs.
 pub struct Objects {
-    /// Scenes, each with the fineness of its lattice; `None` for automatic refinement.
-    scenes: Vec<(SceneWithOutline, Option<usize>)>,
+    scenes: Vec<SceneWithOutline>,
     samples: usize,
 }
 
@@ -27,8 +25,8 @@ impl Objects {
     pub(crate) fn of(context: &Context) -> Result<Objects, SceneStudyError> {
         let &Context { given, is_paper, effort, .. } = context;
         let mut scenes = match &given.scene.object {
-            Some(_) => vec![(given.clone(), None)],
-            None if is_paper => shipped()?.into_iter().map(|(scene, fineness)| (scene, Some(fineness))).collect(),
+            Some(_) => vec![given.clone()],
+            None if is_paper => shipped()?,
             None => Vec::new(),
         };
         let mut samples = SAMPLES;
@@ -36,8 +34,7 @@ impl Objects {
             // Noise samples of every step would take longer than the rest of a quick study.
             samples = 0;
             scenes.truncate(1);
-            for (given, fineness) in &mut scenes {
-                *fineness = Some(QUICK_FINENESS);
+            for given in &mut scenes {
                 if let Some(object) = &mut given.scene.object {
                     object.steps = object.steps.min(QUICK_STEPS);
                 }
@@ -48,7 +45,7 @@ impl Objects {
 
     /// Number of times that `press` reports progress.
     pub fn steps(&self) -> usize {
-        self.scenes.iter().filter_map(|(given, _)| given.scene.object.as_ref()).map(|object| object.steps).sum()
+        self.scenes.iter().filter_map(|given| given.scene.object.as_ref()).map(|object| object.steps).sum()
     }
 
     pub(crate) fn press(&self, progress: &dyn Progress) -> Result<Vec<SceneStudy>, SceneStudyError> {

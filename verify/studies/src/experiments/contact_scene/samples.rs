@@ -1,8 +1,8 @@
 //! Noise samples of one step, from which the coverage of the stated intervals is estimated.
 
-use super::{ContactScene, SceneStep, SensedForce, SensedStep};
 use crate::prelude::*;
 use crate::sampling::noise::Noise;
+use finray_contact::press::{ContactScene, SceneStep, SensedForce, SensedStep};
 
 /// Forces sensed from many noise samples of one step, with noise on markers and contacts.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,14 +1,15 @@
 //! Study of a contact scene, in which forces are sensed at every step. Also reads the shipped contact scenes.
 
 use super::samples::NoiseSamples;
-use super::{ContactScene, FINENESS, ForceRow, OutlineError, SceneStep, SensedStep, VerifiedStep, force_rows};
-use crate::lattice::accuracy::{CONVERGED_ELEMENTS, difference};
+use super::verified::verify;
+use super::{FINENESS, VerifiedStep};
 use crate::prelude::*;
 use crate::sampling::noise::Noise;
-use finray_lattice::skin::{Touch, TouchedPart};
+use finray_contact::ContactError;
+use finray_contact::path::PressError;
+use finray_contact::press::{ContactScene, ForceRow, SceneStep, SensedStep, force_rows};
 use finray_model::scene::ObjectMotion;
 use finray_model::sensor::Refusal;
-use finray_model::statics;
 
 /// Number of noise samples per step in a full study. With this number, all steps of a scene together have some hundreds to a thousand samples.
 pub const SAMPLES: usize = 50;
@@ -33,8 +34,6 @@ pub struct StudiedStep {
 pub struct SceneStudy {
     /// Name of the scene.
     pub name: String,
-    /// Number of plate segments between two rods of the lattice.
-    pub fineness: usize,
     /// Coefficient of friction, dimensionless.
     pub friction: f64,
     /// Length of the front plate, mm.
@@ -48,13 +47,10 @@ pub struct SceneStudy {
     /// True forces, and forces sensed from one noise sample per step.
     pub rows: Vec<ForceRow>,
     /// Reason of a premature end; `None` if the scene is complete.
-    pub stopped: Option<LatticeError>,
-    /// Largest displacement difference between lattice and converged beams under the same contact forces, relative to the largest displacement, one
-    /// value per step. `None` with friction, because friction turns the rods, or if no contact deforms the finger.
-    pub beams_differences: Vec<Option<f64>>,
+    pub stopped: Option<ContactError>,
     /// Largest fibre strain of beams under the contact forces, relative to its limit; `None` if no step has an equilibrium of the beams.
     pub largest_strain: Option<StrainOfScene>,
-    /// Verification of the steps by rapier. With automatic refinement, the steps are recomputed and verified on a lattice with [`FINENESS`].
+    /// Verification of the steps by lattice and rapier, on a lattice with [`FINENESS`].
     pub verified: Vec<VerifiedStep>,
 }
 
@@ -78,31 +74,28 @@ pub enum SceneStudyError {
     Csv(#[from] csv::Error),
     /// An outline is invalid.
     #[error(transparent)]
-    Outline(#[from] OutlineError),
-    /// The beams have no equilibrium under the contact forces.
-    #[error(transparent)]
-    Statics(#[from] StaticsError),
+    Outline(#[from] PressError),
     /// The lattice does not settle in rapier, even without the object.
     #[error(transparent)]
     Lattice(#[from] LatticeError),
 }
 
-/// Runs several scenes in parallel, each with its number of segments per plate member, or with automatic refinement. The noise is the camera noise
+/// Runs several scenes in parallel. The noise is the camera noise
 /// of each scene, or `noise_mm` (mm) if the scene states none. Each step has `samples` noise samples.
 ///
 /// # Errors
-/// [`SceneStudyError`] for an invalid outline, or if beams have no equilibrium under contact forces of the lattice.
+/// [`SceneStudyError`] for an invalid outline, or if the lattice does not settle.
 pub fn run_all(
-    scenes: &[(SceneWithOutline, Option<usize>)],
+    scenes: &[SceneWithOutline],
     noise_mm: f64,
     samples: usize,
     done: &(dyn Fn() + Sync),
 ) -> Result<Vec<SceneStudy>, SceneStudyError> {
-    let run = |(SceneWithOutline { scene, corners, .. }, fineness): &(SceneWithOutline, Option<usize>)| {
+    let run = |SceneWithOutline { scene, corners, .. }: &SceneWithOutline| {
         // Scenes with a free object are skipped, because only a gripper can hold such an object.
         let is_pressed = |object: &&ObjectDescription| !matches!(object.motion, ObjectMotion::Free { .. });
         let Some(object) = scene.object.as_ref().filter(is_pressed) else { return Ok(None) };
-        let prepared = ContactScene { fineness: *fineness, ..ContactScene::new(scene, object, corners)? };
+        let prepared = ContactScene::new(scene, object, corners)?;
         let noise_mm = scene.noise_mm.unwrap_or(noise_mm);
         SceneStudy::run(&scene.name, &prepared, noise_mm, samples, done).map(Some)
     };
@@ -131,25 +124,22 @@ impl SceneWithOutline {
     }
 }
 
-/// Number of segments per plate member that suffices if objects displace the finger by about 10 mm.
-const COARSE: usize = 2;
-
-/// The shipped contact scenes, the disc first, each with its number of segments per plate member.
+/// The shipped contact scenes, the disc first.
 ///
 /// # Errors
 /// [`SceneStudyError`] if a scene or an outline cannot be read.
-pub fn shipped() -> Result<Vec<(SceneWithOutline, usize)>, SceneStudyError> {
-    let scene = |text: &str, corners: &[Vector], fineness| -> Result<_, SceneStudyError> {
-        Ok((SceneWithOutline { corners: corners.to_vec(), ..SceneWithOutline::from_toml(text)? }, fineness))
+pub fn shipped() -> Result<Vec<SceneWithOutline>, SceneStudyError> {
+    let scene = |text: &str, corners: &[Vector]| -> Result<_, SceneStudyError> {
+        Ok(SceneWithOutline { corners: corners.to_vec(), ..SceneWithOutline::from_toml(text)? })
     };
     let mut fork = csv::Reader::from_reader(finray_fixtures::FORK_OUTLINE.as_bytes());
     let fork: Vec<[f64; 2]> = fork.deserialize().collect::<Result<_, _>>()?;
     let fork: Vec<Vector> = fork.into_iter().map(Vector::from).collect();
     Ok(vec![
-        scene(finray_fixtures::DISC_SCENE, &[], FINENESS)?,
-        scene(finray_fixtures::BOX_SCENE, &[], COARSE)?,
-        scene(finray_fixtures::FORK_SCENE, &fork, COARSE)?,
-        scene(finray_fixtures::FRICTION_SCENE, &[], COARSE)?,
+        scene(finray_fixtures::DISC_SCENE, &[])?,
+        scene(finray_fixtures::BOX_SCENE, &[])?,
+        scene(finray_fixtures::FORK_SCENE, &fork)?,
+        scene(finray_fixtures::FRICTION_SCENE, &[])?,
     ])
 }
 
@@ -157,7 +147,7 @@ impl SceneStudy {
     /// Runs a prepared scene, with `samples` noise samples of each step and noise of `noise_mm` (mm). `done` is called after every step.
     ///
     /// # Errors
-    /// [`SceneStudyError::Statics`] if beams have no equilibrium under contact forces of the lattice. A step without equilibrium ends the scene early.
+    /// [`SceneStudyError::Lattice`] if the lattice does not settle. A step without equilibrium ends the scene early.
     pub fn run(
         name: &str,
         scene: &ContactScene,
@@ -167,7 +157,6 @@ impl SceneStudy {
     ) -> Result<SceneStudy, SceneStudyError> {
         let (mut steps, mut rows) = (Vec::new(), Vec::new());
         let mut noise = Noise::new(1);
-        let (mut fineness, mut stopped) = (scene.fineness.unwrap_or(FINENESS), None);
         let run = scene.run(|step| {
             let clean = scene.sense(&step, 0.0, || 0.0);
             let noisy = scene.sense(&step, noise_mm, || noise.standard_normal());
@@ -175,28 +164,10 @@ impl SceneStudy {
             steps.push(StudiedStep { step, clean, noisy, samples: None });
             done();
         });
-        match run {
-            Ok(refinement) => fineness = refinement.fineness,
-            Err(error) => stopped = Some(error),
-        }
         let friction = scene.object().friction;
-        let compared = |studied: &StudiedStep| {
-            let touches = &studied.step.pressed.touches;
-            if friction > 0.0 || touches.iter().all(|touch| touch.clamped) {
-                return Ok(None);
-            }
-            let beams = beams_under(scene.finger(), touches)?;
-            Ok(Some(difference(&beams, &studied.step.pressed.shape)))
-        };
-        let beams_differences = steps.iter().map(compared).collect::<Result<_, StaticsError>>()?;
-        let verified = match scene.fineness {
-            Some(fineness) => {
-                let steps: Vec<SceneStep> = steps.iter().map(|studied| studied.step.clone()).collect();
-                scene.verify(&steps, fineness)?
-            }
-            None => scene.verify(&scene.press(FINENESS).0, FINENESS)?,
-        };
-        let limits = &scene.scene.strain_limits;
+        let pressed: Vec<SceneStep> = steps.iter().map(|studied| studied.step.clone()).collect();
+        let verified = verify(scene, &pressed, FINENESS)?;
+        let limits = &scene.scene().strain_limits;
         let strains = steps.iter().filter_map(|studied| {
             let validity = studied.step.validity(scene.finger()).ok()?;
             let strain = validity.largest_strain(limits)?;
@@ -211,28 +182,15 @@ impl SceneStudy {
         }
         Ok(SceneStudy {
             name: name.to_owned(),
-            fineness,
             friction,
             length_mm: scene.finger().plate_length_mm(Plate::Front),
             noise_mm,
             outline: scene.object().outline.points(),
             steps,
             rows,
-            stopped,
-            beams_differences,
+            stopped: run.err(),
             largest_strain,
             verified,
         })
     }
-}
-
-/// Shape of the converged beam finger under the forces of frictionless touches.
-fn beams_under(finger: &Finger, touches: &[Touch]) -> Result<FingerShape, StaticsError> {
-    let mesh = Mesh::with_elements_per_member(finger, CONVERGED_ELEMENTS);
-    let load = |touch: &Touch| match touch.part {
-        TouchedPart::Rod(node) => Load::at_node(node, touch.force),
-        TouchedPart::Plate(s_mm) => Load::at_position(s_mm, touch.force),
-    };
-    let loads: Vec<Load> = touches.iter().filter(|touch| !touch.clamped).map(load).collect();
-    statics::solve(&mesh, &loads, Kinematics::Corotational)
 }

@@ -1,6 +1,6 @@
 //! Balance of forces and moments in a step of a grasp.
 
-use finray_lattice::grasp::{TouchedBody, World};
+use finray_contact::{TouchedBody, World};
 use finray_model::Vector;
 
 /// Largest imbalance of forces and moments on the object and on the fingers' bases, relative to the largest force. Moments are divided by the

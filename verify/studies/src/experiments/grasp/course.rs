@@ -6,7 +6,7 @@ use super::sensed::{FingerStep, SeenFinger};
 use super::way::{on_way, part_of_way};
 use super::{GraspError, GraspScene, GraspStep, finger_name, force_of};
 use crate::prelude::*;
-use finray_lattice::grasp::{Drive, GraspFailure, TouchedBody, World};
+use finray_contact::{Drive, GraspFailure, TouchedBody, World};
 use std::collections::VecDeque;
 
 /// Phase of a grasp: the gripper's action in a step.
@@ -97,9 +97,9 @@ enum Task {
 
 /// State of a grasp in progress.
 #[derive(Clone)]
-pub(super) struct Course<'s, 'l> {
+pub(super) struct Course<'s, 'm> {
     scene: &'s GraspScene,
-    world: World<'l>,
+    world: World<'m>,
     task: Task,
     phase: Phase,
     step: usize,
@@ -112,15 +112,15 @@ pub(super) struct Course<'s, 'l> {
     held_at: Option<Vector>,
 }
 
-impl<'s, 'l> Course<'s, 'l> {
-    pub(super) fn new(scene: &'s GraspScene, lattice: &'l Lattice) -> Result<Course<'s, 'l>, GraspError> {
+impl<'s, 'm> Course<'s, 'm> {
+    pub(super) fn new(scene: &'s GraspScene, mesh: &'m Mesh) -> Result<Course<'s, 'm>, GraspError> {
         let motor_deg = scene.grasp.motor_deg[0];
         let weight_share = if scene.grasp.support.is_some() { 1.0 } else { 0.0 };
         let object = [scene.centre_mm.x, scene.centre_mm.y, scene.object.rotation_deg.to_radians()];
         let placements = scene.placements(motor_deg, Vector::zeros()).unwrap_or_default();
         let drive = Drive { placements, weight: scene.weight() * weight_share, gripper: Vector::zeros() };
         let world = World::new(
-            &[lattice, lattice],
+            &[mesh, mesh],
             scene.scene.contact.rod_radius_mm,
             (scene.shape.clone(), scene.object.friction),
             object,
@@ -154,7 +154,7 @@ impl<'s, 'l> Course<'s, 'l> {
     }
 
     /// Continues closing from this state under another scene with the same fingers and object.
-    pub(super) fn closing_on(&self, scene: &'s GraspScene) -> Course<'s, 'l> {
+    pub(super) fn closing_on(&self, scene: &'s GraspScene) -> Course<'s, 'm> {
         Course { scene, task: Task::Close, ..self.clone() }
     }
 
@@ -167,7 +167,7 @@ impl<'s, 'l> Course<'s, 'l> {
     }
 
     /// Copies the next step from another course that has already computed this step with the same closing motion.
-    pub(super) fn follow(&mut self, other: &Course<'_, 'l>) {
+    pub(super) fn follow(&mut self, other: &Course<'_, 'm>) {
         (self.world, self.motor_deg, self.phase) = (other.world.clone(), other.motor_deg, other.phase);
         self.step += 1;
     }

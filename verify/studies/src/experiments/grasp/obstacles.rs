@@ -1,7 +1,7 @@
 //! Obstacles: bodies that the fingers may touch, apart from the grasped object.
 
 use super::{GraspScene, finger_name};
-use finray_lattice::grasp::World;
+use finray_contact::World;
 use finray_model::scene::Support;
 
 /// A contact of a finger with a body other than the object. Such a contact ends the grasp.

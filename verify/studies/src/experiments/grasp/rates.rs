@@ -19,7 +19,7 @@ const FRAMES_PER_S: [f64; 7] = [2.0, 5.0, 10.0, 25.0, 50.0, 100.0, 200.0];
 const CHECKED_PER_S: f64 = 25.0;
 /// Delays of sensing, in frames.
 pub const DELAYS: [usize; 2] = [0, 2];
-/// Number of lattice segments per plate member. With one segment, the finger differs by about 1 % from its beam model, which does not affect the
+/// Number of elements of each member. With one element, the finger differs by about 1 % from its beam model, which does not affect the
 /// controller.
 const FINENESS: usize = 1;
 /// A frame counts as a step if its force exceeds this share of the target force.
@@ -123,10 +123,10 @@ pub fn closed_loops(settings: &[LoopSetting]) -> Result<LoopStudy, ExperimentErr
         closing(GraspDescription { frames_per_s: Some(*frames_per_s), delay_frames: *delay_frames, ..grasp.clone() })
     });
     let at_rates = at_rates.collect::<Result<Vec<_>, _>>()?;
-    let lattice = Lattice::new(coarse.finger(), FINENESS)?;
+    let mesh = Mesh::with_elements_per_member(coarse.finger(), FINENESS);
     let mut begun: Vec<GraspStep> = Vec::new();
-    let mut course = Course::new(&coarse, &lattice)?;
-    coarse.go_on(&mut course, &lattice, &Eyes::Noise(0.0), &mut Noise::new(0), &mut |step, _| {
+    let mut course = Course::new(&coarse, &mesh)?;
+    coarse.go_on(&mut course, &Eyes::Noise(0.0), &mut Noise::new(0), &mut |step, _| {
         begun.push(step.clone());
         ControlFlow::Continue(())
     });
@@ -147,9 +147,9 @@ pub fn closed_loops(settings: &[LoopSetting]) -> Result<LoopStudy, ExperimentErr
                 break;
             }
             course.follow(frame);
-            ended = scene.look(&mut course, &lattice, &eyes, &mut noise, &mut each);
+            ended = scene.look(&mut course, &eyes, &mut noise, &mut each);
         }
-        let ended = ended.unwrap_or_else(|| scene.go_on(&mut course, &lattice, &eyes, &mut noise, &mut each));
+        let ended = ended.unwrap_or_else(|| scene.go_on(&mut course, &eyes, &mut noise, &mut each));
         loop_figures(&steps, target_n, Some(motor_deg_per_s)).filter(|_| ended == GraspEnd::Done)
     };
     let seeds = |of: usize| (1..=settings[of].realisations).map(move |seed| (of, seed));
@@ -168,7 +168,7 @@ fn frames_per_s(scene: &GraspScene) -> f64 {
 }
 
 /// States of the grasp at the camera's frames, until the true force reaches `until_n` (N), or the motor is at its end.
-fn closing_frames<'s, 'l>(mut course: Course<'s, 'l>, until_n: f64) -> Vec<Course<'s, 'l>> {
+fn closing_frames<'s, 'm>(mut course: Course<'s, 'm>, until_n: f64) -> Vec<Course<'s, 'm>> {
     let mut frames = Vec::new();
     while course.force_n() < until_n && !course.is_at_end() && course.advance().is_ok() {
         frames.push(course.clone());

@@ -1,15 +1,15 @@
 //! Observation of a finger in a grasp by a camera, and the forces sensed from this observation.
 
 use super::GraspScene;
-use crate::experiments::contact_scene::{
-    OutlineEstimator, SeenContact, SensedContact, SensedStep, TurnedOutline, baseline_mm, contacts_sensed,
-    seen_contacts,
-};
 use crate::prelude::*;
 use crate::sampling::noise::Noise;
+use finray_contact::Touch;
+use finray_contact::outline::Shape;
+use finray_contact::press::{
+    OutlineEstimator, SeenContact, SensedContact, SensedStep, baseline_mm, contacts_sensed, seen_contacts,
+};
 use finray_imaging::locate::Observer;
 use finray_imaging::render::{Disturbances, RenderRequest, render};
-use finray_lattice::skin::Touch;
 use finray_model::sensor::Refusal;
 use image::RgbImage;
 use nalgebra::Rotation2;
@@ -159,16 +159,10 @@ impl FingerStep {
 
 impl GraspScene {
     /// Senses the forces on a finger. Also returns the finger's image, if the image was rendered.
-    pub(super) fn sense(
-        &self,
-        lattice: &Lattice,
-        seen: SeenFinger,
-        eyes: &Eyes,
-        noise: &mut Noise,
-    ) -> (FingerStep, Option<RgbImage>) {
+    pub(super) fn sense(&self, seen: SeenFinger, eyes: &Eyes, noise: &mut Noise) -> (FingerStep, Option<RgbImage>) {
         let outline = self.outline_of(&seen);
         let finger = &self.scene.finger;
-        let contacts = seen_contacts(lattice, &seen.touches, |touch| {
+        let contacts = seen_contacts(finger, &seen.touches, |touch| {
             let object = seen.placement.inwards(position(&seen));
             baseline_mm(finger, self.scene.contact.rod_radius_mm, &outline, object, touch)
         });
@@ -198,14 +192,9 @@ impl GraspScene {
     }
 
     /// Outline of the object about its reference point, in the frame of a finger.
-    fn outline_of(&self, seen: &SeenFinger) -> TurnedOutline {
-        let (turn, axes) = (Rotation2::new(seen.object[2]), seen.placement.axes());
-        match &self.outline {
-            TurnedOutline::Disc(radius_mm) => TurnedOutline::Disc(*radius_mm),
-            TurnedOutline::Polygon(corners) => {
-                TurnedOutline::Polygon(corners.iter().map(|corner| axes.transpose() * (turn * corner)).collect())
-            }
-        }
+    fn outline_of(&self, seen: &SeenFinger) -> Shape {
+        let turn = Rotation2::new(seen.object[2]).into_inner();
+        self.shape.mapped(seen.placement.axes().transpose() * turn)
     }
 }
 

@@ -10,8 +10,8 @@ const BALANCE_TOLERANCE: f64 = 1e-4;
 /// Relative tolerance of the difference between the two fingers' totals while only the fingers hold the object. In equilibrium, the forces balance
 /// across the gripper.
 const EQUAL_TOLERANCE: f64 = 1e-4;
-/// Tolerance of the relative error of sensed totals without noise. The error has two causes: sensing knows only the coefficient of friction, and the
-/// lattice differs from converged beams.
+/// Tolerance of the relative error of sensed totals without noise. The error has two causes: sensing knows only the coefficient of friction, and
+/// both meshes are finite.
 const TOTAL_TOLERANCE: f64 = 0.01;
 /// Relative tolerance of the difference between the work of the motor and the work of friction over the whole grasp. The trapezoidal rule computes
 /// both works.
@@ -43,7 +43,7 @@ pub struct GraspStudy {
 /// A grasp that the report shows.
 struct ReportedScene {
     toml: &'static str,
-    /// Number of lattice segments per plate member.
+    /// Number of elements of each member.
     fineness: usize,
     /// Step of the motor (degrees) and number of steps on the path, which replace the scene's finer steps to save time.
     coarser: Option<(f64, usize)>,
@@ -149,7 +149,7 @@ impl Evidence for GraspStudy {
             ),
             zero(
                 "sensed totals without noise",
-                "lattice",
+                "true forces",
                 "largest (error / true total), over totals above a tenth of the largest total",
                 worst(clean.sensed.worst_total_error),
                 TOTAL_TOLERANCE,

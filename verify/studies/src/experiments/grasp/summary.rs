@@ -3,7 +3,7 @@
 use super::outlook::{LoopFigures, loop_figures};
 use super::{GraspEnd, GraspScene, GraspStep, Phase};
 use crate::prelude::*;
-use finray_lattice::grasp::Account;
+use finray_contact::Account;
 
 /// Figures of one grasp: outcome, totals, energy and sensing errors.
 #[derive(Debug, Clone, PartialEq, Serialize)]

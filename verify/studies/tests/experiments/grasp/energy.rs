@@ -21,7 +21,7 @@ const OBJECTS: [(&str, bool); 8] = [
 /// Objects that only the full study grasps, because each takes as long as several others. A quick study only closes the gripper on the wedge, in the
 /// test of long motor steps below.
 const LONG: [&str; 2] = ["mouse", "wedge"];
-/// Number of segments per plate member. The energy balance holds for a lattice of any fineness, but with one segment the wedge jams.
+/// Number of elements of each member. The energy balance holds for a mesh of any fineness.
 const FINENESS: usize = 2;
 /// Tolerance of missing energy, as a share of the largest elastic energy. Work is integrated by the trapezoidal rule. An increment is halved if its
 /// missing energy exceeds 1/10 000 of the energy that bends a finger by the object's size. The missing energies of all increments add up.
@@ -61,8 +61,8 @@ fn assert_accounted_for(name: &str, steps: &[GraspStep]) {
     assert!(end.resistance_nmm >= 0.0, "{name}: {end:?}");
 }
 
-/// Checks every step of every object. Without a snap, energy is lost only by friction. The full study includes all objects, and its lattices have two
-/// segments per plate member.
+/// Checks every step of every object. Without a snap, energy is lost only by friction. The full study includes all objects, and its members have two
+/// elements.
 #[test]
 fn energy_is_never_created() {
     let is_full = is_full_study();
@@ -94,7 +94,7 @@ fn the_work_of_a_cycle_is_that_of_friction() {
 fn a_long_motor_step_does_not_end_in_another_equilibrium() {
     /// Tolerance of a finger's total force, as a share of the largest total force. Friction is computed from the slip of a whole increment.
     const TOLERANCE: f64 = 0.01;
-    /// With two segments per member, the wedge snaps, and friction after the snap depends on the moment of the snap within the motor's step.
+    /// With two elements of each member, the wedge snaps, and friction after the snap depends on the moment of the snap within the motor's step.
     const FINENESS: usize = 3;
     let names = if is_full_study() { &["wedge", "disc", "egg", "hollow"][..] } else { &["wedge"] };
     for &name in names {

@@ -1,11 +1,10 @@
 //! A grasp ends when the fingers touch each other or a table.
 
 use super::world::{disc, steps_of};
-use finray_lattice::Lattice;
-use finray_lattice::grasp::surface::Shape;
-use finray_lattice::grasp::{Drive, World};
+use finray_contact::outline::Shape;
+use finray_contact::{Drive, World};
 use finray_model::gripper::Placement;
-use finray_model::{Scene, Vector};
+use finray_model::{Mesh, Scene, Vector};
 use finray_studies::experiments::grasp::{Eyes, GraspEnd, GraspError, GraspScene, GraspStep, Obstacle};
 
 /// Radius of the rods, mm; one rod is at the tip.
@@ -75,13 +74,13 @@ fn a_finger_that_touches_the_table_ends_a_grasp() {
 #[test]
 fn distances_are_those_of_the_nearest_parts() {
     let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE).unwrap().finger;
-    let lattice = Lattice::new(&finger, 1).unwrap();
+    let mesh = Mesh::with_elements_per_member(&finger, 1);
     let distance = |apart_mm: f64, turned_rad: f64| {
         let left = Placement { origin: Vector::zeros(), angle_rad: 0.0, mirrored: false };
         let right = Placement { origin: Vector::new(0.0, apart_mm), angle_rad: turned_rad, mirrored: true };
         let drive = Drive { placements: vec![left, right], weight: Vector::zeros(), gripper: Vector::zeros() };
         let object = [1e4, 0.0, 0.0];
-        let world = World::new(&[&lattice, &lattice], ROD_MM, (Shape::disc(1.0), 0.0), object, drive, None).unwrap();
+        let world = World::new(&[&mesh, &mesh], ROD_MM, (Shape::disc(1.0), 0.0), object, drive, None).unwrap();
         (world.between_fingers_mm(), world.height_mm(0, (Vector::zeros(), Vector::y())))
     };
     // The front plates are along x and face each other.

@@ -1,10 +1,10 @@
 //! Sensed forces in a grasp: errors without noise, and coverage of the intervals with noise.
 
 use super::world::{disc, steps_of};
+use finray_contact::press::{HalfSpan, SensedStep};
 use finray_model::estimators::EstimatorId;
 use finray_model::estimators::network::Networks;
 use finray_model::{Scene, Vector};
-use finray_studies::experiments::contact_scene::{HalfSpan, SensedStep};
 use finray_studies::experiments::grasp::{GraspScene, GraspStep, NotSensed};
 use finray_studies::settings::{CAMERA_NOISE_MM, TWO_SIDED_95};
 use finray_tests::repetitions;

@@ -1,17 +1,18 @@
 //! Equilibria of fingers and object satisfy the laws of statics.
 
 use super::energy::object;
-use finray_lattice::Lattice;
-use finray_lattice::grasp::surface::Shape;
-use finray_lattice::grasp::{Drive, GraspFailure, TouchedBody, World};
+use finray_contact::outline::Shape;
+use finray_contact::{Drive, GraspFailure, TouchedBody, World};
 use finray_model::gripper::Placement;
-use finray_model::scene::{ObjectMotion, Outline};
-use finray_model::{Scene, Vector};
+use finray_model::scene::ObjectMotion;
+use finray_model::{Mesh, Scene, Vector};
 use finray_studies::experiments::grasp::{Eyes, GraspEnd, GraspScene, GraspStep, Phase};
 use std::f64::consts::FRAC_PI_2;
 
-/// Number of segments per plate member.
+/// Number of elements of each member.
 const FINENESS: usize = 2;
+/// Share of the weight up to which the solver leaves forces at rest undetermined: friction depends on the path within this share.
+const AT_REST: f64 = 1e-5;
 
 fn grasp(text: &str) -> GraspScene {
     GraspScene::new(&Scene::from_toml(text).unwrap(), &[]).unwrap().with_fineness(FINENESS)
@@ -47,7 +48,8 @@ fn a_carried_disc_is_in_balance_between_equal_fingers() {
         if step.support_force.norm() == 0.0 {
             assert!((left.x + right.x).abs() <= 1e-6 * left.x, "step {}", step.step);
             assert!(
-                (left.y - right.y).abs() <= 1e-6 * step.weight.norm() && (left.y + 0.5 * step.weight.y).abs() <= 1e-6
+                (left.y - right.y).abs() <= AT_REST * step.weight.norm()
+                    && (left.y + 0.5 * step.weight.y).abs() <= AT_REST * step.weight.norm()
             );
         }
     }
@@ -96,31 +98,23 @@ fn what_goes_wrong_is_named() {
     assert!(matches!(lost, GraspEnd::Slipped { slid_mm } if slid_mm > 7.5), "{lost:?}");
 }
 
-/// A slippery disc of 500 g without support falls out of the fingers. A wide box near the fingertips folds a finger, and so does a squeezed wedge. On
-/// the coarsest lattice, the equilibrium of the wedge is lost before a finger folds.
+/// A slippery disc of 500 g without support falls out of the fingers, and a squeezed wedge near the fingertips folds a finger.
 #[test]
-fn drops_folds_and_jams_are_named() {
+fn drops_and_folds_are_named() {
     let ended = |scene: &GraspScene| steps_of(scene, 0.0, 1).1;
     let slippery = disc(&[
         ("friction = 0.4", "friction = 0.02"),
         ("mass_g = 60.0", "mass_g = 500.0"),
         ("path_mm = [[0.0, -40.0], [60.0, -40.0], [60.0, 0.0]]\npath_steps = 12", "support = false"),
     ]);
-    assert_eq!(ended(&grasp(&slippery)), GraspEnd::Halted(GraspFailure::Dropped));
-    let squeezed = |name: &str, at_mm: f64, from_deg: f64, change: &dyn Fn(&mut Outline)| {
-        object(name, |scene| {
-            let (grasp, object) = (scene.grasp.as_mut().unwrap(), scene.object.as_mut().unwrap());
-            (grasp.motor_deg, grasp.path_mm, grasp.opens) = ([from_deg, -900.0], Vec::new(), false);
-            let ObjectMotion::Free { centre_mm, .. } = &mut object.motion else { unreachable!() };
-            *centre_mm = Vector::new(0.0, at_mm);
-            change(&mut object.outline);
-        })
-    };
-    let wide = squeezed("box", 140.0, 500.0, &|outline| *outline = Outline::Box { width_mm: 44.0, height_mm: 30.0 });
-    assert_eq!(ended(&wide.with_fineness(3)), GraspEnd::Halted(GraspFailure::Folded));
-    let wedge = squeezed("wedge", 135.0, 225.0, &|_| ());
-    assert_eq!(ended(&wedge), GraspEnd::Halted(GraspFailure::Folded));
-    assert_eq!(ended(&wedge.with_fineness(1)), GraspEnd::Halted(GraspFailure::Jammed));
+    assert_eq!(ended(&grasp(&slippery).with_fineness(1)), GraspEnd::Halted(GraspFailure::Dropped));
+    let squeezed = object("wedge", |scene| {
+        let (grasp, object) = (scene.grasp.as_mut().unwrap(), scene.object.as_mut().unwrap());
+        (grasp.motor_deg, grasp.path_mm, grasp.opens) = ([225.0, -900.0], Vec::new(), false);
+        let ObjectMotion::Free { centre_mm, .. } = &mut object.motion else { unreachable!() };
+        *centre_mm = Vector::new(0.0, 135.0);
+    });
+    assert_eq!(ended(&squeezed.with_fineness(1)), GraspEnd::Halted(GraspFailure::Folded));
 }
 
 /// A disc that is pushed by one finger rolls away on its support, or slides if there is no friction. Despite rounding errors of the forces, only the
@@ -152,7 +146,7 @@ fn a_force_that_is_nothing_beside_the_weight_is_no_contact() {
     const LEAST_N: f64 = 1e-5 * WEIGHT_N;
     const STEP_MM: f64 = 0.01;
     let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE).unwrap().finger;
-    let lattice = Lattice::new(&finger, 1).unwrap();
+    let mesh = Mesh::with_elements_per_member(&finger, 1);
     // The finger hangs to the left of the box, with its front towards the box.
     let drive = |x_mm: f64| Drive {
         placements: vec![Placement { origin: Vector::new(x_mm, 60.0), angle_rad: -FRAC_PI_2, mirrored: false }],
@@ -163,7 +157,7 @@ fn a_force_that_is_nothing_beside_the_weight_is_no_contact() {
     let support = Some((Vector::zeros(), Vector::y()));
     let mut x_mm = -25.0;
     let object = (Shape::polygon(&corners), 0.5);
-    let mut world = World::new(&[&lattice], 1.5, object, [0.0; 3], drive(x_mm), support).unwrap();
+    let mut world = World::new(&[&mesh], 1.5, object, [0.0; 3], drive(x_mm), support).unwrap();
     let pushed_n = |world: &World| world.on_base(0).0.norm();
     while pushed_n(&world) < 10.0 * LEAST_N {
         x_mm += STEP_MM;
@@ -206,12 +200,12 @@ fn a_force_is_reached_and_held() {
 #[test]
 fn a_triangle_rests_on_its_corners_by_the_lever_rule() {
     let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE).unwrap().finger;
-    let lattice = Lattice::new(&finger, 1).unwrap();
+    let mesh = Mesh::with_elements_per_member(&finger, 1);
     let far = Placement { origin: Vector::new(1e3, 0.0), ..Placement::IDENTITY };
     let drive = Drive { placements: vec![far], weight: Vector::new(0.0, -1.0), gripper: Vector::zeros() };
     let triangle = Shape::polygon(&[Vector::zeros(), Vector::new(30.0, 0.0), Vector::new(0.0, 20.0)]);
     let support = Some((Vector::zeros(), Vector::new(0.0, 1.0)));
-    let mut world = World::new(&[&lattice], 1.5, (triangle, 0.5), [0.0; 3], drive.clone(), support).unwrap();
+    let mut world = World::new(&[&mesh], 1.5, (triangle, 0.5), [0.0; 3], drive.clone(), support).unwrap();
     world.advance(&drive).unwrap();
     let contacts = world.contacts();
     assert_eq!(contacts.len(), 2);

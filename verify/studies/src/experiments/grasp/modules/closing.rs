@@ -1,9 +1,9 @@
 //! Closing of a finger on caps: steps of the motor, and the contact forces at which no rod penetrates its cap.
 
 use super::ExperimentError;
-use crate::experiments::contact_scene::angle_deg;
 use crate::experiments::table_two::FORCES_N;
 use crate::prelude::*;
+use finray_contact::press::angle_deg;
 use finray_model::scene::ROD_RADIUS_MM;
 
 /// Starting angle of the motor, degrees. At this angle, the sensor's axis is 12.4 degrees off the plate's normal (in the paper: at most 12.5).

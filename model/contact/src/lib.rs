@@ -1,0 +1,118 @@
+//! Contact of rigid objects with fin-ray fingers: an object pressed onto one finger, and an object grasped by two fingers.
+//!
+//! # Entry points
+//! [`press::ContactScene`] presses the object of a scene onto its finger and senses the forces; [`pressing::Pressing`] moves or pulls an object against
+//! one finger, without a scene. [`World`] holds one or more fingers on moving bases, a free object, and its
+//! support. Both take outlines ([`outline::Shape`]): discs and polygons.
+//!
+//! ```
+//! use finray_contact::press::ContactScene;
+//! use finray_model::Scene;
+//!
+//! let scene = Scene::from_toml(finray_fixtures::DISC_SCENE)?;
+//! let object = scene.object.as_ref().expect("an object");
+//! let mut last_mm = 0.0;
+//! ContactScene::new(&scene, object, &[])?.run(|step| last_mm = step.travel_mm)?;
+//! assert!((last_mm - 26.6).abs() < 0.1);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Model
+//! A finger is the co-rotational frame of [`finray_model`]. Its surface is that of the front plate, half a thickness from the axis of the plate's
+//! elements, with a disc at every rod; [`surface`] divides it into parts. The axis of an element is a cubic without kinks at its ends. Contacts are
+//! unilateral with Coulomb friction. Corners and discs of an object meet the curved surface itself; straight sides meet it at two points an element.
+//!
+//! Physics engines step through time until everything rests; here each state of rest is solved for directly. Contact forces act on few nodes of the mesh. The
+//! finger is therefore condensed onto these nodes: a Newton step needs one factorisation of the finger, a compliance between the touched nodes, and
+//! the solution of a small dense system for touched nodes and object.
+//!
+//! # Conventions
+//! Lengths in mm, forces in N, moments in N mm, angles in rad. The finger frame is that of [`finray_model`]; placements map it to the world.
+#![forbid(unsafe_code)]
+
+pub mod carrier;
+mod newton;
+mod number;
+pub mod outline;
+pub mod pair;
+pub mod path;
+pub mod press;
+pub mod pressing;
+mod scene;
+mod status;
+pub mod surface;
+mod tangent_system;
+mod world;
+
+pub use world::{Account, Drive, GraspFailure, ObjectContact, TouchedBody, World, WorldError};
+
+use finray_model::finger::Finger;
+use finray_model::{NodeId, Vector};
+
+/// Reason why contact forces cannot be computed.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ContactError {
+    /// The front plate tapers. The computation of contacts assumes that the plate's outline is parallel to the plate's middle line.
+    #[error("finger.front.tip_thickness_mm: expected a front plate of constant thickness where an object touches it")]
+    Tapered,
+    /// The finger has no equilibrium under a tiny force.
+    #[error(transparent)]
+    Statics(#[from] finray_model::statics::StaticsError),
+    /// The object overlaps the finger at the start.
+    #[error("the object overlaps the undeformed finger by {overlap_mm:.3} mm at the start")]
+    Overlap {
+        /// Depth of the overlap, mm.
+        overlap_mm: f64,
+    },
+    /// The finger does not hold the object against the applied force.
+    #[error(
+        "the finger does not hold the object against the force{}", touched_n.map_or(String::new(), |n| format!(": they last touched at {n:.3} N"))
+    )]
+    LetGo {
+        /// Pull at which the finger lost the object, N. `None` if the object never touched the finger.
+        touched_n: Option<f64>,
+    },
+    /// No equilibrium is found with the object at its prescribed position.
+    #[error("no stable equilibrium of finger and object is found{}", if *is_folded { ": the finger folds" } else { "" })]
+    NoEquilibrium {
+        /// Whether the finger folds: a node has rotated by more than 1 rad.
+        is_folded: bool,
+    },
+}
+
+/// The part of the finger that an object touches.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum TouchedPart {
+    /// Rod at a key node of the front plate.
+    Rod(NodeId),
+    /// Front plate, at this position from its base, mm.
+    Plate(f64),
+}
+
+impl TouchedPart {
+    /// Position along the front plate, mm from its base.
+    pub fn position_mm(&self, finger: &Finger) -> f64 {
+        match *self {
+            TouchedPart::Rod(node) => finger.front_position_mm(node).unwrap_or_default(),
+            TouchedPart::Plate(position_mm) => position_mm,
+        }
+    }
+}
+
+/// A point at which the object pushes on the finger.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Touch {
+    /// Touched part of the finger.
+    pub part: TouchedPart,
+    /// Whether the touched part is clamped; the force then does not bend the finger.
+    pub clamped: bool,
+    /// Contact point, finger frame, deformed, mm.
+    pub point: Vector,
+    /// Unit vector from the object into the finger, finger frame.
+    pub normal: Vector,
+    /// Force on the finger, N, finger frame.
+    pub force: Vector,
+    /// Overlap of object and finger, mm; negative for a gap.
+    pub overlap_mm: f64,
+}

@@ -1,0 +1,216 @@
+//! Parts of a finger that can touch an object: discs of the rods, and pieces of the plate's surface.
+
+use crate::carrier::{Carrier, Mount};
+use crate::outline::{Feature, PoseInFinger, Shape};
+use crate::pair::Pair;
+use crate::{ContactError, TouchedPart};
+use finray_model::finger::{Part as FingerPart, Plate};
+use finray_model::frame::FrameMotion;
+use finray_model::{Mesh, NodeId, Vector};
+use std::ops::Range;
+
+/// Number of pieces into which the surface of one plate element is divided. Each piece meets a corner or a disc of the object at one point at most.
+const PIECES: usize = 4;
+/// Straight sides of an object meet the plate at the start of every second piece. Closer points would share a force between a corner and the side beside
+/// it in an ill-conditioned way.
+const PIECES_A_POINT: usize = 2;
+
+/// A part of a finger's surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Part {
+    /// Line that carries the part.
+    pub carrier: Carrier,
+    /// Start and end of a piece on the line; equal for a disc.
+    pub xi: [f64; 2],
+    /// Radius of a disc, or half the thickness of the plate, mm.
+    pub radius_mm: f64,
+    /// 1 if the surface is to the left of the line, -1 if it is to the right.
+    pub side: f64,
+    /// Features of the object that the part can touch.
+    pub touches: Touches,
+    /// Rod, or position along the plate at which the part begins; reported to callers.
+    pub touched: TouchedPart,
+    /// Length of a piece along the plate, mm; 0 for a disc.
+    pub length_mm: f64,
+}
+
+/// Features of an object that a part of a finger can touch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Touches {
+    /// Corners and discs: a piece of the plate.
+    Corners,
+    /// Sides: a point between two pieces.
+    Sides,
+    /// Corners, discs and sides: a rod, or an end of the plate.
+    All,
+}
+
+/// Surface of a finger's front: discs of the rods and of the ends of the plate, then pieces of the plate from base to tip.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Surface {
+    /// Parts of the surface.
+    pub parts: Vec<Part>,
+    /// Consecutive parts on the same line.
+    pub runs: Vec<Run>,
+}
+
+/// Consecutive parts of a surface that one line carries.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    /// The line.
+    pub carrier: Carrier,
+    /// Indices of the parts.
+    pub parts: Range<usize>,
+    /// Largest distance of a point of the undeformed surface from the first node, mm.
+    reach_mm: f64,
+}
+
+/// A deformed part lies within this multiple of its undeformed reach.
+const STRETCHED: f64 = 1.2;
+
+impl Run {
+    fn new(parts: &[Part], first: usize) -> Run {
+        let carrier = parts[0].carrier;
+        let line_mm = match carrier {
+            Carrier::Rigid { from, along, .. } => from.norm() + along.norm(),
+            Carrier::Beam { arms, beam, .. } => arms[0].norm() + beam.length_mm,
+        };
+        let radius_mm = parts.iter().map(|part| part.radius_mm).fold(0.0, f64::max);
+        Run { carrier, parts: first..first + parts.len(), reach_mm: STRETCHED * line_mm + radius_mm }
+    }
+
+    /// A lower bound of the distance of the deformed parts from a point (mm, finger frame), mm.
+    pub(crate) fn away_mm(&self, nodes: &[f64; 6], point: Vector) -> f64 {
+        let position = self.carrier.mounts()[0].map_or(Vector::zeros(), |mount| mount.position);
+        (position + Vector::new(nodes[0], nodes[1]) - point).norm() - self.reach_mm
+    }
+}
+
+/// The mount of a key node.
+fn key_mount(mesh: &Mesh, node: NodeId) -> Mount {
+    mount(mesh, mesh.frame_node(node))
+}
+
+fn mount(mesh: &Mesh, node: usize) -> Mount {
+    let (frame, finger) = (mesh.frame(), mesh.finger());
+    Mount {
+        node,
+        rotation: frame.rotation_of(node),
+        position: frame.position(node),
+        clamped: node < finger.key_node_count() && finger.is_clamped(NodeId(node + 1)),
+    }
+}
+
+impl Surface {
+    /// Passes all pairs of a part of the surface and a feature of the object that are closer than `within_mm` to `add`: index of the part, feature,
+    /// geometry of the contact, and gap, mm. `is_relevant` selects the lines that are searched.
+    pub(crate) fn near(
+        &self,
+        motion: &FrameMotion,
+        (shape, pose): (&Shape, &PoseInFinger),
+        within_mm: f64,
+        is_relevant: impl Fn(&Carrier) -> bool,
+        mut add: impl FnMut(usize, Feature, Pair, f64),
+    ) {
+        for run in self.runs.iter().filter(|run| is_relevant(&run.carrier)) {
+            let nodes = run.carrier.coordinates(motion);
+            if run.away_mm(&nodes, pose.origin) > shape.size_mm() + within_mm {
+                continue;
+            }
+            let line = run.carrier.deformed(&nodes);
+            let mut from = line.axis(self.parts[run.parts.start].xi[0]);
+            for index in run.parts.clone() {
+                let part = &self.parts[index];
+                // A point between two pieces precedes the piece that begins there.
+                let to = if part.xi[0] < part.xi[1] { line.axis(part.xi[1]) } else { from };
+                shape.near(part, &line, [&from, &to], pose, within_mm, |feature, pair, gap_mm| {
+                    add(index, feature, pair, gap_mm);
+                });
+                from = to;
+            }
+        }
+    }
+
+    /// Surface of the front of a meshed finger whose rods have the given radius, mm (0: no rods).
+    ///
+    /// # Errors
+    /// [`ContactError::Tapered`] if the front plate tapers, because its surface is then not parallel to its middle line.
+    pub fn new(mesh: &Mesh, rod_radius_mm: f64) -> Result<Surface, ContactError> {
+        let finger = mesh.finger();
+        if finger.tapers(Plate::Front) {
+            return Err(ContactError::Tapered);
+        }
+        let half_mm = 0.5 * finger.description().front.thickness_mm;
+        let nodes: Vec<NodeId> =
+            finger.plate_nodes(Plate::Front).into_iter().filter(|node| finger.junction(*node) == *node).collect();
+        let disc = |node: NodeId, radius_mm: f64, touched: TouchedPart| {
+            let mount = Some(key_mount(mesh, node));
+            let carrier = Carrier::Rigid { mount, from: Vector::zeros(), along: Vector::zeros() };
+            Part { carrier, xi: [0.0; 2], radius_mm, side: 1.0, touches: Touches::All, touched, length_mm: 0.0 }
+        };
+        let mut parts = Vec::new();
+        if rod_radius_mm > half_mm {
+            parts.extend(nodes.iter().map(|node| disc(*node, rod_radius_mm, TouchedPart::Rod(*node))));
+        } else {
+            let ends = [nodes.first(), nodes.last()].into_iter().flatten();
+            let end = |node: &NodeId| {
+                disc(*node, half_mm, TouchedPart::Plate(finger.front_position_mm(*node).unwrap_or(0.0)))
+            };
+            parts.extend(ends.map(end));
+        }
+        for (member, line) in mesh.lines().iter().filter(|line| line.part == FingerPart::Front).enumerate() {
+            add_member(mesh, (member, line.members.clone()), half_mm, &mut parts);
+        }
+        let mut runs: Vec<Run> = Vec::new();
+        for run in parts.chunk_by(|a, b| a.carrier == b.carrier) {
+            runs.push(Run::new(run, runs.last().map_or(0, |last| last.parts.end)));
+        }
+        Ok(Surface { parts, runs })
+    }
+}
+
+/// Adds the pieces of one plate member: of its arms and of its elements, from base to tip.
+fn add_member(mesh: &Mesh, (member, elements): (usize, Range<usize>), half_mm: f64, parts: &mut Vec<Part>) {
+    let (finger, frame) = (mesh.finger(), mesh.frame());
+    let mut from_mm = finger.plate_positions_mm(Plate::Front)[member];
+    let mut add = |carrier: Carrier, length_mm: f64, pieces: usize| {
+        for piece in 0..pieces {
+            let xi = [piece, piece + 1].map(|i| i as f64 / pieces as f64);
+            let touched = TouchedPart::Plate(from_mm);
+            let length_mm = length_mm / pieces as f64;
+            let flat =
+                Part { carrier, xi, radius_mm: half_mm, side: 1.0, touches: Touches::Corners, touched, length_mm };
+            if piece % PIECES_A_POINT == 0 {
+                parts.push(Part { xi: [xi[0]; 2], touches: Touches::Sides, length_mm: 0.0, ..flat });
+            }
+            parts.push(flat);
+            from_mm += length_mm;
+        }
+    };
+    let arm = |node: usize, from: Vector, to: Vector| Carrier::Rigid {
+        mount: Some(mount(mesh, node)),
+        from,
+        along: to - from,
+    };
+    let (Some(first), Some(last)) =
+        (frame.members()[elements.clone()].first(), frame.members()[elements.clone()].last())
+    else {
+        return;
+    };
+    let [start, end] = [first.ends[0], last.ends[1]];
+    if start.arm != Vector::zeros() {
+        add(arm(start.node, Vector::zeros(), start.arm), start.arm.norm(), 1);
+    }
+    for element in &frame.members()[elements] {
+        let [a, b] = element.ends;
+        let beam = Carrier::Beam {
+            mounts: [mount(mesh, a.node), mount(mesh, b.node)],
+            arms: [a.arm, b.arm],
+            beam: element.beam,
+        };
+        add(beam, element.beam.length_mm, PIECES);
+    }
+    if end.arm != Vector::zeros() {
+        add(arm(end.node, end.arm, Vector::zeros()), end.arm.norm(), 1);
+    }
+}

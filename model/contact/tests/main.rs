@@ -1,0 +1,5 @@
+//! Tests of `finray-contact`: each file tests the source file of the same path.
+
+mod pair;
+mod press;
+mod pressing;
