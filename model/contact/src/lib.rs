@@ -35,6 +35,7 @@ mod newton;
 mod number;
 pub mod outline;
 pub mod pair;
+pub mod part;
 pub mod path;
 pub mod press;
 pub mod pressing;

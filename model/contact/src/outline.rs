@@ -2,7 +2,7 @@
 
 use crate::carrier::{AxisPoint, Deformed};
 use crate::pair::{Meeting, Pair};
-use crate::surface::{Part, Touches};
+use crate::part::{Part, Touches};
 use earcut::Earcut;
 use finray_model::Vector;
 use finray_model::gripper::Placement;

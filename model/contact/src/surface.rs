@@ -3,6 +3,7 @@
 use crate::carrier::{Carrier, Mount};
 use crate::outline::{Feature, PoseInFinger, Shape};
 use crate::pair::Pair;
+use crate::part::{Part, Touches};
 use crate::{ContactError, TouchedPart};
 use finray_model::finger::{Part as FingerPart, Plate};
 use finray_model::frame::FrameMotion;
@@ -14,36 +15,6 @@ const PIECES: usize = 4;
 /// Straight sides of an object meet the plate at the start of every second piece. Closer points would share a force between a corner and the side beside
 /// it in an ill-conditioned way.
 const PIECES_A_POINT: usize = 2;
-
-/// A part of a finger's surface.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Part {
-    /// Line that carries the part.
-    pub carrier: Carrier,
-    /// Start and end of a piece on the line; equal for a disc.
-    pub xi: [f64; 2],
-    /// Radius of a disc, or half the thickness of the plate, mm.
-    pub radius_mm: f64,
-    /// 1 if the surface is to the left of the line, -1 if it is to the right.
-    pub side: f64,
-    /// Features of the object that the part can touch.
-    pub touches: Touches,
-    /// Rod, or position along the plate at which the part begins; reported to callers.
-    pub touched: TouchedPart,
-    /// Length of a piece along the plate, mm; 0 for a disc.
-    pub length_mm: f64,
-}
-
-/// Features of an object that a part of a finger can touch.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Touches {
-    /// Corners and discs: a piece of the plate.
-    Corners,
-    /// Sides: a point between two pieces.
-    Sides,
-    /// Corners, discs and sides: a rod, or an end of the plate.
-    All,
-}
 
 /// Surface of a finger's front: discs of the rods and of the ends of the plate, then pieces of the plate from base to tip.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,7 +3,8 @@
 use super::World;
 use crate::carrier::Carrier;
 use crate::outline::PoseInFinger;
-use crate::surface::{Part, Run, Touches};
+use crate::part::{Part, Touches};
+use crate::surface::Run;
 use finray_model::Vector;
 use finray_model::finger::{FingerPoint, Plate};
 use finray_model::gripper::Placement;
