@@ -81,15 +81,20 @@ impl LinearSolution {
 }
 
 impl Kept {
-    /// Estimates forces on successively finer meshes. If `question.near` is a kept estimate, the search starts from its shapes.
+    /// Estimates forces on successively finer meshes. If `question.near` is a kept estimate, the search starts from its shapes. An estimate that
+    /// serves as start a second time is expected to differ by noise alone.
     pub fn refine(&mut self, question: &Question) -> Result<NonlinearEstimate, SensingError> {
         let &Question { object, measurement, noise_mm, near, .. } = question;
         let is_near = |of: &Option<Refinement>| of.as_ref().zip(near).is_some_and(|(of, near)| of.keeps(near));
-        let start = self.refined.iter_mut().find(|of| is_near(of)).and_then(Option::take);
+        let index = self.refined.iter().position(is_near);
+        let start = index.and_then(|index| self.refined[index].take());
         let mut refinement = start
             .clone()
             .unwrap_or_else(|| Refinement::new(question.prepared.meshes.clone(), question.contacts, question.pad));
-        let found = refinement.sense(object, measurement, noise_mm, near);
+        let found = match near.filter(|_| index == Some(1)) {
+            Some(near) => refinement.sense_sample(object, measurement, noise_mm, near),
+            None => refinement.sense(object, measurement, noise_mm, near),
+        };
         self.refined = [Some(refinement), start];
         found
     }

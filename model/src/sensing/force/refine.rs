@@ -8,7 +8,7 @@ use super::problem::State;
 use crate::Finger;
 use crate::measurement::Measurement;
 use crate::mesh::MeshLevels;
-use crate::sensing::{Contact, ContactQuestion, Pad, SensingError, TouchedObject, Warning};
+use crate::sensing::{Contact, ContactQuestion, Estimate, Pad, SensingError, TouchedObject, Warning};
 
 /// Refinement ends when doubling the mesh changes each force by no more than either of two limits: this share of the largest force, and
 /// `REFINEMENT_SIGMAS` standard deviations of the force. A change by at most the share `NEGLIGIBLE` of the largest force is always small enough.
@@ -20,6 +20,8 @@ const NEGLIGIBLE: f64 = 1e-4;
 const REMAINS: f64 = 1.0 / 3.0;
 /// Beam elements per member: lower limit for the first mesh, and upper limit for the finest mesh.
 const ELEMENTS: std::ops::RangeInclusive<usize> = 4..=64;
+/// Forces that differ by at most this number of standard deviations differ by noise alone, so the error of the mesh is the same.
+const NOISE_SIGMAS: f64 = 6.0;
 /// The first mesh has at least this number of elements. With this number of elements, the first mesh separates minima as well as a fine mesh does,
 /// even for a finger with few ribs.
 const LEAST_ELEMENTS: usize = 40;
@@ -81,10 +83,9 @@ impl Refinement {
         self.found.as_ref().is_some_and(|found| near.contacts == found.contacts && near.forces_n == found.forces_n)
     }
 
-    /// Estimates the forces of a measurement, as [`sense_refining`] describes. If `near` is the last estimate, the search starts from the shapes of
-    /// that estimate, on the finest mesh, if the finger explained the last measurement. If the forces then hardly differ from those of the last
-    /// estimate, the error of the mesh is the same. If a kept shape and the equilibrium under the forces of `near` lead to the same minimum, the
-    /// forces agree within the tolerance of the search, about 1e-8 of the largest force.
+    /// Estimates the forces of a measurement, as [`sense_refining`] describes. If `near` is the last estimate, the search on each mesh starts from
+    /// the shape that the mesh had in the last estimate, not from the equilibrium under the forces of `near`. If a kept shape and the equilibrium
+    /// under the forces of `near` lead to the same minimum, the forces agree within the tolerance of the search, about 1e-8 of the largest force.
     ///
     /// # Errors
     /// [`SensingError`] from the estimate on any of the meshes.
@@ -96,13 +97,8 @@ impl Refinement {
         near: Option<NearForces>,
     ) -> Result<NonlinearEstimate, SensingError> {
         let seen = Seen { measurement, noise_mm };
-        match near.filter(|near| self.keeps(*near)) {
-            None => self.states.clear(),
-            Some(near) => {
-                if let Some(estimate) = self.sense_similar(object, seen, near) {
-                    return Ok(estimate);
-                }
-            }
+        if !near.is_some_and(|near| self.keeps(near)) {
+            self.states.clear();
         }
         self.found = None;
         let mut coarse = self.on(0, object, seen, near, false)?;
@@ -136,20 +132,33 @@ impl Refinement {
         Ok(coarse)
     }
 
-    /// Estimates forces similar to those of the last estimate, on the finest mesh of that estimate. `None` if the forces are not similar, if the
-    /// finger does not explain the measurement, or if the search fails.
-    fn sense_similar(
+    /// Estimates the forces of a measurement that differs by noise alone from the measurement of the last estimate, `near`. One search on the finest
+    /// mesh of that estimate then suffices, because the error of the mesh is the same. The result is that of [`sense`](Refinement::sense) within the
+    /// tolerance of the search; `sense` also follows if the forces differ by more than noise, or the finger does not explain the measurement.
+    ///
+    /// # Errors
+    /// [`SensingError`] from the estimate on any of the meshes.
+    pub fn sense_sample(
         &mut self,
         object: Option<&TouchedObject>,
-        seen: Seen,
+        measurement: &Measurement,
+        noise_mm: Option<f64>,
         near: NearForces,
-    ) -> Option<NonlinearEstimate> {
+    ) -> Result<NonlinearEstimate, SensingError> {
+        let sample = if self.keeps(near) { self.sample(object, Seen { measurement, noise_mm }, near) } else { None };
+        sample.map_or_else(|| self.sense(object, measurement, noise_mm, Some(near)), Ok)
+    }
+
+    fn sample(&mut self, object: Option<&TouchedObject>, seen: Seen, near: NearForces) -> Option<NonlinearEstimate> {
         let found = self.found.take().filter(|found| found.is_explained)?;
         let finest = self.states.len().checked_sub(1)?;
         let mut estimate = self.on(finest, object, seen, Some(near), false).ok()?;
-        let (contacts, forces_n) = (estimate.contacts.clone(), estimate.forces.forces_n.clone());
-        let is_similar = found.mesh_error.serves(self.meshes.finger(), &contacts, &forces_n);
-        (is_similar && estimate.forces.warning.is_none()).then_some(())?;
+        let (contacts, Estimate { forces_n, sigmas_n, warning, .. }) = (&estimate.contacts, &estimate.forces);
+        let differs = |((a, b), sigma_n): ((&f64, &f64), &f64)| (a - b).abs() > NOISE_SIGMAS * sigma_n;
+        let differs = forces_n.iter().zip(near.forces_n).zip(sigmas_n).any(differs);
+        let is_similar = !differs && found.mesh_error.serves(self.meshes.finger(), contacts, forces_n);
+        (is_similar && warning.is_none()).then_some(())?;
+        let (contacts, forces_n) = (contacts.clone(), forces_n.clone());
         estimate.add_model_error(found.mesh_error.error_n.clone(), Warning::Discretisation);
         self.found = Some(Refined { contacts, forces_n, ..found });
         Some(estimate)
