@@ -71,7 +71,7 @@ pub(super) fn correct(problem: &mut ForceProblem, state: &mut State, seen: Seen)
     corrected(problem, state, seen, 0.0)
 }
 
-/// Corrects a state like [`correct`](correct), but only until the next step is expected to be negligible compared with the noise.
+/// Corrects a state like [`correct`], but only until the next step is expected to be negligible compared with the noise.
 pub(super) fn correct_below_noise(problem: &mut ForceProblem, state: &mut State, seen: Seen) -> Option<usize> {
     corrected(problem, state, seen, NEGLIGIBLE_SIGMAS * seen.noise_mm.unwrap_or(0.0))
 }

@@ -37,7 +37,7 @@ pub struct NearForces<'n> {
 ///
 /// # Requirements
 /// Requires at least as many measured coordinates as unknowns. The unknowns are one force per contact, and each unknown position or direction. The
-/// ratio of the largest to the smallest singular value of the derivatives must be at most [`LARGEST_SPAN`](super::LARGEST_SPAN).
+/// ratio of the largest to the smallest singular value of the derivatives must be at most [`LARGEST_SPAN`](crate::sensing::LARGEST_SPAN).
 ///
 /// # Reference
 /// For measured displacements u, the Levenberg-Marquardt method minimises |W (u - u(f, s, angle))|^2 (Nocedal and Wright, Numerical Optimization,
