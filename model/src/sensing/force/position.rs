@@ -1,4 +1,4 @@
-//! Widens forces at a contact whose position along the plate is uncertain.
+//! Widens forces at a contact whose position along the plate errors of the assembly leave uncertain.
 //!
 //! A force near the base bends the finger like a smaller force farther from the base. If the position's uncertainty is a large share of its distance
 //! from an end of the plate, the force is a strongly nonlinear function of the position. If the position is very uncertain, a linearised standard
@@ -56,6 +56,10 @@ pub(super) fn widen_by_position(
     estimate: &mut NonlinearEstimate,
 ) -> Result<(), SensingError> {
     let [i] = problem.unplaced()[..] else { return Ok(()) };
+    // Without errors of the assembly, markers confine positions so well that the rivals of the minimum suffice.
+    if problem.shared_errors.is_empty() {
+        return Ok(());
+    }
     let length_mm = problem.finger().plate_length_mm(Plate::Front);
     let found_mm = state.contacts[i].position_mm(problem.finger()).unwrap_or(f64::NAN);
     let sd_mm = estimate.position_sds_mm[i];
