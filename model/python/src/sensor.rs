@@ -5,10 +5,12 @@ use crate::error::{failed, refused};
 use crate::observation::Observation;
 use crate::scene::Scene;
 use finray_files::load_network;
-use finray_model::estimators::EstimatorId;
 use finray_model::estimators::network::Networks;
+use finray_model::estimators::{EstimatorError, EstimatorId};
 use finray_model::sensing::ContactPosition;
-use finray_model::sensor::{ContactSpec, ContactTextError, Refusal, SensedForce, SensedForces, SensorContacts, SensorOptions};
+use finray_model::sensor::{
+    ContactSpec, ContactTextError, Refusal, SensedForce, SensedForces, SensorContacts, SensorOptions,
+};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -114,7 +116,11 @@ impl Sensor {
         let contacts = contacts(scene, contact_at, contact, friction)?;
         let options = options(estimator, network, noise_mm, mesh_nodes)?;
         let scene = scene.scene.clone();
-        let sensor = finray_model::sensor::Sensor::new(scene.clone(), contacts, options).map_err(failed)?;
+        let sensor = finray_model::sensor::Sensor::new(scene.clone(), contacts, options);
+        let sensor = sensor.map_err(|refusal| match refusal {
+            Refusal::Estimator(EstimatorError::Mesh(mesh)) => failed(format!("mesh_nodes: {mesh}")),
+            refusal => failed(refusal),
+        })?;
         Ok(Sensor { scene, sensor })
     }
 

@@ -5,7 +5,7 @@ use crate::error::failed;
 use crate::observation::Observation;
 use crate::scene::{Scene, at_rest, drawing, lines};
 use finray_figures::{Hue, Series};
-use finray_model::checked_shape::CheckedShape;
+use finray_model::checked_shape::{CheckedShape, CheckedShapeError};
 use finray_model::mesh::{FingerShape, NodeMotion};
 use finray_model::{Kinematics, Load, NodeId, Vector};
 use numpy::{PyArray1, PyArray2};
@@ -158,7 +158,10 @@ pub fn solve<'py>(
         .map_err(|error| failed(format!("kinematics: {error}")))?;
     let scene = scene.scene.clone();
     let checked = py.detach(|| {
-        let checked = CheckedShape::under(&scene, &all, kinematics, mesh_nodes).map_err(failed)?;
+        let checked = CheckedShape::under(&scene, &all, kinematics, mesh_nodes).map_err(|error| match error {
+            CheckedShapeError::Mesh(mesh) => failed(format!("mesh_nodes: {mesh}")),
+            error => failed(error),
+        })?;
         let warnings = checked.warnings().collect();
         Ok::<_, PyErr>((checked.shape, warnings))
     });

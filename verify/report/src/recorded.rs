@@ -27,13 +27,14 @@ impl Recorded {
     fn of(csv: &'static str) -> Result<Recorded, ReportError> {
         let text = finray_fixtures::results(csv);
         let columns: Vec<&str> = text.lines().next().unwrap_or_default().split(',').collect();
-        let rows = csv::Reader::from_reader(text.as_bytes()).into_records().map(|row| {
-            let row = row?;
-            // Claims are texts, also where a field is empty.
-            let value = |text| if csv == "claims.csv" { Value::from(text) } else { Value::parsed(text) };
-            Ok(columns.iter().copied().zip(row.iter().map(value)).collect())
-        });
-        Ok(Recorded { csv, rows: rows.collect::<Result<_, csv::Error>>()?, columns })
+        let rows: Vec<csv::StringRecord> =
+            csv::Reader::from_reader(text.as_bytes()).into_records().collect::<Result<_, _>>()?;
+        // A column of texts, such as pairs of nodes, keeps its numbers as texts.
+        let is_number = |cell: &str| cell.is_empty() || cell.parse::<f64>().is_ok();
+        let numeric: Vec<bool> = (0..columns.len()).map(|i| rows.iter().all(|row| is_number(&row[i]))).collect();
+        let value = |(i, cell): (usize, &str)| if numeric[i] { Value::parsed(cell) } else { Value::from(cell) };
+        let rows = rows.iter().map(|row| columns.iter().copied().zip(row.iter().enumerate().map(value)).collect());
+        Ok(Recorded { csv, rows: rows.collect(), columns })
     }
 
     fn keeping(mut self, keep: impl Fn(&Row) -> bool) -> Recorded {
