@@ -62,7 +62,7 @@ fn reasons(study: &Study, situations: &[Situation]) -> Option<String> {
     let assumed = assumed.map(|share| {
         format!(
             " With a wrong contact, the main cause is its direction in {} of the failing cells, and its position in the \
-            other failing cells.",
+            others.",
             percent(share)
         )
     });

@@ -272,10 +272,10 @@ impl From<TruthError> for Failure {
 impl From<EstimatorError> for Failure {
     fn from(error: EstimatorError) -> Failure {
         match error {
+            EstimatorError::Mesh(inner) => inner.into(),
             EstimatorError::Sensing(inner) => inner.into(),
             EstimatorError::Network(inner) => inner.into(),
             EstimatorError::NoNetwork(_)
-            | EstimatorError::Mesh(_)
             | EstimatorError::NotKnown
             | EstimatorError::NoPad
             | EstimatorError::NoAssembly => bad_input(error),
