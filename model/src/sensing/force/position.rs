@@ -1,4 +1,4 @@
-//! Widens forces at a contact whose position along the plate errors of the assembly leave uncertain.
+//! Widens forces at a contact whose position is uncertain because of errors of the assembly.
 //!
 //! A force near the base bends the finger like a smaller force farther from the base. If the position's uncertainty is a large share of its distance
 //! from an end of the plate, the force is a strongly nonlinear function of the position. If the position is very uncertain, a linearised standard
