@@ -106,7 +106,7 @@ fn live(criterion: &mut Criterion) {
     }
     let asked = [("position", Direction::Angle(0.0)), ("position_and_direction", Direction::Auto)];
     for (unknown, direction) in asked {
-        let contacts = SensorContacts::Asked(vec![ContactQuestion { position: None, direction }]);
+        let contacts = SensorContacts::Asked(vec![ContactQuestion::new(None, direction)]);
         let mut finger =
             FingerTracker::new("", scene.clone(), contacts, SensorOptions::default(), 0).expect("a question");
         let mut turn = observations.iter().cycle();

@@ -28,8 +28,8 @@ use crate::mesh::Mesh;
 use crate::observation::{Observation, ObservationError, ObservedMeasurement};
 use crate::scene::Scene;
 use crate::sensing::{
-    Contact, ContactKnowledge, ContactQuestion, MeasuredContact, NearForces, SensingError, TouchedObject,
-    UnloadedFinger, Warning, check_contacts, sense_measured_contacts,
+    Contact, ContactPosition, ContactQuestion, MeasuredContact, NearForces, Pad, SensingError, TouchedObject,
+    UnloadedFinger, Warning,
 };
 use crate::statics::StaticsError;
 use crate::validity::{Validity, ValidityWarning};
@@ -39,22 +39,42 @@ use std::sync::{Arc, Mutex};
 
 /// Half the width of a two-sided 95 % interval of a normal distribution, in standard deviations.
 pub const TWO_SIDED_95: f64 = 1.96;
-/// Beam elements per member for measured contacts. Objects bend the finger more than single forces of the same size. With four elements per member,
-/// the error of the mesh would be 0.1 % of the force.
-const ELEMENTS_UNDER_OBJECTS: usize = 8;
 
 /// Contacts whose forces are estimated.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SensorContacts {
-    /// Contacts whose positions and directions are either known exactly or estimated together with the forces.
+    /// Contacts whose positions and directions are known, measured or estimated together with the forces. Their pads are those of the scene.
     Asked(Vec<ContactQuestion>),
-    /// Contacts whose positions and directions are measured with standard deviations. The forces follow by least squares with errors in all variables.
+    /// Contacts whose positions and directions are measured with standard deviations. Friction acts on the surface of the scene's pad or, without a
+    /// pad, of a rod or of the plate.
     Measured {
         /// The measured contacts.
         contacts: Vec<MeasuredContact>,
         /// Upper bound of the coefficient of friction, dimensionless. A force may lie anywhere in the friction cone.
         friction: f64,
     },
+}
+
+impl SensorContacts {
+    /// The questions for the forces on the finger of a scene, with the scene's pad.
+    fn questions(&self, scene: &Scene) -> Vec<ContactQuestion> {
+        let pad = scene.contact.pad;
+        let surface = |measured: &MeasuredContact| {
+            let thickness_mm = match measured.contact.position {
+                ContactPosition::Node(_) => scene.contact.rod_radius_mm,
+                ContactPosition::At(s_mm) => 0.5 * scene.finger.thickness_mm(Plate::Front, s_mm),
+            };
+            if pad.is_none() { Pad { length_mm: 0.0, thickness_mm } } else { pad }
+        };
+        match self {
+            SensorContacts::Asked(questions) => {
+                questions.iter().map(|asked| ContactQuestion { pad, ..*asked }).collect()
+            }
+            SensorContacts::Measured { contacts, friction } => {
+                contacts.iter().map(|measured| measured.question(*friction, surface(measured))).collect()
+            }
+        }
+    }
 }
 
 /// Estimator, noise and mesh of a [`Sensor`].
@@ -102,7 +122,7 @@ impl Default for SensorOptions {
 /// let seen = Observation::of_shape(&scene.finger, &bent);
 ///
 /// // The position is unknown; the force acts along the normal of the undeformed plate.
-/// let question = ContactQuestion { position: None, direction: Direction::Angle(0.0) };
+/// let question = ContactQuestion::new(None, Direction::Angle(0.0));
 /// let options = SensorOptions { noise_mm: Some(0.01), ..SensorOptions::default() };
 /// let sensor = Sensor::new(scene, SensorContacts::Asked(vec![question]), options)?;
 /// let sensed = sensor.sense(&seen)?;
@@ -113,7 +133,7 @@ impl Default for SensorOptions {
 #[derive(Debug)]
 pub struct Sensor {
     prepared: PreparedScene,
-    contacts: SensorContacts,
+    contacts: Vec<ContactQuestion>,
     options: SensorOptions,
     kept: Mutex<Kept>,
 }
@@ -185,9 +205,6 @@ pub enum Refusal {
     /// Without a stated noise, forces that may be zero leave a large part of the displacements unexplained.
     #[error("no force at the contacts explains the markers: {0}")]
     Unexplained(SensorWarning),
-    /// Measured contacts require a known base, no pad, and the nonlinear estimator. The text names the unmet condition.
-    #[error("contacts with standard deviations need {0}")]
-    MeasuredContacts(&'static str),
 }
 
 impl From<SensingError> for Refusal {
@@ -210,24 +227,8 @@ impl Sensor {
         if let Some(nodes) = options.mesh_nodes.filter(|_| options.estimator.searches()) {
             Mesh::with_nodes(&scene.finger, nodes).map_err(EstimatorError::from)?;
         }
-        match &contacts {
-            SensorContacts::Asked(questions) => {
-                options.estimator.admits(&scene.finger, questions, &options.networks)?;
-            }
-            SensorContacts::Measured { contacts, .. } => {
-                if options.estimator != EstimatorId::Nonlinear {
-                    return Err(Refusal::MeasuredContacts("the nonlinear estimator"));
-                }
-                if !scene.contact.pad.is_none() {
-                    return Err(Refusal::MeasuredContacts("a scene whose contacts have no pad"));
-                }
-                if scene.assembly.is_some() {
-                    return Err(Refusal::MeasuredContacts("a scene without the table [assembly]"));
-                }
-                let contacts: Vec<Contact> = contacts.iter().map(|measured| measured.contact).collect();
-                check_contacts(&scene.finger, &contacts)?;
-            }
-        }
+        let contacts = contacts.questions(&scene);
+        options.estimator.admits(&scene.finger, &contacts, &options.networks)?;
         Ok(Sensor { prepared: scene, contacts, options, kept: Mutex::default() })
     }
 
@@ -299,37 +300,28 @@ impl Sensor {
         near: Option<&SensedForces>,
     ) -> Result<SensedForces, Refusal> {
         let (measurement, noise_mm) = with_beam_theory_error(self.scene().model_error, measurement, noise_mm);
-        let sensed = match &self.contacts {
-            SensorContacts::Measured { contacts, friction } => {
-                self.of_measured(contacts, *friction, &measurement, noise_mm)?
-            }
-            SensorContacts::Asked(questions) => {
-                let near: Option<(Vec<Contact>, Vec<f64>)> =
-                    near.map(|near| near.forces.iter().map(|sensed| (sensed.contact, sensed.force_n)).unzip());
-                // If another thread uses the kept results, this estimate does without them.
-                let kept = RefCell::new(
-                    self.kept.try_lock().map_or_else(|_| Kept::default(), |mut kept| std::mem::take(&mut kept)),
-                );
-                let question = Question {
-                    prepared: &self.prepared.meshed,
-                    kept: &kept,
-                    contacts: questions,
-                    pad: self.scene().contact.pad,
-                    object,
-                    measurement: &measurement,
-                    noise_mm,
-                    mesh_nodes: self.options.mesh_nodes,
-                    networks: &self.options.networks,
-                    unloaded,
-                    near: near.as_ref().map(|(contacts, forces_n)| NearForces { contacts, forces_n, shape: None }),
-                };
-                let answer = self.answer(&question);
-                if let Ok(mut own) = self.kept.try_lock() {
-                    *own = kept.into_inner();
-                }
-                answer?
-            }
+        let near: Option<(Vec<Contact>, Vec<f64>)> =
+            near.map(|near| near.forces.iter().map(|sensed| (sensed.contact, sensed.force_n)).unzip());
+        // If another thread uses the kept results, this estimate does without them.
+        let kept =
+            RefCell::new(self.kept.try_lock().map_or_else(|_| Kept::default(), |mut kept| std::mem::take(&mut kept)));
+        let question = Question {
+            prepared: &self.prepared.meshed,
+            kept: &kept,
+            contacts: &self.contacts,
+            object,
+            measurement: &measurement,
+            noise_mm,
+            mesh_nodes: self.options.mesh_nodes,
+            networks: &self.options.networks,
+            unloaded,
+            near: near.as_ref().map(|(contacts, forces_n)| NearForces { contacts, forces_n, shape: None }),
         };
+        let answer = self.answer(&question);
+        if let Ok(mut own) = self.kept.try_lock() {
+            *own = kept.into_inner();
+        }
+        let sensed = answer?;
         match sensed.forces.iter().position(|sensed| !sensed.force_n.is_finite()) {
             Some(i) => Err(Refusal::NotFinite { contact: i + 1 }),
             None => Ok(sensed),
@@ -358,31 +350,7 @@ impl Sensor {
         let is_large = question.noise_mm.is_none() && LARGE_RESIDUAL.into_iter().zip(limits_mm).all(is_beyond);
         let large_residual = is_large.then_some(SensorWarning::LargeResidual { residual_rms_mm, moved_rms_mm });
         let warnings = of_model.into_iter().chain(no_residual).chain(large_residual).collect();
-        Ok(SensedForces { warnings, ..SensedForces::new(&contacts, &estimate.forces_n, &estimate.sigmas_n) })
-    }
-
-    fn of_measured(
-        &self,
-        contacts: &[MeasuredContact],
-        friction: f64,
-        measurement: &Measurement,
-        noise_mm: Option<f64>,
-    ) -> Result<SensedForces, Refusal> {
-        if measurement.base().is_some() {
-            return Err(Refusal::MeasuredContacts("a base that is known exactly"));
-        }
-        let noise_mm = noise_mm.ok_or(SensingError::NoiseNotStated)?;
-        let mesh = match self.options.mesh_nodes {
-            None => self.prepared.meshed.meshes.with_elements(ELEMENTS_UNDER_OBJECTS).clone(),
-            Some(nodes) => Arc::new(Mesh::with_nodes(&self.scene().finger, nodes).map_err(EstimatorError::from)?),
-        };
-        let knowledge = ContactKnowledge { noise_mm, friction, rod_radius_mm: self.scene().contact.rod_radius_mm };
-        let mut measured = sense_measured_contacts(&mesh, contacts, measurement, knowledge)?;
-        measured.add_force_error(self.force_error());
-        let warning = |test| SensorWarning::Model { warning: Warning::Residual(test), is_linear: false };
-        let warnings = measured.unexplained.map(warning).into_iter().collect();
-        let sensed = SensedForces::new(&measured.contacts, &measured.along_n, &measured.sigmas_n);
-        Ok(SensedForces { warnings, measured: Some(measured), ..sensed })
+        Ok(SensedForces::new(&contacts, estimate, warnings))
     }
 
     /// Assumptions of the beam model that fail under the sensed forces, such as small strains or negligible shear.

@@ -21,6 +21,7 @@ mod sensing {
     mod assembly;
     mod beam_theory;
     mod linear;
+    mod measured;
     mod misfit;
     mod near;
     mod network;

@@ -4,7 +4,7 @@ use finray_model::finger::{Part, Plate};
 use finray_model::frame::{FrameLoad, PlaneFrame, Section};
 use finray_model::measurement::Measurement;
 use finray_model::sensing::network::Fingerprint;
-use finray_model::sensing::{Contact, Pad, sense_refining};
+use finray_model::sensing::{Contact, sense_refining};
 use finray_model::statics::{solve, solve_frame};
 use finray_model::{Finger, Kinematics, Load, Mesh, Scene, Vector};
 use finray_tests::shapes_apart;
@@ -138,8 +138,7 @@ fn a_tapered_finger_converges_and_senses() {
     assert!(errors.windows(2).all(|pair| (3.5..4.5).contains(&(pair[0] / pair[1]))), "{errors:?}");
     assert!(errors[0] < 5e-3, "{errors:?}");
     let seen = Measurement::of_shape(&finger, &under(16, Kinematics::Corotational));
-    let found = sense_refining(&finger, &[contact.into()], Pad::default(), None, &seen, Some(0.01), None)
-        .expect("identifiable");
+    let found = sense_refining(&finger, &[contact.into()], None, &seen, Some(0.01), None).expect("identifiable");
     assert!((found.forces.forces_n[0] / 1.5 - 1.0).abs() < 1e-3, "{}", found.forces.forces_n[0]);
 }
 

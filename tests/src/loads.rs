@@ -3,7 +3,7 @@
 use finray_model::finger::Plate;
 use finray_model::frame::FrameMotion;
 use finray_model::sensing::{Contact, ContactPosition, Pad};
-use finray_model::statics::{self, Statics};
+use finray_model::statics::{self, Statics, StaticsError};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
 
 /// A contact at a node. `angle_deg` is the direction of the force, from the undeformed inward normal.
@@ -43,9 +43,18 @@ const SETTLED_AFTER: usize = 12;
 /// couple at its ends. The couple is the moment of the shear force, which acts at the pad's surface. The forces of the object are normal to the
 /// deformed plate, whose direction is found by iteration. The estimator models a pad differently, by two forces.
 ///
+/// # Errors
+/// [`StaticsError`] if the finger has no equilibrium under these forces.
+///
 /// # Panics
-/// If the finger has no equilibrium under these forces, or part of the pad is not on the plate.
-pub fn under_pad(mesh: &Mesh, contact: Contact, force_n: f64, pad: Pad, parts: usize) -> Vec<(Contact, f64)> {
+/// If part of the pad is not on the plate.
+pub fn under_pad(
+    mesh: &Mesh,
+    contact: Contact,
+    force_n: f64,
+    pad: Pad,
+    parts: usize,
+) -> Result<Vec<(Contact, f64)>, StaticsError> {
     let finger = mesh.finger();
     let s_mm = contact.position_mm(finger).expect("on the plate");
     let shares: Vec<(Contact, f64)> = (0..parts)
@@ -64,10 +73,10 @@ pub fn under_pad(mesh: &Mesh, contact: Contact, force_n: f64, pad: Pad, parts: u
         all.extend(couple.map(|(at_mm, force_n)| (at_position(at_mm, plate_deg), force_n)));
         let loads = all.iter().map(|(contact, force_n)| mesh.frame_load(&contact.load(finger, *force_n)));
         let loads: Vec<_> = loads.collect::<Result<_, _>>().expect("on the plate");
-        let motion = statics.equilibrium(&loads).expect("carried").motion;
+        let motion = statics.equilibrium(&loads)?.motion;
         plate_deg = chord_turn_deg(mesh, &motion, ends_mm);
     }
-    all
+    Ok(all)
 }
 
 /// Rotation, degrees, of the line between the mesh nodes nearest to two positions on the front plate (mm from its base).

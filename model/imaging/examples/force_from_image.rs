@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let seen = Observer::new(&scene, None)?.observe(&image)?;
 
     // The force, its direction and its position are unknown.
-    let question = ContactQuestion { position: None, direction: Direction::Auto };
+    let question = ContactQuestion::new(None, Direction::Auto);
     let sensor = Sensor::new(scene, SensorContacts::Asked(vec![question]), SensorOptions::default())?;
     let sensed = sensor.sense(&seen)?;
     for force in &sensed.forces {

@@ -88,9 +88,8 @@ impl Kept {
         let is_near = |of: &Option<Refinement>| of.as_ref().zip(near).is_some_and(|(of, near)| of.keeps(near));
         let index = self.refined.iter().position(is_near);
         let start = index.and_then(|index| self.refined[index].take());
-        let mut refinement = start
-            .clone()
-            .unwrap_or_else(|| Refinement::new(question.prepared.meshes.clone(), question.contacts, question.pad));
+        let mut refinement =
+            start.clone().unwrap_or_else(|| Refinement::new(question.prepared.meshes.clone(), question.contacts));
         let found = match near.filter(|_| index == Some(1)) {
             Some(near) => refinement.sense_sample(object, measurement, noise_mm, near),
             None => refinement.sense(object, measurement, noise_mm, near),

@@ -18,7 +18,7 @@ use crate::mesh::MeshSizeError;
 use crate::registry;
 use crate::sensing::network::NetworkError;
 use crate::sensing::{
-    Contact, ContactQuestion, Estimate, NearForces, Pad, SensingError, TouchedObject, UnloadedFinger, check_contacts,
+    Contact, ContactQuestion, Estimate, NearForces, SensingError, TouchedObject, UnloadedFinger, check_contacts,
 };
 use network::{Networks, NoNetwork};
 use std::cell::RefCell;
@@ -105,7 +105,7 @@ impl EstimatorId {
     /// # Errors
     /// [`EstimatorError`] if a contact is wrong, or the estimator refuses to answer.
     pub(crate) fn answer(self, finger: &Finger, question: &Question) -> Result<Answer, EstimatorError> {
-        if !question.pad.is_none() && !self.searches() {
+        if question.contacts.iter().any(|contact| !contact.pad.is_none()) && !self.searches() {
             return Err(EstimatorError::NoPad);
         }
         if question.unloaded.is_some() && !self.searches() {
@@ -122,10 +122,8 @@ pub(crate) struct Question<'q> {
     pub prepared: &'q PreparedFinger,
     /// Results of earlier measurements for the same contacts.
     pub kept: &'q RefCell<Kept>,
-    /// Contacts whose forces are estimated.
+    /// Contacts whose forces are estimated. Estimators that do not search refuse a contact with a pad.
     pub contacts: &'q [ContactQuestion],
-    /// Pad between objects and the plate. Estimators that do not search refuse a question with a pad.
-    pub pad: Pad,
     /// Object that the contacts touch, if its shape and pose are known.
     pub object: Option<&'q TouchedObject>,
     /// The measurement.
@@ -146,8 +144,8 @@ pub(crate) struct Question<'q> {
 /// Contacts with their given or estimated position and direction, and their forces.
 pub(crate) type Answer = (Vec<Contact>, Estimate);
 
-/// The contacts, all with known position and direction. Returns [`EstimatorError::NotKnown`] if a position or direction is unknown, because most
-/// estimators do not support unknown positions or directions.
+/// The contacts, all with known position and direction. Returns [`EstimatorError::NotKnown`] if a position or direction is unknown or measured
+/// with an error, because most estimators do not support it.
 fn known_contacts(finger: &Finger, contacts: &[ContactQuestion]) -> Result<Vec<Contact>, EstimatorError> {
     let known: Option<Vec<Contact>> = contacts.iter().map(|question| question.known()).collect();
     let contacts = known.ok_or(EstimatorError::NotKnown)?;
@@ -212,8 +210,8 @@ pub enum EstimatorError {
     /// No mesh has the requested number of nodes.
     #[error(transparent)]
     Mesh(#[from] MeshSizeError),
-    /// The estimator does not support unknown positions or directions.
-    #[error("a position or direction that is `normal`, `friction`, `object` or `auto` needs the estimator {name}", name = EstimatorId::Nonlinear)]
+    /// The estimator does not support positions or directions that are unknown or have a standard deviation.
+    #[error("a position or direction that is `normal`, `friction`, `object` or `auto`, or has a standard deviation, needs the estimator {name}", name = EstimatorId::Nonlinear)]
     NotKnown,
     /// The estimator does not support a pad between object and plate.
     #[error("a scene whose contacts have a pad (pad_mm, pad_length_mm) needs the estimator {name}", name = EstimatorId::Nonlinear)]

@@ -23,7 +23,7 @@ pub(super) const ROW: EstimatorRow = EstimatorRow {
 
 /// Answers a question. If the unloaded finger may differ from the scene's finger, its errors are first linearised at the best forces.
 fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError> {
-    let &Question { contacts, pad, object, measurement, near, .. } = question;
+    let &Question { contacts, object, measurement, near, .. } = question;
     let Some(unloaded) = question.unloaded else {
         let sensed = sense(finger, question)?;
         return Ok((sensed.contacts, sensed.forces));
@@ -33,7 +33,7 @@ fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError
         Some(noise_mm) => noise_mm,
         None => sense(finger, question)?.forces.noise_mm,
     };
-    let linearised = linearise_assembly(finger, contacts, (pad, object), unloaded, measurement, noise_mm, near)?;
+    let linearised = linearise_assembly(finger, contacts, object, unloaded, measurement, noise_mm, near)?;
     let LinearisedAssembly { measurement, contacts, forces_n } = &linearised;
     let near = Some(NearForces { contacts, forces_n, shape: None });
     let sensed = sense(finger, &Question { measurement, noise_mm: Some(noise_mm), near, ..*question })?;
@@ -42,13 +42,13 @@ fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError
 
 /// Estimates the forces on a mesh of `mesh_nodes` nodes. Without `mesh_nodes`, refines the mesh until doubling the mesh hardly changes the forces.
 fn sense(finger: &Finger, question: &Question) -> Result<NonlinearEstimate, EstimatorError> {
-    let &Question { contacts, pad, object, measurement, noise_mm, .. } = question;
+    let &Question { contacts, object, measurement, noise_mm, .. } = question;
     match question.mesh_nodes {
         None => Ok(question.kept.borrow_mut().refine(question)?),
         Some(nodes) => {
             let mesh = Mesh::with_nodes(finger, nodes)?;
             let finer = Discretisation::finer(&mesh);
-            let mut estimator = NonlinearEstimator::new(&mesh, contacts)?.with_pad(pad).with_object(object);
+            let mut estimator = NonlinearEstimator::new(&mesh, contacts)?.with_object(object);
             let mut estimate = estimator.estimate(measurement, noise_mm)?;
             Discretisation::new(&mesh, &finer).widen(&mut estimator, measurement, &mut estimate)?;
             Ok(estimate)

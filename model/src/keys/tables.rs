@@ -263,7 +263,7 @@ tables! {
     normal_over_mm: Number(LENGTH, NOT_NEGATIVE), Or(0.0),
         "Length of the plate over which the deformed normal is averaged.";
     pad_mm: Number(LENGTH, NOT_NEGATIVE), Or(0.0),
-        "Thickness of a pad between plate and object. Friction on the pad exerts a moment on the plate. Only estimates of forces use the pad, for instance those of `finray sense` and `finray calibrate`. A pad requires the estimator `nonlinear` and contacts without +-SD. Neither pad_mm nor pad_length_mm may exceed the length of the front plate.";
+        "Thickness of a pad between plate and object. Friction on the pad exerts a moment on the plate. Only estimates of forces use the pad, for instance those of `finray sense` and `finray calibrate`. A pad requires the estimator `nonlinear`. Neither pad_mm nor pad_length_mm may exceed the length of the front plate.";
     pad_length_mm: Number(LENGTH, NOT_NEGATIVE), Or(0.0), "Length of the plate over which the pad distributes a force.";
     force_error_share: Number(Quantity("share", ""), Within(0.0, 1.0)), Or(0.0),
         "Relative standard deviation of a sensed force due to causes that no other key describes. sigma_n includes this deviation. `finray calibrate` writes this key if it estimates a modulus, or if --fit names force-error.";

@@ -6,7 +6,7 @@
 //! pattern together with the forces. Each amplitude has a prior. Errors that remain after a calibration are correlated; [`AssemblyErrors::further`]
 //! lists independent combinations of these errors.
 
-use super::{Contact, ContactQuestion, Direction, Pad, SensingError};
+use super::{ContactQuestion, PadForce, SensingError};
 use crate::finger::{Finger, Plate};
 use crate::measurement::{Measurement, SharedError};
 use crate::mesh::{Load, Mesh};
@@ -167,29 +167,24 @@ impl AssemblyErrors {
     }
 }
 
-/// Forces at contacts, with the pad between object and plate.
+/// Forces at contacts.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pushed<'f> {
     /// For each contact, whether its position and its direction are known.
     pub questions: &'f [ContactQuestion],
-    /// Position and direction of each contact.
-    pub contacts: &'f [Contact],
-    /// Force of each contact along its direction, N.
-    pub forces_n: &'f [f64],
-    /// Pad between objects and the plate.
-    pub pad: Pad,
+    /// Force of each contact.
+    pub forces: &'f [PadForce],
 }
 
 impl Pushed<'_> {
-    /// The contacts in a finger frame that is rotated by `by_rad`, rad. Only known directions change, because known directions refer to the unrotated
+    /// The forces in a finger frame that is rotated by `by_rad`, rad. Only known and measured directions change, because they refer to the unrotated
     /// frame.
-    fn turned_back(&self, by_rad: f64) -> Vec<Contact> {
-        let is_known = |question: &ContactQuestion| matches!(question.direction, Direction::Angle(_));
-        let turned = |(contact, question): (&Contact, &ContactQuestion)| match is_known(question) {
-            true => Contact { angle_deg: contact.angle_deg - by_rad.to_degrees(), ..*contact },
-            false => *contact,
+    fn turned_back(&self, by_rad: f64) -> Vec<PadForce> {
+        let turned = |(force, question): (&PadForce, &ContactQuestion)| match question.direction.stated_deg() {
+            Some(_) => force.turned(-by_rad.to_degrees(), force.force_n),
+            None => *force,
         };
-        self.contacts.iter().zip(self.questions).map(turned).collect()
+        self.forces.iter().zip(self.questions).map(turned).collect()
     }
 }
 
@@ -287,8 +282,8 @@ impl UnloadedFinger {
     /// Marker positions, in mm, of `finger` with `error` under the forces, relative to the base of this finger.
     fn bent(&self, finger: &Finger, error: &UnloadedError, pushed: Pushed) -> Result<Vec<Vector>, SensingError> {
         let other = error.finger(finger).ok_or(SensingError::NoSuchFinger)?;
-        let contacts = pushed.turned_back(error.base_turn_rad);
-        self.markers(&other, self.assembly.preload_nmm + error.preload_nmm, Pushed { contacts: &contacts, ..pushed })
+        let forces = pushed.turned_back(error.base_turn_rad);
+        self.markers(&other, self.assembly.preload_nmm + error.preload_nmm, Pushed { forces: &forces, ..pushed })
     }
 
     /// Marker positions that the camera sees, in mm: the positions `bent`, displaced by the errors of base and height in `error`.
@@ -313,8 +308,7 @@ impl UnloadedFinger {
         let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
         let mut statics = Statics::ladder(&mesh, Kinematics::Corotational);
         let preload = mesh.frame_load(&AssemblyErrors::load(finger, moment_nmm))?;
-        let forces = pushed.contacts.iter().zip(pushed.forces_n);
-        let loads = forces.flat_map(|(contact, force_n)| pushed.pad.loads(&mesh, contact, *force_n, 0.0));
+        let loads = pushed.forces.iter().flat_map(|force| force.loads(&mesh));
         let loads: Vec<_> = loads.chain([Ok(preload)]).collect::<Result<_, _>>()?;
         let bent = statics.equilibrium(&loads)?.motion;
         let at_rest = self.measured_in_frame_sd_rad.map(|_| statics.equilibrium(&[preload])).transpose()?;

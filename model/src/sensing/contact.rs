@@ -1,6 +1,6 @@
 //! Contacts: positions and directions of forces, known or unknown.
 
-use super::{Lean, SensingError};
+use super::{Lean, MeasuredNormal, Pad, SensingError};
 use crate::Vector;
 use crate::finger::{Finger, NodeId, Plate};
 use crate::mesh::{Load, LoadError};
@@ -73,6 +73,9 @@ pub enum Direction {
     Angle(f64),
     /// An inward normal, rotated by the lean (angle between force and normal due to friction).
     Leaning(Lean),
+    /// A measured normal, from which friction and the error of the measurement turn the force. The estimated force is the component along the
+    /// measured normal.
+    Measured(MeasuredNormal),
     /// An unknown direction, estimated together with the force.
     Auto,
 }
@@ -80,6 +83,15 @@ pub enum Direction {
 impl Direction {
     /// Direction along the inward normal of the deformed plate.
     pub const NORMAL: Direction = Direction::Leaning(Lean::NONE);
+
+    /// The known or measured angle, in degrees from the undeformed inward normal; `None` if the direction follows the plate or is unknown.
+    pub(super) fn stated_deg(self) -> Option<f64> {
+        match self {
+            Direction::Angle(angle_deg) => Some(angle_deg),
+            Direction::Measured(normal) => Some(normal.angle_deg),
+            Direction::Leaning(_) | Direction::Auto => None,
+        }
+    }
 }
 
 /// A contact whose force is estimated. An unknown position or direction is estimated together with the force.
@@ -87,38 +99,75 @@ impl Direction {
 pub struct ContactQuestion {
     /// Position of the force. `None` if unknown.
     pub position: Option<ContactPosition>,
+    /// Standard deviation of the position along the plate, mm. Zero for an exact position. A contact at a node is at the node exactly.
+    pub position_sd_mm: f64,
     /// Direction of the force.
     pub direction: Direction,
+    /// Pad between the object and the plate.
+    pub pad: Pad,
+}
+
+/// A contact with measured position and direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeasuredContact {
+    /// Measured position of the contact, and measured direction of the surface's normal.
+    pub contact: Contact,
+    /// Standard deviation of the direction, rad.
+    pub direction_sd_rad: f64,
+    /// Standard deviation of the position along the plate, mm. Zero for a contact at a rod.
+    pub position_sd_mm: f64,
+}
+
+impl MeasuredContact {
+    /// The question for the force at the contact. `friction` is the upper bound of the coefficient of friction, dimensionless. Friction acts on the
+    /// surface of `pad`.
+    pub fn question(&self, friction: f64, pad: Pad) -> ContactQuestion {
+        let &MeasuredContact { contact: Contact { position, angle_deg }, direction_sd_rad, position_sd_mm } = self;
+        let direction = Direction::Measured(MeasuredNormal { angle_deg, sd_rad: direction_sd_rad, friction });
+        ContactQuestion { position: Some(position), position_sd_mm, direction, pad }
+    }
 }
 
 impl ContactQuestion {
-    /// The contact, if both position and direction are known.
+    /// A contact without a pad. The position is exact, or unknown if it is `None`.
+    pub fn new(position: Option<ContactPosition>, direction: Direction) -> ContactQuestion {
+        ContactQuestion { position, position_sd_mm: 0.0, direction, pad: Pad::default() }
+    }
+
+    /// The contact, if both position and direction are known exactly.
     pub fn known(&self) -> Option<Contact> {
-        match (self.position, self.direction) {
-            (Some(position), Direction::Angle(angle_deg)) => Some(Contact { position, angle_deg }),
-            _ => None,
-        }
+        self.stated().filter(|_| matches!(self.direction, Direction::Angle(_)) && !self.is_position_measured())
+    }
+
+    /// The contact, if both position and direction are known or measured.
+    pub(super) fn stated(&self) -> Option<Contact> {
+        Some(Contact { position: self.position?, angle_deg: self.direction.stated_deg()? })
+    }
+
+    /// Whether the position is measured with an error.
+    pub(super) fn is_position_measured(&self) -> bool {
+        self.position_sd_mm > 0.0 && matches!(self.position, Some(ContactPosition::At(_)))
     }
 }
 
 impl From<Contact> for ContactQuestion {
     fn from(contact: Contact) -> ContactQuestion {
-        ContactQuestion { position: Some(contact.position), direction: Direction::Angle(contact.angle_deg) }
+        ContactQuestion::new(Some(contact.position), Direction::Angle(contact.angle_deg))
     }
 }
 
-/// Checks the known part of each contact, and contacts of which everything is known, as [`check_contacts`] does.
+/// Checks the known or measured part of each contact, and contacts without an unknown part, as [`check_contacts`] does.
 ///
 /// # Errors
 /// [`SensingError`] for the first contact that fails a check, or if `questions` is empty.
 pub fn check_questions(finger: &Finger, questions: &[ContactQuestion]) -> Result<(), SensingError> {
     // A valid value replaces an unknown direction or position.
     for question in questions {
-        let angle_deg = if let Direction::Angle(angle) = question.direction { angle } else { 0.0 };
+        let angle_deg = question.direction.stated_deg().unwrap_or(0.0);
         let position = question.position.unwrap_or(ContactPosition::Node(finger.tip()));
         check_contacts(finger, &[Contact { position, angle_deg }])?;
     }
-    let known: Option<Vec<Contact>> = questions.iter().map(ContactQuestion::known).collect();
+    let known: Option<Vec<Contact>> = questions.iter().map(ContactQuestion::stated).collect();
     known.map_or(Ok(()), |contacts| check_contacts(finger, &contacts))
 }
 

@@ -1,6 +1,7 @@
 //! Estimated forces and their known errors.
 
 use super::ResidualTest;
+use nalgebra::{DMatrix, DVector};
 
 /// A model error up to this share of the largest force causes no warning. Noise alone causes an error of at least 0.13 % of a force of 3 N.
 const NEGLIGIBLE: f64 = 1e-3;
@@ -64,6 +65,8 @@ pub struct Estimate {
     /// Standard deviation of one measured coordinate, mm, from which `sigmas_n` follow: the stated noise, or the residual standard deviation. Without
     /// a stated noise, the residual standard deviation is widened to account for few degrees of freedom.
     pub noise_mm: f64,
+    /// Forces along and across measured normals. `None` unless a normal is measured.
+    pub measured: Option<MeasuredForces>,
     /// Reason why the estimate is less accurate than noise alone implies, if any.
     pub warning: Option<Warning>,
     /// Root mean square of the weighted residual, mm.
@@ -72,11 +75,26 @@ pub struct Estimate {
     pub singular_values: Vec<f64>,
 }
 
+/// Forces across the directions of contacts, with the covariance of all forces. A force across is zero unless the contact's normal is measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredForces {
+    /// Force across the direction of each contact, positive towards the tip, N.
+    pub across_n: Vec<f64>,
+    /// Covariance, N^2, of all forces along the directions, followed by all forces across the directions.
+    pub covariance_n2: DMatrix<f64>,
+}
+
 impl Estimate {
     /// Widens each standard deviation by an error of `share` times the force. The dimensionless `share` is a result of a calibration.
     pub fn add_force_error(&mut self, share: f64) {
         for (sigma_n, force_n) in self.sigmas_n.iter_mut().zip(&self.forces_n) {
             *sigma_n = sigma_n.hypot(share * force_n);
+        }
+        if let Some(MeasuredForces { across_n, covariance_n2 }) = &mut self.measured {
+            // The error is a common factor of all forces.
+            let forces_n = self.forces_n.iter().chain(&*across_n).copied();
+            let errors_n = DVector::from_iterator(2 * across_n.len(), forces_n) * share;
+            *covariance_n2 += &errors_n * errors_n.transpose();
         }
     }
 
@@ -86,6 +104,7 @@ impl Estimate {
             let wider = test.widening_of_misfit();
             self.misfit_factor *= wider;
             self.sigmas_n.iter_mut().for_each(|sigma_n| *sigma_n *= wider);
+            self.measured.iter_mut().for_each(|measured| measured.covariance_n2 *= wider * wider);
         }
     }
 

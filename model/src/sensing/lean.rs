@@ -1,4 +1,4 @@
-//! Lean: the angle between a contact force and the normal, due to friction.
+//! Lean: the angle between a contact force and the normal, due to friction; and measured normals.
 
 /// Lean (angle between a contact force and the inward normal due to friction), with its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,6 +28,27 @@ pub enum Normal {
     Undeformed,
     /// Normal of the object's outline at the contact.
     Object,
+}
+
+/// A measured normal of the surfaces in contact. The force deviates from it because of friction and of the error of the measurement: the tangent of
+/// the angle between force and measured normal has a Gaussian prior with mean zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeasuredNormal {
+    /// Measured inward normal, in degrees from the undeformed inward normal, positive towards the tip.
+    pub angle_deg: f64,
+    /// Standard deviation of the measured normal, rad.
+    pub sd_rad: f64,
+    /// Upper bound of the coefficient of friction, dimensionless: tangent of the largest angle between force and true normal.
+    pub friction: f64,
+}
+
+impl MeasuredNormal {
+    /// Standard deviation of the tangent of the angle between force and measured normal, dimensionless, for one of `contacts` contacts of an object.
+    /// Friction of a sliding object acts in the same direction at all k contacts. If the tangents at all k contacts equal the coefficient of friction,
+    /// they are together one standard deviation from zero, so the standard deviation of each is the coefficient times sqrt(k).
+    pub(super) fn tangent_sd(&self, contacts: usize) -> f64 {
+        self.sd_rad.hypot(self.friction * (contacts as f64).sqrt())
+    }
 }
 
 impl Lean {

@@ -209,6 +209,7 @@ impl LinearEstimator {
             sigmas_n: inverse.sigmas_per_noise.iter().map(|sigma| sigma * noise_mm).collect(),
             model_error_n: vec![0.0; unknowns],
             misfit_factor: 1.0,
+            measured: None,
             noise_mm,
             warning: test.filter(ResidualTest::contradicts).map(Warning::Residual),
             singular_values: self.singular_values.clone(),

@@ -8,28 +8,27 @@ mod force;
 mod lean;
 mod linear;
 mod linearisation;
-mod measured_contacts;
 pub mod network;
 mod object;
 mod pad;
 mod residual_test;
-mod response;
 
 pub use assembly::{AssemblyErrors, CameraAbove, UnloadedError, UnloadedFinger};
-pub use contact::{Contact, ContactPosition, ContactQuestion, Direction, check_contacts, check_questions};
+pub use contact::{
+    Contact, ContactPosition, ContactQuestion, Direction, MeasuredContact, check_contacts, check_questions,
+};
 pub use error::SensingError;
-pub use estimate::{Estimate, ModelError, Warning};
+pub use estimate::{Estimate, MeasuredForces, ModelError, Warning};
 pub use force::{Discretisation, NearForces, NonlinearEstimate, NonlinearEstimator, Refinement, sense_refining};
 pub(crate) use force::{LinearisedAssembly, linearise_assembly};
-pub use lean::{Lean, Normal};
+pub use lean::{Lean, MeasuredNormal, Normal};
 pub use linear::{LinearEstimator, Prior};
 pub use linearisation::Linearisation;
-pub use measured_contacts::{ContactKnowledge, MeasuredContact, MeasuredContactForces, sense_measured_contacts};
 pub use object::{NotConvex, ObjectShape, TouchedObject};
 pub use pad::Pad;
+pub(crate) use pad::PadForce;
 pub(crate) use residual_test::noise_of;
 pub use residual_test::{ResidualTest, SIGNIFICANCE};
-pub use response::{ContactForce, RespondingFinger, Response, marker_coordinates};
 
 /// Largest accepted ratio of the largest to the smallest singular value of a matrix: the derivatives of displacements with respect to scaled
 /// unknowns. Beyond this ratio of singular values, forces are not identifiable.

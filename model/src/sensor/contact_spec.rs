@@ -139,7 +139,7 @@ impl SensorContacts {
         }
         let question = |spec: &ContactSpec| {
             let direction = spec.direction.of_scene(scene, measured_deg)?;
-            Ok(ContactQuestion { position: spec.position, direction })
+            Ok(ContactQuestion::new(spec.position, direction))
         };
         specs.iter().map(question).collect::<Result<_, _>>().map(SensorContacts::Asked)
     }

@@ -3,7 +3,8 @@
 use super::TWO_SIDED_95;
 use crate::Vector;
 use crate::finger::Finger;
-use crate::sensing::{Contact, MeasuredContactForces, Warning};
+use crate::sensing::{Contact, Estimate, MeasuredForces, Warning};
+use nalgebra::DVector;
 
 /// Estimated force at a contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,7 +25,7 @@ pub struct SensedForces {
     /// Reasons why the forces may be less accurate than their standard deviations, or requests to state the noise. Empty without warnings.
     pub warnings: Vec<SensorWarning>,
     /// Forces along and across the direction of each contact. `None` unless the contacts were measured.
-    pub(super) measured: Option<MeasuredContactForces>,
+    measured: Option<MeasuredForces>,
 }
 
 impl SensedForce {
@@ -36,23 +37,29 @@ impl SensedForce {
 }
 
 impl SensedForces {
-    /// Forces along given directions with their standard deviations, both N.
-    pub(super) fn new(contacts: &[Contact], forces_n: &[f64], sigmas_n: &[f64]) -> SensedForces {
+    /// Estimated forces at contacts, with warnings.
+    pub(super) fn new(contacts: &[Contact], estimate: Estimate, warnings: Vec<SensorWarning>) -> SensedForces {
         let force = |((&contact, &force_n), &sigma_n)| SensedForce { contact, force_n, sigma_n };
-        let forces = contacts.iter().zip(forces_n).zip(sigmas_n).map(force).collect();
-        SensedForces { forces, warnings: Vec::new(), measured: None }
+        let forces = contacts.iter().zip(&estimate.forces_n).zip(&estimate.sigmas_n).map(force).collect();
+        SensedForces { forces, warnings, measured: estimate.measured }
     }
 
     /// Sum of all forces along the unit vector `along` (finger frame) and its standard deviation, both N. Unless the contacts were measured, the
     /// standard deviation is an upper bound that holds for any correlation of the forces.
     pub fn sum_along(&self, finger: &Finger, along: Vector) -> [f64; 2] {
-        if let Some(measured) = &self.measured {
-            return measured.sum_along(finger, along);
-        }
-        self.forces.iter().fold([0.0; 2], |[sum_n, sigma_n], sensed| {
-            let share = finger.direction(sensed.contact.angle_deg).dot(&along);
-            [sum_n + share * sensed.force_n, sigma_n + share.abs() * sensed.sigma_n]
-        })
+        let share =
+            |sensed: &SensedForce, turned_deg: f64| finger.direction(sensed.contact.angle_deg + turned_deg).dot(&along);
+        let Some(MeasuredForces { across_n, covariance_n2 }) = &self.measured else {
+            return self.forces.iter().fold([0.0; 2], |[sum_n, sigma_n], sensed| {
+                let share = share(sensed, 0.0);
+                [sum_n + share * sensed.force_n, sigma_n + share.abs() * sensed.sigma_n]
+            });
+        };
+        let shares = [0.0, 90.0].into_iter().flat_map(|deg| self.forces.iter().map(move |sensed| share(sensed, deg)));
+        let shares = DVector::from_iterator(2 * across_n.len(), shares);
+        let all_n = self.forces.iter().map(|sensed| sensed.force_n).chain(across_n.iter().copied());
+        let all_n = DVector::from_iterator(2 * across_n.len(), all_n);
+        [shares.dot(&all_n), shares.dot(&(covariance_n2 * &shares)).sqrt()]
     }
 }
 

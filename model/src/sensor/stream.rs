@@ -48,15 +48,12 @@ impl StreamSensor {
         options: SensorOptions,
     ) -> Result<StreamSensor, Refusal> {
         let sensor = Sensor::new(scene, contacts, options)?;
-        let one_more = match &sensor.contacts {
-            SensorContacts::Asked(questions) => match questions[..] {
-                [question @ ContactQuestion { position: None, .. }] => {
-                    let two = SensorContacts::Asked(vec![question; 2]);
-                    Sensor::new(sensor.prepared.clone(), two, sensor.options.clone()).ok()
-                }
-                _ => None,
-            },
-            SensorContacts::Measured { .. } => None,
+        let one_more = match sensor.contacts[..] {
+            [question @ ContactQuestion { position: None, .. }] => {
+                let two = SensorContacts::Asked(vec![question; 2]);
+                Sensor::new(sensor.prepared.clone(), two, sensor.options.clone()).ok()
+            }
+            _ => None,
         };
         Ok(StreamSensor { sensors: [sensor].into_iter().chain(one_more).collect() })
     }

@@ -4,10 +4,14 @@ use finray_model::finger::{BracketLengths, RibPositions};
 use finray_model::measurement::BaseUncertainty;
 use finray_model::mesh::Load;
 use finray_model::observation::{Observation, ObservedBase, ObservedMarker};
-use finray_model::sensing::{AssemblyErrors, ContactQuestion, Direction, Lean, Normal};
-use finray_model::sensor::{Sensor, SensorContacts, SensorOptions};
+use finray_model::scene::{ObjectFrame, ObjectPlace, TouchedDescription};
+use finray_model::sensing::{
+    AssemblyErrors, Contact, ContactPosition, ContactQuestion, Direction, Lean, MeasuredContact, Normal, ObjectShape,
+};
+use finray_model::sensor::{SensedForce, Sensor, SensorContacts, SensorOptions};
+use finray_model::statics::Statics;
 use finray_model::{Finger, Kinematics, Mesh, Scene, Vector, statics};
-use finray_tests::{Figure, TWO_SIDED_95, case_count, random_stream, record_figures, share_error};
+use finray_tests::{Figure, STANDARD_ERRORS, TWO_SIDED_95, case_count, random_stream, record_figures, share_error};
 use nalgebra::{Isometry2, Point2};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -70,10 +74,10 @@ impl Mounted {
     }
 
     /// Positions of the markers in an image.
-    fn seen(&self, force: Option<Load>, chance: &mut ChaCha8Rng) -> Vec<ObservedMarker> {
+    fn seen(&self, forces: &[Load], chance: &mut ChaCha8Rng) -> Vec<ObservedMarker> {
         let mesh = Mesh::with_elements_per_member(&self.finger, 16);
         let preload = Load::Node { node: self.finger.tip(), force: Vector::zeros(), moment_nmm: self.preload_nmm };
-        let loads: Vec<Load> = force.into_iter().chain([preload]).collect();
+        let loads: Vec<Load> = forces.iter().copied().chain([preload]).collect();
         let shape = statics::solve(&mesh, &loads, Kinematics::Corotational).expect("an equilibrium");
         let marker = |node| {
             let at = self.finger.marker_position(node) + shape.motion(node).marker_displacement(&self.finger);
@@ -90,6 +94,31 @@ impl Mounted {
         };
         self.finger.marked_nodes().map(marker).collect()
     }
+
+    /// An observation of the finger under forces, of which the scene and an approximate pose of the base are known. With `with_rest`, displacements
+    /// are measured from an image of the unloaded finger.
+    fn observed(&self, scene: &Scene, forces: &[Load], with_rest: bool, chance: &mut ChaCha8Rng) -> Observation {
+        let mut markers = self.seen(forces, chance);
+        let at_rest = self.seen(&[], chance);
+        for (marker, at_rest) in markers.iter_mut().zip(&at_rest) {
+            let from = if with_rest { at_rest.position } else { Some(scene.finger.marker_position(marker.node)) };
+            marker.displacement = marker.position.zip(from).map(|(at, from)| at - from);
+            if with_rest {
+                let sd_mm = Some(self.noise_mm * 2.0_f64.sqrt());
+                (marker.sd_mm, marker.own_sd_mm) = (sd_mm, sd_mm);
+            }
+        }
+        let seen_base = BaseUncertainty { sd_mm: 1e-3, sd_rad: 1e-5, ..BaseUncertainty::default() };
+        let base = ObservedBase { pose: Isometry2::identity(), uncertainty: Some(seen_base), is_known: true };
+        Observation { image: String::new(), markers, base: Some(base) }
+    }
+}
+
+/// The scene of a bracketed finger whose assembly and mounting are uncertain.
+fn uncertain_scene() -> Scene {
+    let scene = Scene::from_toml(finray_fixtures::BRACKETED_SCENE).expect("a scene");
+    let base = scene.base.clone().map(|base| finray_model::scene::Base { uncertainty: Some(BASE), ..base });
+    Scene { assembly: Some(ASSEMBLY), base, ..scene }
 }
 
 /// Ranges from which the forces, N, and the positions of the forces, mm, are drawn.
@@ -105,33 +134,19 @@ fn errors(
     cases: &[usize],
     of: [Range<f64>; 2],
 ) -> Vec<[f64; 2]> {
-    let scene = Scene::from_toml(finray_fixtures::BRACKETED_SCENE).expect("a scene");
-    let base = scene.base.clone().map(|base| finray_model::scene::Base { uncertainty: Some(BASE), ..base });
-    let scene = Scene { assembly: Some(ASSEMBLY), base, ..scene };
+    let scene = uncertain_scene();
     let of_case = |&case: &usize| {
         let chance = &mut random_stream(4400, case as u64);
         let mounted = Mounted::anew(&scene, noise_mm, chance);
         let [force_n, s_mm] = of.clone().map(|range| chance.random_range(range));
         let angle_deg = chance.random_range(FRICTION[0]..FRICTION[1]).atan().to_degrees();
         let load = Load::at_position(s_mm, mounted.finger.direction(angle_deg) * force_n);
-        let mut markers = mounted.seen(Some(load), chance);
-        let at_rest = mounted.seen(None, chance);
-        for (marker, at_rest) in markers.iter_mut().zip(&at_rest) {
-            let from = if with_rest { at_rest.position } else { Some(scene.finger.marker_position(marker.node)) };
-            marker.displacement = marker.position.zip(from).map(|(at, from)| at - from);
-            if with_rest {
-                let sd_mm = Some(noise_mm * 2.0_f64.sqrt());
-                (marker.sd_mm, marker.own_sd_mm) = (sd_mm, sd_mm);
-            }
-        }
-        let seen_base = BaseUncertainty { sd_mm: 1e-3, sd_rad: 1e-5, ..BaseUncertainty::default() };
-        let base = ObservedBase { pose: Isometry2::identity(), uncertainty: Some(seen_base), is_known: true };
-        let seen = Observation { image: String::new(), markers, base: Some(base) };
+        let seen = mounted.observed(&scene, &[load], with_rest, chance);
         let direction = match knows_direction {
             true => Direction::Angle(angle_deg + mounted.base.rotation.angle().to_degrees()),
             false => Direction::Leaning(Lean { from: Normal::Undeformed, ..Lean::within(FRICTION) }),
         };
-        let question = ContactQuestion { position: None, direction };
+        let question = ContactQuestion::new(None, direction);
         let sensor = Sensor::new(scene.clone(), SensorContacts::Asked(vec![question]), SensorOptions::default());
         let sensed = sensor.expect("a question").sense(&seen);
         if let Err(refusal) = &sensed {
@@ -214,5 +229,142 @@ fn forces_at_hidden_positions_are_within_their_intervals_or_refused() {
         assert!(off(TWO_SIDED_95) as f64 <= 0.07 * errors.len() as f64, "{errors:?}");
         assert_eq!(off(4.0), 0, "{errors:?}");
         assert!(all > few.len() || largest < 3.0, "{largest}");
+    }
+}
+
+/// What is known of contacts on a finger that was assembled anew.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Known {
+    /// Positions and directions.
+    Contacts,
+    /// Positions. Friction is between two coefficients.
+    Positions,
+    /// Positions and directions with errors.
+    Measured,
+    /// The outline and pose of a disc that touches the plate.
+    Object,
+}
+
+const POSITION_SD_MM: f64 = 0.5;
+const DIRECTION_SD_RAD: f64 = 0.02;
+const DISC: ObjectShape = ObjectShape::Disc { radius_mm: 30.0 };
+const POSE_SD_MM: f64 = 0.3;
+
+/// Errors of the forces of `count` contacts, in stated standard deviations, on one newly mounted finger. `None` if the sensor refuses.
+fn errors_at_contacts(case: usize, known: Known, count: usize) -> Option<Vec<f64>> {
+    let mut scene = uncertain_scene();
+    let chance = &mut random_stream(4500 + count as u64, case as u64);
+    let mut mounted = Mounted::anew(&scene, 0.02, chance);
+    if known == Known::Object {
+        // The pose of the object refers to the plane of the markers at its stated height.
+        mounted.larger = 1.0;
+    }
+    let turned_deg = mounted.base.rotation.angle().to_degrees();
+    let tangent = chance.random_range(FRICTION[0]..FRICTION[1]);
+    let mut forces_n = Vec::new();
+    let mut loads = Vec::new();
+    let mut questions = Vec::new();
+    let mut measured = Vec::new();
+    for i in 0..count {
+        let s_mm = 50.0 + 40.0 * (i as f64 + chance.random_range(0.1..0.9)) / count as f64;
+        let force_n = chance.random_range(2.0..6.0);
+        let angle_deg = match known {
+            Known::Contacts => chance.random_range(-20.0..20.0),
+            Known::Positions => tangent.atan().to_degrees(),
+            Known::Measured | Known::Object => 0.0,
+        };
+        let force = mounted.finger.direction(angle_deg) * force_n;
+        let position = ContactPosition::At(s_mm);
+        forces_n.push(force_n);
+        loads.push(Load::at_position(s_mm, force));
+        match known {
+            Known::Contacts => {
+                questions.push(ContactQuestion::new(Some(position), Direction::Angle(angle_deg + turned_deg)))
+            }
+            Known::Positions => {
+                let lean = Lean { from: Normal::Undeformed, ..Lean::within(FRICTION) };
+                questions.push(ContactQuestion::new(Some(position), Direction::Leaning(lean)));
+            }
+            Known::Measured => {
+                let position = ContactPosition::At(s_mm + POSITION_SD_MM * normal(chance));
+                let angle_deg = turned_deg + (DIRECTION_SD_RAD * normal(chance)).to_degrees();
+                let contact = Contact { position, angle_deg };
+                measured.push(MeasuredContact {
+                    contact,
+                    direction_sd_rad: DIRECTION_SD_RAD,
+                    position_sd_mm: POSITION_SD_MM,
+                });
+            }
+            Known::Object => {
+                let (load, pose) = touching(&mounted, s_mm, force_n);
+                loads = vec![load];
+                let off = Vector::new(normal(chance), normal(chance)) * POSE_SD_MM;
+                let pose = mounted.base * pose;
+                let pose = Isometry2::new(pose.translation.vector + off, 0.0);
+                let place = ObjectPlace { pose, sd_mm: POSE_SD_MM, sd_rad: 0.0, frame: ObjectFrame::Plane };
+                scene.touched = Some(TouchedDescription { shape: DISC, place: Some(place) });
+                let lean = Lean { from: Normal::Object, ..Lean::NONE };
+                questions.push(ContactQuestion::new(None, Direction::Leaning(lean)));
+            }
+        }
+    }
+    let seen = mounted.observed(&scene, &loads, false, chance);
+    let contacts = match known {
+        Known::Measured => SensorContacts::Measured { contacts: measured, friction: 0.1 },
+        _ => SensorContacts::Asked(questions),
+    };
+    let sensed = Sensor::new(scene, contacts, SensorOptions::default()).expect("contacts").sense(&seen);
+    if let Err(refusal) = &sensed {
+        println!("{known:?}, case {case}: {refusal}");
+    }
+    let sensed = sensed.ok()?;
+    let error = |(sensed, force_n): (&SensedForce, &f64)| (sensed.force_n - force_n) / sensed.sigma_n;
+    Some(sensed.forces.iter().zip(&forces_n).map(error).collect())
+}
+
+/// A force along the normal of the deformed plate, and the pose of the disc that exerts it.
+fn touching(mounted: &Mounted, s_mm: f64, force_n: f64) -> (Load, Isometry2<f64>) {
+    let finger = &mounted.finger;
+    let mesh = Mesh::with_elements_per_member(finger, 16);
+    let mut statics = Statics::ladder(&mesh, Kinematics::Corotational);
+    let preload = Load::Node { node: finger.tip(), force: Vector::zeros(), moment_nmm: mounted.preload_nmm };
+    let mut load = Load::at_position(s_mm, finger.direction(0.0) * force_n);
+    let mut place = Isometry2::identity();
+    for _ in 0..20 {
+        let loads = [load, preload].map(|load| mesh.frame_load(&load).expect("on the plate"));
+        let motion = statics.equilibrium(&loads).expect("carried").motion;
+        let point = |off_mm: f64| mesh.front_point(&motion, s_mm + off_mm).expect("on the plate");
+        let [before, at, after] = [-0.5, 0.0, 0.5].map(point);
+        let tangent = (after - before).normalize();
+        let inward = finger.direction(0.0);
+        let along = inward - tangent * inward.dot(&tangent);
+        let normal = along.normalize();
+        load = Load::at_position(s_mm, normal * force_n);
+        let ObjectShape::Disc { radius_mm } = DISC else { panic!("no disc") };
+        let reach_mm = radius_mm + 0.5 * finger.description().front.thickness_mm;
+        place = Isometry2::new(at - normal * reach_mm, 0.0);
+    }
+    (load, place)
+}
+
+/// On fingers that were assembled anew, intervals contain the forces of one or two known contacts, of contacts whose friction is uncertain, of measured
+/// contacts, and of a disc whose outline touches the plate.
+#[test]
+fn intervals_at_contacts_hold_on_fingers_that_were_assembled_anew() {
+    use rayon::prelude::*;
+    let cases = case_count(12, 300);
+    for (known, count) in
+        [(Known::Contacts, 2), (Known::Positions, 2), (Known::Measured, 1), (Known::Measured, 2), (Known::Object, 1)]
+    {
+        let all: Vec<Option<Vec<f64>>> =
+            (0..cases).into_par_iter().map(|case| errors_at_contacts(case, known, count)).collect();
+        let errors: Vec<f64> = all.iter().flatten().flatten().copied().collect();
+        let answered = all.iter().flatten().count();
+        let share = errors.iter().filter(|error| error.abs() < TWO_SIDED_95).count() as f64 / errors.len() as f64;
+        let square = errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64;
+        println!("{known:?}, {count}: {answered} of {cases} answered, {share:.3} within, mean square {square:.2}");
+        assert!(answered as f64 > 0.9 * cases as f64, "{known:?}: {answered} of {cases} answered");
+        assert!(share > 0.93 - 2.5 * share_error(0.95, answered), "{known:?}: {share}");
+        assert!(square < 1.0 + STANDARD_ERRORS * (2.0 / answered as f64).sqrt(), "{known:?}: {square}");
     }
 }

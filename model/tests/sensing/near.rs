@@ -24,7 +24,7 @@ fn the_start_of_a_search_does_not_change_its_result() {
     let scene = Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("a scene");
     let options = SensorOptions { noise_mm: Some(0.02), ..SensorOptions::default() };
     for direction in [Direction::Angle(0.0), Direction::NORMAL, Direction::Auto] {
-        let asked = SensorContacts::Asked(vec![ContactQuestion { position: None, direction }]);
+        let asked = SensorContacts::Asked(vec![ContactQuestion::new(None, direction)]);
         let sensor = Sensor::new(scene.clone(), asked, options.clone()).expect("a question");
         let observed = seen(&scene, 80.0, 2.0);
         let expected = sensor.sense(&observed).expect("an answer");
@@ -64,7 +64,7 @@ fn shapes_of_the_previous_observation_do_not_change_the_forces() {
         [(80.0, 1.0), (80.5, 1.05), (81.0, 1.1), (50.0, 2.0), (50.5, 2.1), (50.0, 0.0), (60.0, 1.5), (60.5, 1.6)];
     let stream = stream.map(|(s_mm, force_n)| noisy(s_mm, force_n));
     for direction in [Direction::Angle(0.0), Direction::NORMAL, Direction::Auto] {
-        let asked = SensorContacts::Asked(vec![ContactQuestion { position: None, direction }]);
+        let asked = SensorContacts::Asked(vec![ContactQuestion::new(None, direction)]);
         let sensor = Sensor::new(scene.clone(), asked.clone(), options.clone()).expect("a question");
         let following = StreamSensor::new(scene.clone(), asked, options.clone()).expect("a question");
         let mut before = None;
@@ -123,7 +123,7 @@ fn a_finger_that_snaps_and_returns_is_sensed_as_from_rest() {
         let stream = below.iter().chain([&snapped, &snapped, &below[4], &snapped]).chain(after);
         let is_snapped = |frame: usize| [5, 6, 8].contains(&frame);
         for position in [Some(contact.position), None] {
-            let question = ContactQuestion { position, direction: Direction::Angle(angle_deg) };
+            let question = ContactQuestion::new(position, Direction::Angle(angle_deg));
             let from_rest = StreamSensor::new(scene.clone(), SensorContacts::Asked(vec![question]), options.clone())
                 .expect("a question");
             let (following, mut before) = (from_rest.clone(), None);

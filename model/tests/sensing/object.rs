@@ -107,7 +107,7 @@ fn pressed(
 }
 
 fn question(lean: Lean) -> ContactQuestion {
-    ContactQuestion { position: None, direction: Direction::Leaning(Lean { from: Normal::Object, ..lean }) }
+    ContactQuestion::new(None, Direction::Leaning(Lean { from: Normal::Object, ..lean }))
 }
 
 fn sense(
@@ -225,8 +225,9 @@ fn an_object_touches_the_pad() {
     let truth = pressed(&fine, 72.0, 4.0, 0.0, &shape, 0.0, pad.thickness_mm);
     let object = TouchedObject { shape, pose: truth.pose, sd_mm: 0.05, sd_rad: 0.0 };
     let sensed = |pad: Pad| {
-        let estimator = NonlinearEstimator::new(&mesh, &[question(Lean::NONE)]).expect("one contact");
-        estimator.with_pad(pad).with_object(Some(&object)).estimate(&truth.seen, Some(0.01))
+        let question = ContactQuestion { pad, ..question(Lean::NONE) };
+        let estimator = NonlinearEstimator::new(&mesh, &[question]).expect("one contact");
+        estimator.with_object(Some(&object)).estimate(&truth.seen, Some(0.01))
     };
     let found = sensed(pad).expect("identifiable");
     assert!((found.forces.forces_n[0] / 4.0 - 1.0).abs() < MESHES, "{found:?}");

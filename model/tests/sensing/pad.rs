@@ -23,7 +23,7 @@ fn bracketed() -> Finger {
 
 /// Displacements under an object that presses on the pad.
 fn pressed(mesh: &Mesh, contact: Contact, force_n: f64) -> Measurement {
-    let loads = under_pad(mesh, contact, force_n, PAD, PARTS);
+    let loads = under_pad(mesh, contact, force_n, PAD, PARTS).expect("carried");
     let loads: Vec<_> = loads.iter().map(|(contact, force_n)| contact.load(mesh.finger(), *force_n)).collect();
     let shape = statics::solve(mesh, &loads, Kinematics::Corotational).expect("carried");
     Measurement::of_shape(mesh.finger(), &shape)
@@ -38,17 +38,17 @@ fn what_a_pad_does_is_sensed() {
     for (s_mm, force_n, angle_deg) in [(72.0, 3.0, 20.0), (55.0, 6.0, 5.0), (93.0, 2.0, -15.0), (81.0, 7.0, 25.0)] {
         let contact = at_position(s_mm, angle_deg);
         let seen = pressed(&mesh, contact, force_n);
-        let at_point = NonlinearEstimator::new(&mesh, &[contact.into()]).expect("on the plate");
-        let sensed = |estimator: NonlinearEstimator| {
-            let mut estimator = estimator;
+        let sensed = |question: ContactQuestion| {
+            let mut estimator = NonlinearEstimator::new(&mesh, &[question]).expect("on the plate");
             estimator.estimate(&seen, None).expect("identifiable")
         };
+        let at_point = ContactQuestion::from(contact);
         let off = |found: &NonlinearEstimate| (found.forces.forces_n[0] / force_n - 1.0).abs();
-        let with_pad = sensed(at_point.clone().with_pad(PAD));
+        let with_pad = sensed(ContactQuestion { pad: PAD, ..at_point });
         assert!(off(&with_pad) < MADE_OF_PARTS, "{s_mm} mm: {with_pad:?}");
         assert!(off(&sensed(at_point)) > 5.0 * MADE_OF_PARTS, "{s_mm} mm");
-        let open = ContactQuestion { position: None, direction: Direction::Angle(angle_deg) };
-        let found = sensed(NonlinearEstimator::new(&mesh, &[open]).expect("one contact").with_pad(PAD));
+        let open = ContactQuestion::new(None, Direction::Angle(angle_deg));
+        let found = sensed(ContactQuestion { pad: PAD, ..open });
         assert!(off(&found) < MADE_OF_PARTS, "{s_mm} mm: {found:?}");
         let found_mm = found.contacts[0].position_mm(&finger).expect("on the plate");
         assert!((found_mm - s_mm).abs() < 0.05, "{s_mm} mm: found at {found_mm} mm");
@@ -63,8 +63,8 @@ fn stated_sigmas_hold_with_a_pad() {
     let finger = bracketed();
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
     let lean = Lean { from: Normal::Undeformed, ..Lean::of_friction(0.3, 0.05) };
-    let question = ContactQuestion { position: None, direction: Direction::Leaning(lean) };
-    let prepared = NonlinearEstimator::new(&mesh, &[question]).expect("one contact").with_pad(PAD);
+    let question = ContactQuestion { pad: PAD, ..ContactQuestion::new(None, Direction::Leaning(lean)) };
+    let prepared = NonlinearEstimator::new(&mesh, &[question]).expect("one contact");
     let mut rng = ChaCha8Rng::seed_from_u64(19);
     let presses: Vec<(f64, Measurement)> = (0..cases)
         .map(|_| {

@@ -7,7 +7,7 @@ use finray_model::finger::{
     BracketLengths, FingerDescription, Joints, MarkerPoints, Plate, RibDescription, RibPositions, Strip,
 };
 use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, ContactQuestion, NearForces, Pad, SensingError, sense_refining};
+use finray_model::sensing::{Contact, ContactQuestion, NearForces, SensingError, sense_refining};
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
 use finray_tests::{STANDARD_ERRORS, TWO_SIDED_95, at_position, case_count, noisy, random_stream, seen, share_error};
 use rand::RngExt;
@@ -24,7 +24,7 @@ const CHANCE: f64 = 6.3e-5;
 const ELEMENTS: usize = 600;
 
 /// A random finger, with hinged or clamped ribs.
-fn random_finger(rng: &mut ChaCha8Rng) -> Finger {
+pub(super) fn random_finger(rng: &mut ChaCha8Rng) -> Finger {
     loop {
         let front_length_mm = rng.random_range(50.0..180.0);
         let strip = |rng: &mut ChaCha8Rng| Strip {
@@ -104,15 +104,7 @@ impl Case {
     /// Returns the errors as multiples of their stated standard deviations, and whether the result has a warning.
     fn sensed(&self) -> Result<(Vec<f64>, bool), SensingError> {
         let questions: Vec<ContactQuestion> = self.contacts.iter().copied().map(ContactQuestion::from).collect();
-        let found = sense_refining(
-            &self.finger,
-            &questions,
-            Pad::default(),
-            None,
-            &self.measurement,
-            Some(self.noise_mm),
-            None,
-        )?;
+        let found = sense_refining(&self.finger, &questions, None, &self.measurement, Some(self.noise_mm), None)?;
         let forces = found.forces.forces_n.iter().zip(&found.forces.sigmas_n).zip(&self.forces_n);
         let errors = forces.map(|((sensed, sigma), truth)| (sensed - truth) / sigma).collect();
         Ok((errors, found.forces.warning.is_some()))
@@ -207,24 +199,16 @@ fn a_v_seen_at_its_tip_is_given_no_force_of_the_wrong_sign() {
         let clean = seen(&mesh, &[contact], &[truth_n], Kinematics::Corotational).expect("an equilibrium");
         for draw in 0..DRAWS {
             let measurement = noisy(&clean, noise_mm, &mut random_stream(7, draw));
-            let Ok(found) =
-                sense_refining(&finger, &[contact.into()], Pad::default(), None, &measurement, Some(noise_mm), None)
-                    .map(|it| it.forces)
+            let Ok(found) = sense_refining(&finger, &[contact.into()], None, &measurement, Some(noise_mm), None)
+                .map(|it| it.forces)
             else {
                 continue;
             };
             *answered += 1;
             if truth_n == 1.0 {
                 let near = NearForces { contacts: &[contact], forces_n: &[-0.359], shape: None };
-                let of_near = sense_refining(
-                    &finger,
-                    &[contact.into()],
-                    Pad::default(),
-                    None,
-                    &measurement,
-                    Some(noise_mm),
-                    Some(near),
-                );
+                let of_near =
+                    sense_refining(&finger, &[contact.into()], None, &measurement, Some(noise_mm), Some(near));
                 let of_near = of_near.expect("the answer of a search from rest").forces;
                 let off = (of_near.forces_n[0] - found.forces_n[0]) / found.sigmas_n[0];
                 assert!(off.abs() < 1e-3, "{off} sigma");

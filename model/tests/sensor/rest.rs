@@ -74,7 +74,7 @@ impl Watched {
 }
 
 fn asked() -> SensorContacts {
-    SensorContacts::Asked(vec![ContactQuestion { position: None, direction: Direction::Angle(0.0) }])
+    SensorContacts::Asked(vec![ContactQuestion::new(None, Direction::Angle(0.0))])
 }
 
 fn options(noise_mm: Option<f64>) -> SensorOptions {
@@ -248,7 +248,7 @@ fn a_finger_that_moves_in_the_rest_frames_causes_a_warning() {
 #[test]
 fn impossible_contacts_are_refused_at_once() {
     let scene = Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("a scene");
-    let at = |position| ContactQuestion { position: Some(position), direction: Direction::Angle(0.0) };
+    let at = |position| ContactQuestion::new(Some(position), Direction::Angle(0.0));
     let [clamped, missing] = [1, 99].map(|node| vec![at(ContactPosition::Node(NodeId(node)))]);
     let off = |s_mm| vec![at(ContactPosition::At(s_mm))];
     let same = vec![at(ContactPosition::At(80.0)); 2];
@@ -269,7 +269,7 @@ fn the_base_at_rest_is_uncertain() {
     let mut of = Watched::new(300);
     let scene = of.scene.clone();
     let at = ContactPosition::At(80.0);
-    let asked = SensorContacts::Asked(vec![ContactQuestion { position: Some(at), direction: Direction::Angle(0.0) }]);
+    let asked = SensorContacts::Asked(vec![ContactQuestion::new(Some(at), Direction::Angle(0.0))]);
     let pressed = of.moved(80.0, 2.0);
     let streams = 400;
     let mut squares = 0.0;

@@ -199,13 +199,10 @@ impl PushedFinger {
 
     /// The question to the sensor about the contact; `None` for [`Knowledge::Unasked`].
     fn question(&self, push: &Push) -> Option<ContactQuestion> {
-        let at = |s_mm, angle_deg| ContactQuestion {
-            position: Some(ContactPosition::At(s_mm)),
-            direction: Direction::Angle(angle_deg),
-        };
+        let at = |s_mm, angle_deg| ContactQuestion::new(Some(ContactPosition::At(s_mm)), Direction::Angle(angle_deg));
         match push.contact {
             Knowledge::Unasked => None,
-            Knowledge::Sought => Some(ContactQuestion { position: None, direction: Direction::Auto }),
+            Knowledge::Sought => Some(ContactQuestion::new(None, Direction::Auto)),
             Knowledge::Known => Some(at(push.s_mm, push.angle_deg)),
             Knowledge::Off { by_mm, by_deg } => {
                 let length_mm = self.scene.finger.plate_length_mm(Plate::Front);

@@ -12,6 +12,7 @@ pub mod exports;
 pub mod lattice;
 mod prelude;
 pub mod problems;
+mod response;
 pub mod sampling;
 pub mod settings;
 pub mod statistics;

@@ -19,8 +19,7 @@ pub(crate) use finray_model::mesh::{FingerShape, LoadError, MeshSizeError};
 pub(crate) use finray_model::observation::Observation;
 pub(crate) use finray_model::scene::{Markers, ObjectDescription, SceneError};
 pub(crate) use finray_model::sensing::{
-    Contact, ContactForce, ContactPosition, ContactQuestion, Direction, LinearEstimator, NonlinearEstimator, Prior,
-    RespondingFinger, SensingError,
+    Contact, ContactPosition, ContactQuestion, Direction, LinearEstimator, NonlinearEstimator, Prior, SensingError,
 };
 pub(crate) use finray_model::sensor::{PreparedScene, Refusal, SensedForces, Sensor, SensorContacts, SensorOptions};
 pub(crate) use finray_model::statics::{Statics, StaticsError};

@@ -236,7 +236,8 @@ pub(super) fn render(folder: &Folder, scene: &str, press: &Press, rendering: Ren
     let tip = built.finger().tip();
     let mut arguments = vec!["--load".to_owned(), format!("{}:0,0,{preload_nmm}", tip.0)];
     if force_n > 0.0 {
-        for (at, force_n) in under_pad(built, at_position(s_mm, lean_deg), force_n, pad, PARTS) {
+        let forces = under_pad(built, at_position(s_mm, lean_deg), force_n, pad, PARTS).expect("carried");
+        for (at, force_n) in forces {
             let at_mm = at.position_mm(built.finger()).expect("on the plate");
             arguments.extend(["--load-at".to_owned(), format!("{at_mm}:{force_n},{}", at.angle_deg)]);
         }

@@ -63,8 +63,8 @@ pub(super) fn marker_force(problem: &Problem, stated: &Candidate, view: &View) -
     let angle_deg = problem.finger.angle_deg(view.force?);
     let outwards_deg: f64 = if angle_deg.abs() > 90.0 { 180.0 } else { 0.0 };
     let direction = Direction::Angle(angle_deg - outwards_deg.copysign(angle_deg));
-    let questions = [ContactQuestion { position: None, direction }];
-    let mut estimator = NonlinearEstimator::new(&stated.mesh, &questions).ok()?.with_pad(problem.model.pad);
+    let questions = [ContactQuestion { pad: problem.model.pad, ..ContactQuestion::new(None, direction) }];
+    let mut estimator = NonlinearEstimator::new(&stated.mesh, &questions).ok()?;
     let is_of_base = |it: &Sought| matches!(it.quantity, Quantity::BaseX | Quantity::BaseY | Quantity::BaseTurn);
     let [sd_mm, sd_rad] = if problem.sought.iter().any(is_of_base) { SOUGHT_BASE } else { [0.0; 2] };
     let (sd_mm, sd_rad) = (view.base.sd_mm.hypot(sd_mm), view.base.sd_rad.hypot(sd_rad));

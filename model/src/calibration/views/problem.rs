@@ -6,7 +6,7 @@ use crate::finger::{Finger, Plate, RibPositions};
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::measurement::{Marker, MarkerErrors};
 use crate::mesh::Mesh;
-use crate::sensing::{AssemblyErrors, Contact, ContactPosition, Normal};
+use crate::sensing::{AssemblyErrors, Contact, ContactPosition, Normal, PadForce};
 use crate::statics::Statics;
 use crate::{Kinematics, Vector};
 use nalgebra::{Isometry2, Point2, UnitComplex};
@@ -205,8 +205,8 @@ impl Problem<'_> {
             let force = measured.unwrap_or_else(leaning);
             let angle_deg = finger.angle_deg(force);
             let contact = Contact { position: ContactPosition::At(own.s_mm), angle_deg };
-            let loads = pad.loads(&candidate.mesh, &contact, force.norm(), plate_rad).collect::<Result<Vec<_>, _>>();
-            let mut loads = loads.ok()?;
+            let force_on_pad = PadForce { contact, force_n: force.norm(), pad, plate_turn_rad: plate_rad };
+            let mut loads = force_on_pad.loads(&candidate.mesh).collect::<Result<Vec<_>, _>>().ok()?;
             loads.extend(preload);
             // The normal turns little per step, so the search starts from the last equilibrium.
             let near = last.take().and_then(|(motion, from)| statics.shifted(&motion, &from, &loads).ok());

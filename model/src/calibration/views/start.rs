@@ -91,11 +91,11 @@ fn start_of_known(problem: &Problem, stated: &Candidate, view: &View, force_n: f
 /// sought quantities within their priors.
 fn start_of_unknown(problem: &Problem, stated: &Candidate, view: &View) -> Result<ViewUnknowns, ViewError> {
     let direction = Direction::Leaning(Lean { sd_deg: 0.0, ..problem.model.lean });
-    let question = ContactQuestion { position: None, direction };
+    let question = ContactQuestion { pad: problem.model.pad, ..ContactQuestion::new(None, direction) };
     let own =
         |s_mm: f64, force_n: f64| ViewUnknowns { s_mm, base: Isometry2::identity(), force_n, further_lean_deg: 0.0 };
     let questions = [question];
-    let mut estimator = NonlinearEstimator::new(&stated.mesh, &questions)?.with_pad(problem.model.pad);
+    let mut estimator = NonlinearEstimator::new(&stated.mesh, &questions)?;
     let measurement = view.measurement.clone().with_base(view.base);
     let sensed = estimator.estimate(&measurement, Some(view.noise_mm.hypot(FIRST_MODEL_ERROR_MM)));
     let refused = match sensed {
@@ -119,8 +119,7 @@ fn start_of_unknown(problem: &Problem, stated: &Candidate, view: &View) -> Resul
         measured_in_frame_sd_rad: None,
     };
     let noise_mm = view.noise_mm.hypot(FIRST_MODEL_ERROR_MM);
-    let pressed = (problem.model.pad, None);
-    let found = linearise_assembly(problem.finger, &questions, pressed, &unloaded, &measurement, noise_mm, None);
+    let found = linearise_assembly(problem.finger, &questions, None, &unloaded, &measurement, noise_mm, None);
     let found = found.map_err(|_| refused)?;
     Ok(own(found.contacts[0].position_mm(problem.finger).unwrap_or_default(), found.forces_n[0]))
 }

@@ -6,16 +6,17 @@
 use super::estimator::NearForces;
 use super::linearised::Seen;
 use super::minima::{find_minima, minimum_near};
+use super::nuisances::Nuisances;
 use super::problem::{ForceProblem, State};
 use super::search_history::SearchHistory;
-use super::states::{resume, state_under};
+use super::states::{resume, state_of, state_under};
 use crate::Finger;
 use crate::finger::Plate;
 use crate::measurement::Measurement;
 use crate::mesh::Mesh;
 use crate::sensing::assembly::Pushed;
 use crate::sensing::{
-    Contact, ContactPosition, ContactQuestion, Direction, Pad, SensingError, TouchedObject, UnloadedFinger,
+    Contact, ContactPosition, ContactQuestion, Direction, PadForce, SensingError, TouchedObject, UnloadedFinger,
 };
 
 /// Beam elements per member of the mesh on which errors are linearised.
@@ -48,23 +49,27 @@ pub(crate) struct LinearisedAssembly {
 pub(crate) fn linearise_assembly(
     finger: &Finger,
     questions: &[ContactQuestion],
-    (pad, object): (Pad, Option<&TouchedObject>),
+    object: Option<&TouchedObject>,
     unloaded: &UnloadedFinger,
     measurement: &Measurement,
     noise_mm: f64,
     near: Option<NearForces>,
 ) -> Result<LinearisedAssembly, SensingError> {
     let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
-    let mut problem = ForceProblem::new(&mesh, questions, pad)?.with_object(object);
+    let mut problem = ForceProblem::new(&mesh, questions)?.with_object(object);
     let (mut contacts, mut forces_n, mut errors) = (Vec::new(), Vec::new(), Vec::new());
+    let mut forces: Vec<PadForce> = Vec::new();
     if let Some(near) = near {
         (contacts, forces_n) = (near.contacts.to_vec(), near.forces_n.to_vec());
+        let nuisances = Nuisances::expected(contacts.len(), &[]);
+        let near = state_of(&problem, contacts.clone(), forces_n.clone(), nuisances)?;
+        forces = near.pad_forces(questions).collect();
     }
     let mut state: Option<State> = None;
     let first = FIRST_ERRORS_MM.into_iter().filter(|error_mm| *error_mm > noise_mm);
     let mut change_n = f64::INFINITY;
     for error_mm in first.chain(std::iter::repeat(0.0)).take(ROUNDS) {
-        let pushed = Pushed { questions, contacts: &contacts, forces_n: &forces_n, pad };
+        let pushed = Pushed { questions, forces: &forces };
         let seen_as = unloaded.allowed_for(finger, measurement, pushed, &errors)?;
         let seen = Seen { measurement: &seen_as, noise_mm: Some(noise_mm.hypot(error_mm)) };
         problem.expect(seen)?;
@@ -83,6 +88,7 @@ pub(crate) fn linearise_assembly(
         };
         let changes_n = found.forces_n.iter().zip(&forces_n).map(|(to_n, from_n)| (to_n - from_n).abs());
         change_n = changes_n.fold(0.0, f64::max);
+        forces = found.pad_forces(questions).collect();
         contacts.clone_from(&found.contacts);
         forces_n.clone_from(&found.forces_n);
         errors.clone_from(&found.nuisances.shared);
@@ -106,6 +112,7 @@ fn first_state(problem: &mut ForceProblem, near: Option<NearForces>, seen: Seen)
         position: question.position.unwrap_or(ContactPosition::At(share * length_mm)),
         angle_deg: match question.direction {
             Direction::Angle(angle_deg) => angle_deg,
+            Direction::Measured(normal) => normal.angle_deg,
             Direction::Leaning(lean) => lean.mean_deg(FIRST_FORCE_N),
             Direction::Auto => 0.0,
         },

@@ -1,7 +1,7 @@
 //! Covariance and identifiability tests of an estimate.
 
-use super::estimate::FoundLean;
-use super::estimate::NonlinearEstimate;
+use super::components::resolve;
+use super::estimate::{FoundLean, NonlinearEstimate};
 use super::largest_explained_rms_mm;
 use super::linearised::Seen;
 use super::problem::{ForceProblem, State};
@@ -17,13 +17,15 @@ use nalgebra::DMatrix;
 /// exceeds the share `LARGEST_POSITION_SIGMA` of the plate's length.
 const LARGEST_ANGLE_SIGMA_DEG: f64 = 30.0;
 pub(super) const LARGEST_POSITION_SIGMA: f64 = 0.25;
-/// The estimated contact. A known direction replaces the estimated direction. The angle is reduced to the range from -180 to 180 degrees.
+
+/// The estimated contact. Known or measured positions and directions replace the estimated ones. The angle is reduced to the range from -180 to 180
+/// degrees.
 fn answered(contact: &Contact, question: &ContactQuestion) -> Contact {
-    let angle_deg = match question.direction {
-        Direction::Angle(angle_deg) => angle_deg,
-        _ => contact.angle_deg,
-    };
-    Contact { angle_deg: angle_deg - 360.0 * ((angle_deg + 180.0) / 360.0).floor(), ..*contact }
+    let angle_deg = question.direction.stated_deg().unwrap_or(contact.angle_deg);
+    Contact {
+        position: question.position.unwrap_or(contact.position),
+        angle_deg: angle_deg - 360.0 * ((angle_deg + 180.0) / 360.0).floor(),
+    }
 }
 
 /// Estimated lean (angle between force and normal) of a contact. `None` unless the direction is [`Direction::Leaning`]. `covariance_n2` returns the
@@ -48,7 +50,8 @@ fn found_lean(
     })
 }
 
-/// Refuses positions and directions whose standard deviation is too large. `sigma` returns the standard deviation of each unknown in its unit.
+/// Refuses unknown positions and directions whose standard deviation is too large. Those of a measured contact are at least as certain as measured.
+/// `sigma` returns the standard deviation of each unknown in its unit.
 fn require_determined(
     problem: &ForceProblem,
     forces_n: &[f64],
@@ -57,6 +60,8 @@ fn require_determined(
     for (j, unknown) in problem.unknowns.iter().enumerate() {
         let (what, contact, sigma, limit, unit) = match *unknown {
             Unknown::Force(_) | Unknown::Base(_) | Unknown::Object(_) | Unknown::Shared(_) => continue,
+            Unknown::Position(i) if problem.questions[i].is_position_measured() => continue,
+            Unknown::Across(i) if problem.is_normal_measured(i) => continue,
             Unknown::Position(i) => {
                 let limit = LARGEST_POSITION_SIGMA * problem.finger().plate_length_mm(Plate::Front);
                 ("the position", i + 1, sigma(j), limit, "mm")
@@ -108,7 +113,9 @@ pub(super) fn assess(
     // square of b^2 / (2 f) is 3 s^4 / (4 f^2). Terms of higher order are negligible if the direction is known to within some degrees.
     let by_direction = |i: usize| {
         let across = problem.unknowns.iter().position(|unknown| *unknown == Unknown::Across(i));
-        across.map_or(0.0, |j| 0.75 * (linear(j, j) / state.forces_n[i]).powi(2))
+        across
+            .filter(|_| !problem.is_normal_measured(i))
+            .map_or(0.0, |j| 0.75 * (linear(j, j) / state.forces_n[i]).powi(2))
     };
     let covariance = |i: usize, j: usize| linear(i, j) + if i == j { by_direction(i) } else { 0.0 };
     require_determined(problem, &state.forces_n, |j| linear(j, j).sqrt())?;
@@ -122,13 +129,14 @@ pub(super) fn assess(
         Unknown::Across(i) => found_lean(problem, state, i, |j| linear(j, k), linear(k, k), by_direction(i)),
         _ => None,
     });
-    Ok(NonlinearEstimate {
+    let mut estimate = NonlinearEstimate {
         leans: leans.collect(),
         forces: Estimate {
             forces_n: state.forces_n.clone(),
             sigmas_n: (0..problem.questions.len()).map(|i| covariance(i, i).sqrt()).collect(),
             model_error_n: vec![0.0; problem.questions.len()],
             misfit_factor: 1.0,
+            measured: None,
             noise_mm,
             warning: test.filter(ResidualTest::contradicts).map(Warning::Residual),
             residual_rms_mm,
@@ -143,5 +151,9 @@ pub(super) fn assess(
             .collect(),
         steps,
         position_sds_mm,
-    })
+    };
+    if (0..problem.questions.len()).any(|i| problem.is_normal_measured(i)) {
+        resolve(problem, state, measurement, &mut estimate)?;
+    }
+    Ok(estimate)
 }

@@ -79,7 +79,7 @@ pub(super) fn correct_below_noise(problem: &mut ForceProblem, state: &mut State,
 fn corrected(problem: &mut ForceProblem, state: &mut State, seen: Seen, negligible_mm: f64) -> Option<usize> {
     let (mut progress, mut before) = (Progress::default(), Vec::new());
     let length_mm = problem.finger().plate_length_mm(Plate::Front);
-    let follows_shape = problem.follows_plate() || !problem.pad.is_none();
+    let follows_shape = problem.loads_follow_plate();
     for steps in 1..=MAX_STEPS {
         let moved_mm = state.solve(seen.measurement, 0.0).ok()?.decrease.max(0.0).sqrt();
         let change = problem.relative_change(state);

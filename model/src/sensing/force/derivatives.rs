@@ -5,7 +5,7 @@ use super::unknowns::{BaseMotion, Unknown};
 use crate::Vector;
 use crate::frame::FrameLoad;
 use crate::mesh::LoadError;
-use crate::sensing::{Contact, Direction, SensingError};
+use crate::sensing::{Direction, PadForce, SensingError};
 use crate::statics::StaticsError;
 use nalgebra::{Point2, UnitComplex};
 
@@ -48,22 +48,26 @@ pub(super) fn differentiate(problem: &mut ForceProblem, state: &mut State) -> Re
     if problem.object.is_some() {
         return differentiate_by_differences(problem, state);
     }
-    let count = problem.pad.load_count();
-    let State { forces_n, contacts, nuisances, plate_turns_rad, loads, motion, linearised } = state;
+    let forces: Vec<PadForce> = state.pad_forces(&problem.questions).collect();
+    let State { nuisances, motion, linearised, .. } = state;
     let (base, points, across) = (nuisances.base, &linearised.marker_points, &mut linearised.across);
     let turned = base.rotation != UnitComplex::identity();
     let ladder = problem.statics.equations_mut();
     for (unknown, rates) in problem.unknowns.iter().zip(linearised.rates.chunks_exact_mut(finger.key_node_count())) {
         match *unknown {
             Unknown::Position(i) => {
-                let of_contact = loads[i * count..][..count].iter().map(|load| Ok(*load));
-                add_up(of_contact, rates, across, |load, out| ladder.moved_load(motion, load, out))?;
+                add_up(forces[i].loads(problem.mesh), rates, across, |load, out| ladder.moved_load(motion, load, out))?;
             }
             Unknown::Force(i) | Unknown::Across(i) => {
-                let across_deg = if *unknown == Unknown::Force(i) { 0.0 } else { 90.0 };
-                let along = Contact { angle_deg: contacts[i].angle_deg + across_deg, ..contacts[i] };
-                let of_contact = problem.pad.loads(problem.mesh, &along, 1.0, plate_turns_rad[i]);
-                add_up(of_contact, rates, across, |load, out| ladder.added_load(motion, load, out))?;
+                let unit = match (*unknown, problem.questions[i].direction) {
+                    (Unknown::Force(_), Direction::Measured(_)) => {
+                        PadForce { force_n: 1.0_f64.hypot(nuisances.tangent(i)), ..forces[i] }
+                    }
+                    (Unknown::Force(_), _) => PadForce { force_n: 1.0, ..forces[i] },
+                    (_, Direction::Measured(_)) => forces[i].turned(90.0 - nuisances.further_leans_deg[i], 1.0),
+                    _ => forces[i].turned(90.0, 1.0),
+                };
+                add_up(unit.loads(problem.mesh), rates, across, |load, out| ladder.added_load(motion, load, out))?;
             }
             // The pose of an object is unknown only if the estimator has an object.
             Unknown::Object(_) => continue,
@@ -81,14 +85,12 @@ pub(super) fn differentiate(problem: &mut ForceProblem, state: &mut State) -> Re
                     };
                 }
                 // In the frame of the rotated base, a force of known direction rotates opposite to the base.
-                let held =
-                    problem.questions.iter().enumerate().filter(|(_, q)| matches!(q.direction, Direction::Angle(_)));
-                for (i, _) in held.filter(|_| way == BaseMotion::Turn) {
-                    let across_contact = Contact { angle_deg: contacts[i].angle_deg + 90.0, ..contacts[i] };
-                    for load in problem.pad.loads(problem.mesh, &across_contact, 1.0, plate_turns_rad[i]) {
+                let held = forces.iter().zip(&problem.questions).filter(|(_, q)| q.direction.stated_deg().is_some());
+                for (force, _) in held.filter(|_| way == BaseMotion::Turn) {
+                    for load in force.turned(90.0, force.force_n).loads(problem.mesh) {
                         ladder.added_load(motion, &load?, across);
                         for (rate, across) in rates.iter_mut().zip(&*across) {
-                            *rate -= base.rotation * *across * forces_n[i];
+                            *rate -= base.rotation * *across;
                         }
                     }
                 }

@@ -6,7 +6,7 @@ use super::problem::State;
 use crate::finger::Plate;
 use crate::measurement::Measurement;
 use crate::mesh::Mesh;
-use crate::sensing::{Contact, Pad, SensingError, Warning};
+use crate::sensing::{Contact, ContactQuestion, SensingError, Warning};
 use crate::statics::{Ladder, Statics};
 use crate::{Finger, Kinematics};
 
@@ -99,7 +99,7 @@ impl<'m> Discretisation<'m> {
         let error_n = match self.known.iter().find(|known| known.serves(finger, &state.contacts, &state.forces_n)) {
             Some(known) => known.error_n.clone(),
             None => {
-                let error_n = self.error(estimator.problem.pad, state, measurement)?;
+                let error_n = self.error(&estimator.problem.questions, state, measurement)?;
                 if self.known.len() == MOST_KEPT {
                     self.known.clear();
                 }
@@ -113,10 +113,14 @@ impl<'m> Discretisation<'m> {
     }
 
     /// Error of each force due to the mesh, N.
-    fn error(&mut self, pad: Pad, state: &mut State, measurement: &Measurement) -> Result<Vec<f64>, SensingError> {
-        let contacts = state.contacts.iter().zip(&state.forces_n).zip(&state.plate_turns_rad);
-        let loads = contacts.flat_map(|((c, f), turn_rad)| pad.loads(self.finer, c, *f, *turn_rad));
-        let fine = self.statics.equilibrium(&loads.collect::<Result<Vec<_>, _>>()?)?.motion;
+    fn error(
+        &mut self,
+        questions: &[ContactQuestion],
+        state: &mut State,
+        measurement: &Measurement,
+    ) -> Result<Vec<f64>, SensingError> {
+        let loads = state.loads_under(self.finer, questions, &state.forces_n)?;
+        let fine = self.statics.equilibrium(&loads)?.motion;
         let coarse = &state.motion.displacements;
         let further = |node: usize| fine.displacements[node] - coarse[node];
         let explained = state.linearised.explained(measurement, further)?;

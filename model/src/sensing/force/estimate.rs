@@ -24,8 +24,26 @@ impl NonlinearEstimate {
     /// Adds an error of the model, N, to the standard deviations and the covariance.
     pub(super) fn add_model_error(&mut self, error_n: Vec<f64>, warning: fn(ModelError) -> Warning) {
         let error = DVector::from_column_slice(&error_n);
-        self.covariance_n2 += &error * error.transpose();
+        self.add_covariance(&(&error * error.transpose()));
         self.forces.add_model_error(error_n, warning);
+    }
+
+    /// Adds a covariance of the forces along their directions, N^2.
+    pub(super) fn add_covariance(&mut self, covariance_n2: &DMatrix<f64>) {
+        self.covariance_n2 += covariance_n2;
+        if let Some(measured) = &mut self.forces.measured {
+            let mut along = measured.covariance_n2.view_mut((0, 0), covariance_n2.shape());
+            along += covariance_n2;
+        }
+    }
+
+    /// Adds a variance to that of one force along its direction, N^2.
+    pub(super) fn add_variance(&mut self, contact: usize, variance_n2: f64) {
+        let count = self.covariance_n2.nrows();
+        let mut covariance_n2 = DMatrix::zeros(count, count);
+        covariance_n2[(contact, contact)] = variance_n2;
+        self.add_covariance(&covariance_n2);
+        self.forces.sigmas_n[contact] = self.forces.sigmas_n[contact].hypot(variance_n2.sqrt());
     }
 }
 

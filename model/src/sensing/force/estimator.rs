@@ -19,7 +19,7 @@ use super::states::{Found, resume, state_near, state_under};
 use crate::frame::FrameMotion;
 use crate::measurement::Measurement;
 use crate::mesh::Mesh;
-use crate::sensing::{Contact, ContactQuestion, Pad, SensingError, TouchedObject};
+use crate::sensing::{Contact, ContactQuestion, SensingError, TouchedObject};
 
 /// Forces and contacts near the result of a measurement, from the previous frame or from a coarser mesh.
 #[derive(Debug, Clone, Copy)]
@@ -59,15 +59,8 @@ impl<'m> NonlinearEstimator<'m> {
     /// # Errors
     /// [`SensingError`] if no contact is given, a contact is not on the free front plate, or two contacts are equal.
     pub fn new(mesh: &'m Mesh, questions: &[ContactQuestion]) -> Result<NonlinearEstimator<'m>, SensingError> {
-        let problem = ForceProblem::new(mesh, questions, Pad::default())?;
+        let problem = ForceProblem::new(mesh, questions)?;
         Ok(NonlinearEstimator { problem, last: None, held: None, scan: None })
-    }
-
-    /// This estimator with a pad between objects and the plate. Set the pad before the object ([`with_object`](NonlinearEstimator::with_object)).
-    pub fn with_pad(mut self, pad: Pad) -> NonlinearEstimator<'m> {
-        self.problem.pad = pad;
-        self.forget();
-        self
     }
 
     /// This estimator with an object of known shape, for contacts whose lean (angle between force and normal) is measured from

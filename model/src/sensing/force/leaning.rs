@@ -43,13 +43,12 @@ pub(super) fn widen_by_leans(
             let (contact, sigma) = (found.contact + 1, found.sd_deg);
             return Err(SensingError::Undetermined { what: "the direction", contact, sigma, unit: "deg" });
         }
-        for (j, sigma_n) in estimate.forces.sigmas_n.iter_mut().enumerate() {
+        for j in 0..state.forces_n.len() {
             let off_n2 = |end: &Vec<f64>| ((end[j] - state.forces_n[j]) / REACH).powi(2);
             let mean_n2 = ends.iter().flatten().map(off_n2).sum::<f64>() / answered as f64;
             let second_order_n2 = if j == found.contact { found.second_order_n2 } else { 0.0 };
             let more_n2 = (mean_n2 - linear_n(j).powi(2) - second_order_n2).max(0.0);
-            *sigma_n = sigma_n.hypot(more_n2.sqrt());
-            estimate.covariance_n2[(j, j)] += more_n2;
+            estimate.add_variance(j, more_n2);
         }
     }
     Ok(())

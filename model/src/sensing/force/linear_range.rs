@@ -79,7 +79,7 @@ pub(super) fn widen_by_curvature(
         for (sigma_n, share) in estimate.forces.sigmas_n.iter_mut().zip(&axis) {
             *sigma_n = sigma_n.hypot(more.sqrt() * share);
         }
-        estimate.covariance_n2 += axis * axis.transpose() * more;
+        estimate.add_covariance(&(axis * axis.transpose() * more));
     }
     Ok(())
 }
@@ -116,13 +116,9 @@ fn answers_linearly(
     contact: usize,
     change_n: f64,
 ) -> Result<bool, SensingError> {
-    let mut loads = state.loads.clone();
-    let force_n = state.forces_n[contact] + change_n;
-    let (found, turn_rad) = (&state.contacts[contact], state.plate_turns_rad[contact]);
-    let of_contact = problem.pad.loads(problem.mesh, found, force_n, turn_rad);
-    for (load, found) in loads[contact * problem.pad.load_count()..].iter_mut().zip(of_contact) {
-        *load = found?;
-    }
+    let mut changed = state.forces_n.clone();
+    changed[contact] += change_n;
+    let loads = state.loads_under(problem.mesh, &problem.questions, &changed)?;
     let motion = match problem.statics.shifted(&state.motion, &state.loads, &loads) {
         Ok(equilibrium) => equilibrium.motion,
         Err(StaticsError::NoEquilibrium { .. }) => return Ok(false),

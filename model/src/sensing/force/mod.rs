@@ -8,6 +8,7 @@
 mod alternatives;
 mod assembled;
 mod assessment;
+mod components;
 mod correction;
 mod derivatives;
 mod discretisation;

@@ -11,13 +11,24 @@ use crate::measurement::{Measurement, SharedError};
 use crate::sensing::{ContactQuestion, Direction, TouchedObject};
 use nalgebra::Isometry2;
 
+/// Smallest force, N, at which a force across changes the direction from a measured normal. It keeps the prior of the direction finite without a
+/// force.
+const LEAST_LEANING_N: f64 = 1e-9;
+
+/// Force, N, that divides a force across a measured normal to give the tangent of the lean.
+pub(super) fn leaning_n(force_n: f64) -> f64 {
+    force_n.abs().max(LEAST_LEANING_N).copysign(force_n)
+}
+
 /// Values of the nuisance parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Nuisances {
     /// Motion of the base from its expected pose, in the finger frame of the measurement, mm and rad.
     pub base: Isometry2<f64>,
-    /// Difference between the lean of each force (its angle from the normal) and the mean lean, degrees.
+    /// Difference between the lean of each force (its angle from the normal) and the mean lean, degrees. The mean lean from a measured normal is zero.
     pub further_leans_deg: Vec<f64>,
+    /// Difference between the position of each contact and its measured position, mm. Meaningless for an unknown position.
+    pub shifts_mm: Vec<f64>,
     /// Deviation of the object from its stated pose: x (mm), y (mm) and rotation (rad).
     pub object: [f64; 3],
     /// Errors that all markers share, in standard deviations. `shared_mm` is the displacement of each key node's marker due to all shared errors
@@ -32,6 +43,7 @@ impl Nuisances {
         let mut nuisances = Nuisances {
             base: Isometry2::identity(),
             further_leans_deg: vec![0.0; contacts],
+            shifts_mm: vec![0.0; contacts],
             object: [0.0; 3],
             shared: shared_errors.iter().map(|error| error.start).collect(),
             shared_mm: Vec::new(),
@@ -61,16 +73,23 @@ impl Nuisances {
         self.shared_mm.iter_mut().zip(&error.pattern_mm).for_each(|(all, of_error)| *all += of_error * by);
     }
 
-    /// Value to which the prior of an unknown applies, in mm, rad, degrees or standard deviations.
-    fn value(&self, unknown: Unknown) -> f64 {
-        match unknown {
+    /// Tangent of the angle between the force of a contact and its measured normal, dimensionless.
+    pub fn tangent(&self, contact: usize) -> f64 {
+        self.further_leans_deg[contact].to_radians().tan()
+    }
+
+    /// Value to which the prior of an unknown applies, in mm, rad, degrees, tangents or standard deviations.
+    fn value(&self, prior: &Prior) -> f64 {
+        match prior.unknown {
             Unknown::Base(BaseMotion::X) => self.base.translation.x,
             Unknown::Base(BaseMotion::Y) => self.base.translation.y,
             Unknown::Base(BaseMotion::Turn) => self.base.rotation.angle(),
+            Unknown::Across(i) if prior.is_of_tangent => self.tangent(i),
             Unknown::Across(i) => self.further_leans_deg[i],
+            Unknown::Position(i) => self.shifts_mm[i],
             Unknown::Object(way) => self.object[way as usize],
             Unknown::Shared(i) => self.shared[i],
-            Unknown::Force(_) | Unknown::Position(_) => 0.0,
+            Unknown::Force(_) => 0.0,
         }
     }
 }
@@ -81,6 +100,8 @@ struct Prior {
     /// Index among the unknowns.
     index: usize,
     unknown: Unknown,
+    /// Whether the prior of a direction applies to the tangent of the lean, and not to the lean in degrees.
+    is_of_tangent: bool,
     /// Standard deviation of [`Nuisances::value`] without forces, in the unit of the value.
     sd: f64,
     /// Expected value per newton of the sum of all forces. `sd_per_n` is the standard deviation of `per_n`.
@@ -145,18 +166,24 @@ impl Priors {
             Unknown::Base(_) => base.map(|base| base.sd_mm),
             Unknown::Across(i) => match questions[i].direction {
                 Direction::Leaning(lean) => Some(lean.sd_deg),
+                Direction::Measured(normal) => Some(normal.tangent_sd(questions.len())),
                 Direction::Auto | Direction::Angle(_) => None,
             },
+            Unknown::Position(i) => questions[i].is_position_measured().then_some(questions[i].position_sd_mm),
             Unknown::Object(BaseMotion::Turn) => object.map(|object| object.sd_rad),
             Unknown::Object(_) => object.map(|object| object.sd_mm),
             Unknown::Shared(_) => Some(1.0),
-            Unknown::Force(_) | Unknown::Position(_) => None,
+            Unknown::Force(_) => None,
+        };
+        let is_of_tangent = |unknown: &Unknown| match *unknown {
+            Unknown::Across(i) => matches!(questions[i].direction, Direction::Measured(_)),
+            _ => false,
         };
         let prior = |(index, unknown): (usize, &Unknown)| {
             let turning = base.filter(|_| *unknown == Unknown::Base(BaseMotion::Turn));
             let (per_n, sd_per_n) = turning.map_or((0.0, 0.0), |base| (base.turn_rad_per_n, base.turn_sd_rad_per_n));
             let sd = sd(unknown)?.max(f64::MIN_POSITIVE);
-            Some(Prior { index, unknown: *unknown, sd, per_n, sd_per_n })
+            Some(Prior { index, unknown: *unknown, is_of_tangent: is_of_tangent(unknown), sd, per_n, sd_per_n })
         };
         Priors {
             priors: unknowns.iter().enumerate().filter_map(prior).collect(),
@@ -177,7 +204,7 @@ impl Priors {
     /// Sum of the squared deviations from the expected values, in standard deviations, times the squared noise, mm^2.
     pub fn misfit(&self, nuisances: &Nuisances, forces_n: &[f64]) -> f64 {
         let sum_n = forces_n.iter().sum();
-        let off = |prior: &Prior| self.noise_mm * prior.deviation(nuisances.value(prior.unknown), sum_n);
+        let off = |prior: &Prior| self.noise_mm * prior.deviation(nuisances.value(prior), sum_n);
         self.priors.iter().map(|prior| off(prior).powi(2)).sum()
     }
 
@@ -185,9 +212,10 @@ impl Priors {
     pub fn rows<'p>(&'p self, nuisances: &'p Nuisances, forces_n: &'p [f64]) -> impl Iterator<Item = PriorRow> + 'p {
         let sum_n = forces_n.iter().sum();
         self.priors.iter().map(move |prior| {
-            let value = nuisances.value(prior.unknown);
+            let value = nuisances.value(prior);
             let by_unknown = match prior.unknown {
-                // The prior applies to the angle, but the unknown is the force across the direction.
+                // The prior applies to the tangent or the angle, but the unknown is the force across the direction.
+                Unknown::Across(i) if prior.is_of_tangent => 1.0 / leaning_n(forces_n[i]),
                 Unknown::Across(i) => (1.0 / forces_n[i]).to_degrees(),
                 _ => 1.0,
             };

@@ -23,7 +23,7 @@ pub(super) fn without_object<'m>(problem: &ForceProblem<'m>) -> Result<ForceProb
         _ => *question,
     };
     let questions: Vec<ContactQuestion> = problem.questions.iter().map(plain).collect();
-    ForceProblem::new(problem.mesh, &questions, problem.pad)
+    ForceProblem::new(problem.mesh, &questions)
 }
 
 /// Refuses an object that is farther from the plate, or deeper in the plate, than the uncertainty of the object's pose allows.
@@ -34,10 +34,12 @@ pub(super) fn require_touch(
 ) -> Result<(), SensingError> {
     let Some(touching) = &problem.object else { return Ok(()) };
     let length_mm = problem.finger().plate_length_mm(Plate::Front);
+    let (contact, pad_mm) = touching.contacts[0];
     let shape = state.posed();
     let mut nearest_mm = [f64::INFINITY; 2];
     for i in 1..=PLACES {
-        let missed_mm = touching.missed_mm(problem.mesh, length_mm * i as f64 / PLACES as f64, shape)?;
+        let s_mm = length_mm * i as f64 / PLACES as f64;
+        let missed_mm = touching.missed_mm(problem.mesh, (s_mm, pad_mm), shape)?;
         if missed_mm[1].abs() < nearest_mm[1].abs() {
             nearest_mm = missed_mm;
         }
@@ -56,7 +58,7 @@ pub(super) fn require_touch(
     ];
     let sd_mm = parts_mm.into_iter().fold(0.0, f64::hypot);
     match gap_mm.abs() > LARGEST_GAP_SIGMAS * sd_mm {
-        true => Err(SensingError::NotTouching { contact: touching.contacts[0] + 1, gap_mm, sd_mm }),
+        true => Err(SensingError::NotTouching { contact: contact + 1, gap_mm, sd_mm }),
         false => Ok(()),
     }
 }

@@ -6,7 +6,7 @@
 //! functions of other files over a problem and its states.
 
 use super::linearised::{Linearised, Posed, Seen};
-use super::nuisances::{Nuisances, Priors};
+use super::nuisances::{Nuisances, Priors, leaning_n};
 use super::touching::{Touching, touches_object};
 use super::unknowns::{BaseMotion, Unknown};
 use crate::finger::Plate;
@@ -15,7 +15,8 @@ use crate::measurement::{Measurement, SharedError};
 use crate::mesh::{LoadError, Mesh};
 use crate::optimise::Prediction;
 use crate::sensing::{
-    Contact, ContactPosition, ContactQuestion, Direction, Normal, Pad, SensingError, TouchedObject, check_questions,
+    Contact, ContactPosition, ContactQuestion, Direction, Normal, PadForce, SensingError, TouchedObject,
+    check_questions,
 };
 use crate::statics::{Ladder, Statics};
 use crate::{Finger, Kinematics};
@@ -34,7 +35,6 @@ const TURN_UNIT: f64 = 0.01;
 pub(super) struct ForceProblem<'m> {
     pub mesh: &'m Mesh,
     pub questions: Vec<ContactQuestion>,
-    pub pad: Pad,
     pub object: Option<Touching>,
     pub unknowns: Vec<Unknown>,
     /// Errors that all markers of the measurement share.
@@ -51,7 +51,7 @@ pub(super) struct State {
     pub nuisances: Nuisances,
     /// Rotation of the plate under the pad at each contact, rad.
     pub plate_turns_rad: Vec<f64>,
-    /// Loads of all contacts in the order of the contacts. Each contact has `Pad::load_count` loads.
+    /// Loads of all contacts in the order of the contacts.
     pub loads: Vec<FrameLoad>,
     pub motion: FrameMotion,
     pub linearised: Linearised,
@@ -70,6 +70,36 @@ impl State {
         (Posed { motion, contacts, forces_n, nuisances }, linearised)
     }
 
+    /// Force of each contact with its pad.
+    pub fn pad_forces<'s>(&'s self, questions: &'s [ContactQuestion]) -> impl Iterator<Item = PadForce> + 's {
+        self.pad_forces_under(questions, &self.forces_n)
+    }
+
+    /// Force of each contact with its pad, for other forces, N.
+    fn pad_forces_under<'s>(
+        &'s self,
+        questions: &'s [ContactQuestion],
+        forces_n: &'s [f64],
+    ) -> impl Iterator<Item = PadForce> + 's {
+        questions.iter().zip(forces_n).enumerate().map(|(i, (question, force_n))| {
+            let lean_deg = self.nuisances.further_leans_deg[i];
+            pad_force(question, self.contacts[i], *force_n, lean_deg, self.plate_turns_rad[i])
+        })
+    }
+
+    /// Loads of all contacts for other forces, N, on a mesh of the same finger.
+    ///
+    /// # Errors
+    /// [`LoadError`] for a contact off the front plate.
+    pub fn loads_under(
+        &self,
+        mesh: &Mesh,
+        questions: &[ContactQuestion],
+        forces_n: &[f64],
+    ) -> Result<Vec<FrameLoad>, LoadError> {
+        self.pad_forces_under(questions, forces_n).flat_map(|force| force.loads(mesh)).collect()
+    }
+
     /// Weights the markers by their distances from the shape.
     pub fn weigh(&mut self, seen: Seen) {
         let (shape, linearised) = self.split();
@@ -86,6 +116,22 @@ impl State {
     }
 }
 
+/// Force of a contact with its pad. `force_n` is the force along the direction or, for a measured direction, along the measured normal, N. The contact's
+/// angle includes `lean_deg`, the angle between force and measured normal.
+pub(super) fn pad_force(
+    question: &ContactQuestion,
+    contact: Contact,
+    force_n: f64,
+    lean_deg: f64,
+    plate_turn_rad: f64,
+) -> PadForce {
+    let share_along = match question.direction {
+        Direction::Measured(_) => lean_deg.to_radians().cos(),
+        _ => 1.0,
+    };
+    PadForce { contact, force_n: force_n / share_along, pad: question.pad, plate_turn_rad }
+}
+
 /// Misfit of a shape to the priors and to the conditions of contact with an object, mm^2.
 pub(super) fn known_misfit(mesh: &Mesh, priors: &Priors, object: Option<&Touching>, shape: Posed) -> f64 {
     let touched = object.map_or(0.0, |object| object.misfit(mesh, shape, priors.noise_mm()));
@@ -97,12 +143,11 @@ impl<'m> ForceProblem<'m> {
     ///
     /// # Errors
     /// [`SensingError`] if no contact is given, a contact is not on the free front plate, or two contacts are equal.
-    pub fn new(mesh: &'m Mesh, questions: &[ContactQuestion], pad: Pad) -> Result<ForceProblem<'m>, SensingError> {
+    pub fn new(mesh: &'m Mesh, questions: &[ContactQuestion]) -> Result<ForceProblem<'m>, SensingError> {
         check_questions(mesh.finger(), questions)?;
         Ok(ForceProblem {
             mesh,
             questions: questions.to_vec(),
-            pad,
             object: None,
             unknowns: Unknown::of(questions, false, None, 0),
             shared_errors: Vec::new(),
@@ -113,15 +158,15 @@ impl<'m> ForceProblem<'m> {
 
     /// This problem with an object that its contacts touch.
     pub fn with_object(self, object: Option<&TouchedObject>) -> ForceProblem<'m> {
-        let object = object.and_then(|object| Touching::new(&self.questions, object, self.pad.thickness_mm));
+        let object = object.and_then(|object| Touching::new(&self.questions, object));
         let unknowns = Unknown::of(&self.questions, false, object.as_ref().map(|it| &it.object), 0);
         ForceProblem { object, unknowns, shared_errors: Vec::new(), ..self }
     }
 
-    /// The problem for other contacts, with the same mesh, pad and object.
+    /// The problem for other contacts, with the same mesh and object.
     pub fn with_questions(&self, questions: &[ContactQuestion]) -> Result<ForceProblem<'m>, SensingError> {
         let object = self.object.as_ref().map(|touching| &touching.object);
-        Ok(ForceProblem::new(self.mesh, questions, self.pad)?.with_object(object))
+        Ok(ForceProblem::new(self.mesh, questions)?.with_object(object))
     }
 
     /// Prepares the problem for the uncertain base, the shared errors and the noise of a measurement. Returns whether the unknowns are others than
@@ -156,6 +201,27 @@ impl<'m> ForceProblem<'m> {
     /// Number of rows that are no markers: priors and conditions of contact with an object.
     pub fn known_count(&self) -> usize {
         self.priors.count() + self.object.as_ref().map_or(0, Touching::row_count)
+    }
+
+    /// Whether all unknowns are forces, or are measured: positions and directions of measured contacts.
+    pub fn is_of_forces(&self) -> bool {
+        self.unknowns.iter().all(|unknown| match *unknown {
+            Unknown::Force(_) => true,
+            Unknown::Position(i) => self.questions[i].is_position_measured(),
+            Unknown::Across(i) => self.is_normal_measured(i),
+            Unknown::Base(_) | Unknown::Object(_) | Unknown::Shared(_) => false,
+        })
+    }
+
+    /// Whether the normal of a contact is measured.
+    pub fn is_normal_measured(&self, contact: usize) -> bool {
+        matches!(self.questions[contact].direction, Direction::Measured(_))
+    }
+
+    /// Whether loads turn with the deformed plate: directions that follow the plate, or pads under forces whose normal is not measured.
+    pub fn loads_follow_plate(&self) -> bool {
+        let has_turning_pad = |q: &ContactQuestion| !q.pad.is_none() && !matches!(q.direction, Direction::Measured(_));
+        self.follows_plate() || self.questions.iter().any(has_turning_pad)
     }
 
     /// Whether a direction is a [`Direction::Leaning`], which may follow the deformed plate.
@@ -241,6 +307,12 @@ impl<'m> ForceProblem<'m> {
                 Unknown::Across(i) => {
                     let turned_deg = x.atan2(forces_n[i]).to_degrees();
                     match self.questions[i].direction {
+                        // The force across a measured normal is the product of the force along it and of the tangent. Its derivative with respect to
+                        // the tangent is the force before the step.
+                        Direction::Measured(_) => {
+                            let tangent = nuisances.tangent(i) + x / leaning_n(forces_n[i] - linearised.step[i]);
+                            nuisances.further_leans_deg[i] = tangent.atan().to_degrees();
+                        }
                         // A lean (angle between force and normal) is small, so a force keeps its sign.
                         Direction::Leaning(_) => {
                             nuisances.further_leans_deg[i] += (x / forces_n[i]).atan().to_degrees();
@@ -261,16 +333,20 @@ impl<'m> ForceProblem<'m> {
                     if let ContactPosition::At(s_mm) = &mut contacts[i].position {
                         let length = finger.plate_length_mm(Plate::Front);
                         let x = x.clamp(-LONGEST_MOVE * length, LONGEST_MOVE * length);
-                        *s_mm = (*s_mm + x).clamp(NEAREST_TO_BASE * length, length);
+                        let before_mm = *s_mm;
+                        *s_mm = (before_mm + x).clamp(before_mm.min(NEAREST_TO_BASE * length), length);
+                        nuisances.shifts_mm[i] += *s_mm - before_mm;
                     }
                 }
             }
         }
         let mut largest_turn_deg = 0.0_f64;
+        loads.clear();
         for (i, (contact, question)) in contacts.iter_mut().zip(&self.questions).enumerate() {
-            // A known direction refers to the measured pose of the base.
-            if let Direction::Angle(angle_deg) = question.direction {
-                contact.angle_deg = angle_deg - nuisances.base.rotation.angle().to_degrees();
+            // A known or measured direction refers to the measured pose of the base.
+            if let Some(stated_deg) = question.direction.stated_deg() {
+                let lean_deg = nuisances.further_leans_deg[i];
+                contact.angle_deg = stated_deg + lean_deg - nuisances.base.rotation.angle().to_degrees();
             }
             if let Direction::Leaning(lean) = question.direction {
                 let turned = match lean.from {
@@ -285,13 +361,15 @@ impl<'m> ForceProblem<'m> {
                 largest_turn_deg = largest_turn_deg.max((angle_deg - contact.angle_deg).abs());
                 contact.angle_deg = angle_deg;
             }
-            let turn_rad = self.pad.plate_turn(self.mesh, contact, motion)?;
+            let turn_rad = match question.direction {
+                Direction::Measured(_) => (contact.angle_deg - nuisances.further_leans_deg[i]).to_radians(),
+                _ => question.pad.plate_turn(self.mesh, contact, motion)?,
+            };
             largest_turn_deg = largest_turn_deg.max((turn_rad - plate_turns_rad[i]).abs().to_degrees());
             plate_turns_rad[i] = turn_rad;
-            let count = self.pad.load_count();
-            let of_contact = self.pad.loads(self.mesh, contact, forces_n[i], turn_rad);
-            for (load, found) in loads[i * count..].iter_mut().zip(of_contact) {
-                *load = found?;
+            let force = pad_force(question, *contact, forces_n[i], nuisances.further_leans_deg[i], turn_rad);
+            for load in force.loads(self.mesh) {
+                loads.push(load?);
             }
         }
         Ok(largest_turn_deg)

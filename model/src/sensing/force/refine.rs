@@ -8,7 +8,7 @@ use super::problem::State;
 use crate::Finger;
 use crate::measurement::Measurement;
 use crate::mesh::MeshLevels;
-use crate::sensing::{Contact, ContactQuestion, Estimate, Pad, SensingError, TouchedObject, Warning};
+use crate::sensing::{Contact, ContactQuestion, Estimate, SensingError, TouchedObject, Warning};
 
 /// Refinement ends when doubling the mesh changes each force by no more than either of two limits: this share of the largest force, and
 /// `REFINEMENT_SIGMAS` standard deviations of the force. A change by at most the share `NEGLIGIBLE` of the largest force is always small enough.
@@ -28,9 +28,8 @@ const LEAST_ELEMENTS: usize = 40;
 
 /// Refines the mesh until doubling the mesh changes every force by at most half of the force's standard deviation and at most 0.2 % of the largest
 /// force. A change of at most 0.01 % of the largest force is always small enough. The standard deviations include the remaining error of the last
-/// mesh. Refinement also ends at 64 elements per member; the whole change by the last doubling then counts as the error of the mesh. `object` touches
-/// the `pad` on the front plate; `object` is `None` if the shape of the object is unknown. On the first mesh, the search starts from `near` unless
-/// `near` is `None`.
+/// mesh. Refinement also ends at 64 elements per member; the whole change by the last doubling then counts as the error of the mesh. `object` is
+/// `None` if the shape of the object is unknown. On the first mesh, the search starts from `near` unless `near` is `None`.
 ///
 /// Small changes alone do not prove convergence. Near a limit load, and for loads between nodes, the change by one doubling of the mesh may be small
 /// by chance, and the next change may be larger again.
@@ -40,13 +39,12 @@ const LEAST_ELEMENTS: usize = 40;
 pub fn sense_refining(
     finger: &Finger,
     questions: &[ContactQuestion],
-    pad: Pad,
     object: Option<&TouchedObject>,
     measurement: &Measurement,
     noise_mm: Option<f64>,
     near: Option<NearForces>,
 ) -> Result<NonlinearEstimate, SensingError> {
-    Refinement::new(MeshLevels::new(finger), questions, pad).sense(object, measurement, noise_mm, near)
+    Refinement::new(MeshLevels::new(finger), questions).sense(object, measurement, noise_mm, near)
 }
 
 /// Estimates forces like [`sense_refining`], and keeps the shapes of the last estimate for the next measurement of a stream.
@@ -54,7 +52,6 @@ pub fn sense_refining(
 pub struct Refinement {
     meshes: MeshLevels,
     questions: Vec<ContactQuestion>,
-    pad: Pad,
     /// States of the last estimate on the meshes that it needed, from coarse to fine.
     states: Vec<Option<State>>,
     /// The last estimate; `None` if it failed.
@@ -73,9 +70,9 @@ struct Refined {
 }
 
 impl Refinement {
-    /// Prepares estimates for a finger's meshes, contacts and a pad.
-    pub fn new(meshes: MeshLevels, questions: &[ContactQuestion], pad: Pad) -> Refinement {
-        Refinement { meshes, questions: questions.to_vec(), pad, states: Vec::new(), found: None }
+    /// Prepares estimates for a finger's meshes and contacts.
+    pub fn new(meshes: MeshLevels, questions: &[ContactQuestion]) -> Refinement {
+        Refinement { meshes, questions: questions.to_vec(), states: Vec::new(), found: None }
     }
 
     /// Whether `near` is the last estimate, so that its shapes are kept.
@@ -184,7 +181,7 @@ impl Refinement {
             self.states.resize_with(level + 1, || None);
         }
         let last = &mut self.states[level];
-        let mut estimator = NonlinearEstimator::new(&mesh, &self.questions)?.with_pad(self.pad).with_object(object);
+        let mut estimator = NonlinearEstimator::new(&mesh, &self.questions)?.with_object(object);
         let estimate = match near {
             None => estimator.estimate(seen.measurement, seen.noise_mm),
             Some(near) => estimator.estimate_resuming(last.take(), near, is_chosen, seen),

@@ -114,6 +114,7 @@ fn scanned_contacts(problem: &ForceProblem, question: &ContactQuestion) -> Vec<C
     let angles_deg = match question.direction {
         Direction::Angle(angle_deg) => vec![angle_deg],
         Direction::Leaning(lean) => vec![lean.angle_deg],
+        Direction::Measured(normal) => vec![normal.angle_deg],
         Direction::Auto => ANGLES_DEG.to_vec(),
     };
     let at = |position: ContactPosition| angles_deg.iter().map(move |&angle_deg| Contact { position, angle_deg });

@@ -11,7 +11,7 @@ use crate::rigid_fit::rigid_fit;
 use crate::sensing::{
     Contact, ContactPosition, Direction, Estimate, LinearEstimator, Prior, SensingError, halved_below,
 };
-use crate::statics::{Equilibrium, EquilibriumEquations, StaticsError};
+use crate::statics::{Equilibrium, StaticsError};
 use nalgebra::{Isometry2, Point2};
 use std::borrow::Cow;
 
@@ -95,13 +95,11 @@ pub(super) fn start_at(problem: &mut ForceProblem, seen: Seen, start: StartingPo
         .collect();
     let mut forces_n: Vec<f64> = estimate.forces_n.iter().map(|f| f * factor).collect();
     // The co-rotational finger may have no equilibrium under the forces of the linear finger. The forces are halved until an equilibrium exists.
-    let rest = problem.statics.equations().at_rest();
     for _ in 0..30 {
-        let loads = contacts.iter().zip(&forces_n).flat_map(|(c, f)| problem.pad.loads(problem.mesh, c, *f, 0.0));
-        let loads = loads.collect::<Result<Vec<_>, _>>()?;
-        match problem.statics.tried(&rest, [&[], &loads], usize::MAX, |_, _| true) {
+        let mut state = state_of(problem, contacts.clone(), forces_n.clone(), nuisances.clone())?;
+        match problem.statics.tried(&state.motion, [&[], &state.loads], usize::MAX, |_, _| true) {
             Ok(Equilibrium { motion, .. }) => {
-                let mut state = state_of(problem, contacts, forces_n, nuisances, loads, motion);
+                state.motion = motion;
                 differentiate(problem, &mut state)?;
                 state.weigh(seen);
                 return Ok(state);
@@ -132,6 +130,7 @@ fn linear_start(
             (Direction::Angle(angle_deg), _) | (Direction::Auto, Some(angle_deg)) => {
                 components.push(Contact { position, angle_deg });
             }
+            (Direction::Measured(normal), _) => components.push(Contact { position, angle_deg: normal.angle_deg }),
             (Direction::Leaning(lean), _) => components.push(Contact { position, angle_deg: lean.angle_deg }),
             (Direction::Auto, None) => {
                 components.extend([0.0, 90.0].map(|angle_deg| Contact { position, angle_deg }));

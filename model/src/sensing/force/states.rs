@@ -6,8 +6,9 @@ use super::linearised::{Linearised, Seen};
 use super::nuisances::Nuisances;
 use super::problem::{ForceProblem, State};
 use crate::frame::{FrameLoad, FrameMotion};
-use crate::sensing::{Contact, SensingError};
-use crate::statics::{Equilibrium, Ladder, Statics, StaticsError};
+use crate::mesh::LoadError;
+use crate::sensing::{Contact, Direction, SensingError};
+use crate::statics::{Equilibrium, EquilibriumEquations, Ladder, Statics, StaticsError};
 
 /// The iteration that adapts the loads to the shape ends after this number of updates. Each update of the loads removes most of the change that
 /// remains.
@@ -50,28 +51,42 @@ fn state_found<'m>(
     forces_n: &[f64],
     find: impl FnOnce(&mut Statics<Ladder<'m>>, &[FrameLoad]) -> Result<Equilibrium, StaticsError>,
 ) -> Option<State> {
-    let of_contacts = contacts.iter().zip(forces_n).flat_map(|(c, f)| problem.pad.loads(problem.mesh, c, *f, 0.0));
-    let loads = of_contacts.collect::<Result<Vec<_>, _>>().ok()?;
-    let motion = find(&mut problem.statics, &loads).ok()?.motion;
     let nuisances = Nuisances::expected(contacts.len(), &problem.shared_errors);
-    let mut state = state_of(problem, contacts.to_vec(), forces_n.to_vec(), nuisances, loads, motion);
+    let mut state = state_of(problem, contacts.to_vec(), forces_n.to_vec(), nuisances).ok()?;
+    state.motion = find(&mut problem.statics, &state.loads).ok()?.motion;
     problem.statics.linearise(&state.motion, &state.loads).then_some(())?;
     differentiate(problem, &mut state).ok()?;
     Some(state)
 }
 
-/// A state in equilibrium, without derivatives.
+/// A state with its loads, at rest and without derivatives. The leans from measured normals and the shifts from measured positions follow from the
+/// contacts.
+///
+/// # Errors
+/// [`LoadError`] for a contact off the front plate.
 pub(super) fn state_of(
     problem: &ForceProblem,
     contacts: Vec<Contact>,
     forces_n: Vec<f64>,
-    nuisances: Nuisances,
-    loads: Vec<FrameLoad>,
-    motion: FrameMotion,
-) -> State {
-    let plate_turns_rad = vec![0.0; contacts.len()];
+    mut nuisances: Nuisances,
+) -> Result<State, LoadError> {
+    let mut plate_turns_rad = vec![0.0; contacts.len()];
+    let position_mm = |contact: &Contact| contact.position_mm(problem.finger()).unwrap_or(f64::NAN);
+    for (i, (contact, question)) in contacts.iter().zip(&problem.questions).enumerate() {
+        if let Direction::Measured(normal) = question.direction {
+            let normal_deg = normal.angle_deg - nuisances.base.rotation.angle().to_degrees();
+            nuisances.further_leans_deg[i] = contact.angle_deg - normal_deg;
+            plate_turns_rad[i] = normal_deg.to_radians();
+        }
+        if let Some(position) = question.position {
+            nuisances.shifts_mm[i] = position_mm(contact) - position_mm(&Contact { position, ..*contact });
+        }
+    }
     let linearised = Linearised::new(problem.mesh, &problem.unknowns);
-    State { forces_n, contacts, nuisances, plate_turns_rad, loads, motion, linearised }
+    let motion = problem.statics.equations().at_rest();
+    let mut state = State { forces_n, contacts, nuisances, plate_turns_rad, loads: Vec::new(), motion, linearised };
+    state.loads = state.loads_under(problem.mesh, &problem.questions, &state.forces_n)?;
+    Ok(state)
 }
 
 /// Linearises the state of a problem with other unknowns for the unknowns of this problem.

@@ -18,17 +18,16 @@ pub(super) const CLOSED_SD_MM: [f64; 2] = [0.01, 0.03];
 #[derive(Debug, Clone)]
 pub(super) struct Touching {
     pub object: TouchedObject,
-    /// Thickness of the pad, mm.
-    pad_mm: f64,
-    /// Indices of the contacts that touch the object, from 0.
-    pub contacts: Vec<usize>,
+    /// The contacts that touch the object: index, from 0, and thickness of the pad, mm.
+    pub contacts: Vec<(usize, f64)>,
 }
 
 impl Touching {
     /// The object and its contacts. `None` if no contact touches the object.
-    pub fn new(questions: &[ContactQuestion], object: &TouchedObject, pad_mm: f64) -> Option<Touching> {
-        let contacts: Vec<usize> = (0..questions.len()).filter(|&i| touches_object(&questions[i])).collect();
-        (!contacts.is_empty()).then(|| Touching { object: object.clone(), pad_mm, contacts })
+    pub fn new(questions: &[ContactQuestion], object: &TouchedObject) -> Option<Touching> {
+        let touching = questions.iter().enumerate().filter(|(_, question)| touches_object(question));
+        let contacts: Vec<(usize, f64)> = touching.map(|(i, question)| (i, question.pad.thickness_mm)).collect();
+        (!contacts.is_empty()).then(|| Touching { object: object.clone(), contacts })
     }
 
     /// Number of rows that the contacts add.
@@ -38,10 +37,10 @@ impl Touching {
 
     /// Violations of the contact conditions by a shape. Each violation is divided by its standard deviation and multiplied by the noise, mm.
     pub fn misses_mm<'t>(&'t self, mesh: &'t Mesh, shape: Posed<'t>, noise_mm: f64) -> impl Iterator<Item = f64> + 't {
-        self.contacts.iter().flat_map(move |&i| {
+        self.contacts.iter().flat_map(move |&(i, pad_mm)| {
             // The contacts have been checked and are on the plate.
             let s_mm = shape.contacts[i].position_mm(mesh.finger()).unwrap_or(f64::NAN);
-            let missed = self.missed_mm(mesh, s_mm, shape).unwrap_or([f64::NAN; 2]);
+            let missed = self.missed_mm(mesh, (s_mm, pad_mm), shape).unwrap_or([f64::NAN; 2]);
             [0, 1].map(|way| missed[way] / CLOSED_SD_MM[way] * noise_mm)
         })
     }
@@ -51,9 +50,9 @@ impl Touching {
         self.misses_mm(mesh, shape, noise_mm).map(|missed_mm| missed_mm * missed_mm).sum()
     }
 
-    /// Distance between the plate at position `s_mm` and the point of the outline that faces this position. Returns the gap and the distance along
-    /// the plate, mm.
-    pub fn missed_mm(&self, mesh: &Mesh, s_mm: f64, shape: Posed) -> Result<[f64; 2], LoadError> {
+    /// Distance between the plate at position `s_mm`, with a pad of thickness `pad_mm`, and the point of the outline that faces this position. Returns
+    /// the gap and the distance along the plate, mm.
+    pub fn missed_mm(&self, mesh: &Mesh, (s_mm, pad_mm): (f64, f64), shape: Posed) -> Result<[f64; 2], LoadError> {
         let Posed { motion, nuisances, .. } = shape;
         let turn_deg = mesh.normal_turn(motion, &Load::at_position(s_mm, Vector::zeros()), 0.0)?.to_degrees();
         let [inward, tipward] =
@@ -61,7 +60,7 @@ impl Touching {
         let point = nuisances.base * Point2::from(mesh.front_point(motion, s_mm)?);
         let apart = point.coords - self.object.point_facing(inward, nuisances.object);
         // Distance from the plate's middle line to the surface of plate and pad.
-        let reach_mm = 0.5 * mesh.finger().thickness_mm(Plate::Front, s_mm) + self.pad_mm;
+        let reach_mm = 0.5 * mesh.finger().thickness_mm(Plate::Front, s_mm) + pad_mm;
         Ok([apart.dot(&inward) - reach_mm, apart.dot(&tipward)])
     }
 }

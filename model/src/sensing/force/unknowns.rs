@@ -9,7 +9,8 @@ pub(super) enum Unknown {
     Force(usize),
     /// Position along the front plate, mm.
     Position(usize),
-    /// Component of a force across the force's current direction, N. This component changes the direction.
+    /// Component of a force across the force's current direction or, for a measured direction, across the measured normal, N. This component changes
+    /// the direction.
     Across(usize),
     /// Motion of the base from its measured pose.
     Base(BaseMotion),
@@ -41,10 +42,11 @@ impl Unknown {
         let is_sought = |question: &ContactQuestion| match question.direction {
             Direction::Auto => true,
             Direction::Leaning(lean) => lean.sd_deg > 0.0,
+            Direction::Measured(normal) => normal.tangent_sd(questions.len()) > 0.0,
             Direction::Angle(_) => false,
         };
         let forces = (0..questions.len()).map(Unknown::Force);
-        let positions = questions.iter().enumerate().filter(|(_, q)| q.position.is_none());
+        let positions = questions.iter().enumerate().filter(|(_, q)| q.position.is_none() || q.is_position_measured());
         let angles = questions.iter().enumerate().filter(|(_, q)| is_sought(q));
         let base = [BaseMotion::X, BaseMotion::Y, BaseMotion::Turn].into_iter().filter(|_| is_base_sought);
         let object = [BaseMotion::X, BaseMotion::Y, BaseMotion::Turn].into_iter().filter(|way| {

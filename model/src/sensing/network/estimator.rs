@@ -190,6 +190,7 @@ impl NetworkEstimator {
             sigmas_n,
             model_error_n: self.clean_rms_n.clone(),
             misfit_factor: 1.0,
+            measured: None,
             noise_mm,
             warning,
             residual_rms_mm,

@@ -125,13 +125,12 @@ fn unknown_directions_and_positions_are_covered() {
     let anywhere = |rng: &mut ChaCha8Rng| vec![at_position(rng.random_range(15.0..150.0), 0.0)];
     let hardship = Hardship { forces_n: [0.5, 3.0], ..CAMERA };
     for direction in [Direction::Angle(0.0), Direction::Auto] {
-        let question = ContactQuestion { position: None, direction };
+        let question = ContactQuestion::new(None, direction);
         let found = standardised_errors(&[question], anywhere, hardship, 150);
         assert_honest(&format!("{question:?}"), &found, 0.1);
     }
     for node in [14, 19, 24] {
-        let question =
-            ContactQuestion { position: Some(ContactPosition::Node(NodeId(node))), direction: Direction::Auto };
+        let question = ContactQuestion::new(Some(ContactPosition::Node(NodeId(node))), Direction::Auto);
         let found = standardised_errors(&[question], |_| vec![at_node(node, 0.0)], hardship, 150);
         // Near the base, displacements hardly depend on the direction of a force.
         assert_honest(&format!("{question:?}"), &found, if node == 24 { 0.5 } else { 0.01 });
@@ -155,7 +154,7 @@ fn forces_along_a_buckled_plate_are_found() -> Result<(), Box<dyn std::error::Er
             for (equilibrium, force_n) in equilibria.iter().zip([1.0, 2.0, 3.0]) {
                 let clean = Measurement::of_shape(&finger, &mesh.shape(&equilibrium.motion));
                 let seen = noisy(&clean, CAMERA_NOISE_MM, &mut rng);
-                let question = ContactQuestion { position: Some(contact.position), direction: Direction::Auto };
+                let question = ContactQuestion::new(Some(contact.position), Direction::Auto);
                 let sensed = NonlinearEstimator::new(&mesh, &[question])?.estimate(&seen, Some(CAMERA_NOISE_MM));
                 carried += 1;
                 let Ok(sensed) = sensed else {

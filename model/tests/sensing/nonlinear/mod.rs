@@ -7,7 +7,7 @@ mod rivals;
 use finray_model::frame::FrameLoad;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{
-    Contact, ContactPosition, ContactQuestion, Direction, NonlinearEstimator, Pad, SensingError, sense_refining,
+    Contact, ContactPosition, ContactQuestion, Direction, NonlinearEstimator, SensingError, sense_refining,
 };
 use finray_model::statics::{Statics, StaticsError};
 use finray_model::{Kinematics, Load, Mesh, NodeId, Vector};
@@ -59,10 +59,8 @@ fn forces_come_back_from_the_fine_mesh() {
     });
     assert!(worst.iter().all(|e| *e <= 0.008), "25 nodes: {worst:?}");
     let worst = errors_over_the_finger(&fine, &[3.0, 5.0], |contact, measurement| {
-        sense_refining(&finger, &[contact.into()], Pad::default(), None, measurement, None, None)
-            .expect("identifiable")
-            .forces
-            .forces_n[0]
+        sense_refining(&finger, &[contact.into()], None, measurement, None, None).expect("identifiable").forces.forces_n
+            [0]
     });
     assert!(worst.iter().all(|e| *e <= 0.003), "refined: {worst:?}");
 }
@@ -79,9 +77,8 @@ fn positions_and_directions_are_found() {
         let measurement = seen(&fine, &[contact], &[force], Kinematics::Corotational).expect("carried");
         let known = (Some(contact.position), Direction::Angle(angle));
         for (position, direction) in [(None, known.1), (known.0, Direction::Auto), (None, Direction::Auto)] {
-            let question = ContactQuestion { position, direction };
-            let found = sense_refining(&finger, &[question], Pad::default(), None, &measurement, None, None)
-                .expect("identifiable");
+            let question = ContactQuestion::new(position, direction);
+            let found = sense_refining(&finger, &[question], None, &measurement, None, None).expect("identifiable");
             let position = found.contacts[0].position_mm(&finger).expect("on the plate");
             assert!((found.forces.forces_n[0] / force - 1.0).abs() < 2e-3, "{contact:?} {question:?}: {found:?}");
             assert!((position - s_mm).abs() < 0.05, "{contact:?}: {position}");
@@ -104,7 +101,7 @@ fn normals_turn_with_the_plate() {
         contact.angle_deg = mesh.shape(&motion).motion(NodeId(16)).rotation.to_degrees();
     }
     let measurement = seen(&mesh, &[contact], &[3.0], Kinematics::Corotational).expect("carried");
-    let question = ContactQuestion { position: Some(contact.position), direction: Direction::NORMAL };
+    let question = ContactQuestion::new(Some(contact.position), Direction::NORMAL);
     let mut estimator = NonlinearEstimator::new(&mesh, &[question]).expect("a contact node");
     let found = estimator.estimate(&measurement, None).expect("identifiable");
     assert!(contact.angle_deg.abs() > 2.0, "the plate turns: {}", contact.angle_deg);
@@ -140,7 +137,7 @@ fn what_is_not_identifiable_is_refused() {
             .estimate(measurement, Some(CAMERA_NOISE_MM))
             .map(|found| found.forces.forces_n)
     };
-    let auto = ContactQuestion { position: Some(ContactPosition::Node(NodeId(24))), direction: Direction::Auto };
+    let auto = ContactQuestion::new(Some(ContactPosition::Node(NodeId(24))), Direction::Auto);
     assert!(matches!(ask(&[auto], &faint), Err(SensingError::Undetermined { .. })));
     assert!(matches!(ask(&[], &faint), Err(SensingError::NoContact)));
     let elsewhere = ContactQuestion::from(at_node(5, 0.0));

@@ -89,7 +89,7 @@ fn stated_sigmas_hold_what_base_and_friction_leave_open() {
     let mut rng = ChaCha8Rng::seed_from_u64(19);
     let base = BaseUncertainty { sd_mm: 0.1, sd_rad: 0.002, ..BaseUncertainty::default() };
     let lean = Lean::of_friction(0.3, 0.05);
-    let question = ContactQuestion { position: None, direction: Direction::Leaning(lean) };
+    let question = ContactQuestion::new(None, Direction::Leaning(lean));
     let (mut errors, mut largest) = (Vec::new(), 0.0_f64);
     for _ in 0..cases {
         let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
@@ -124,7 +124,7 @@ fn a_wide_range_of_friction_widens_by_its_ends() {
         let bent = seen(&mesh, &[at_position(s_mm, lean.angle_deg)], &[force_n], Kinematics::Corotational);
         let bent = bent.expect("carried");
         let sensed = |lean: Lean| {
-            let question = ContactQuestion { position: None, direction: Direction::Leaning(lean) };
+            let question = ContactQuestion::new(None, Direction::Leaning(lean));
             let mut estimator = NonlinearEstimator::new(&mesh, &[question]).expect("on the plate");
             estimator.estimate(&bent, Some(STATED_MM)).expect("identifiable").forces
         };
@@ -161,7 +161,7 @@ fn friction_that_builds_up_is_followed() {
                 seen(&mesh, &[at_node(9, lean_deg)], &[force_n], Kinematics::Corotational).expect("carried")
             }
         };
-        let question = ContactQuestion { position: None, direction: Direction::Leaning(lean) };
+        let question = ContactQuestion::new(None, Direction::Leaning(lean));
         let mut estimator = NonlinearEstimator::new(&mesh, &[question]).expect("on the plate");
         let found = estimator.estimate(&seen, Some(1e-5)).expect("identifiable");
         assert!((found.forces.forces_n[0] / force_n - 1.0).abs() < 1e-4, "{force_n} N: {found:?}");
@@ -184,7 +184,7 @@ fn sensed_from_bases_that_give_way(turn_sd_rad_per_n: f64, stated: [BaseUncertai
     let finger = bracketed();
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
     let lean = Lean::of_friction(0.3, 0.1);
-    let question = ContactQuestion { position: None, direction: Direction::Leaning(lean) };
+    let question = ContactQuestion::new(None, Direction::Leaning(lean));
     let mut rng = ChaCha8Rng::seed_from_u64(20);
     let mut all = [Sensed::default(); 2];
     for _ in 0..giving_way() {
@@ -265,7 +265,7 @@ fn bases_far_off_are_found() {
         let elsewhere = from_another_base(&finger, &clean, moved, turned_rad).with_base(base);
         let direction = Direction::Angle(contact.angle_deg + turned_rad.to_degrees());
         let mut estimator =
-            NonlinearEstimator::new(&mesh, &[ContactQuestion { position: None, direction }]).expect("on the plate");
+            NonlinearEstimator::new(&mesh, &[ContactQuestion::new(None, direction)]).expect("on the plate");
         let found = estimator.estimate(&elsewhere, Some(0.01)).map(|found| found.forces);
         let is_right = |found: &Estimate| (found.forces_n[0] - force_n).abs() < TWO_SIDED_95 * found.sigmas_n[0];
         assert!(found.as_ref().is_ok_and(is_right), "{contact:?}, {force_n} N, {moved} {turned_rad}: {found:?}");
@@ -291,7 +291,7 @@ fn responses_of(base: BaseUncertainty, turned_rad: f64) {
     let clean = seen(&mesh, &[contact], &[8.0], Kinematics::Corotational).expect("carried");
     let clean = from_another_base(&finger, &clean, Vector::zeros(), turned_rad);
     let direction = Direction::Angle(contact.angle_deg + turned_rad.to_degrees());
-    let question = ContactQuestion { position: None, direction };
+    let question = ContactQuestion::new(None, direction);
     let mut estimator = NonlinearEstimator::new(&mesh, &[question]).expect("on the plate");
     let (noise_mm, step_mm) = (1e-3, 1e-4);
     let mut sensed = |moved: Option<(NodeId, Vector)>| {

@@ -13,7 +13,7 @@ fn sensed<const N: usize>(
     measurement: &Measurement,
     noise_mm: f64,
 ) -> Result<NonlinearEstimate, SensingError> {
-    let question = |angle_deg: f64| ContactQuestion { position: None, direction: Direction::Angle(angle_deg) };
+    let question = |angle_deg: f64| ContactQuestion::new(None, Direction::Angle(angle_deg));
     NonlinearEstimator::new(mesh, &angles_deg.map(question))?.estimate(measurement, Some(noise_mm))
 }
 

@@ -236,7 +236,7 @@ fn cells(
     contact: &Contact,
 ) -> Result<Vec<DirectionCell>, SensingError> {
     let finger = request.model.finger();
-    let question = ContactQuestion { position: Some(contact.position), direction: Direction::Auto };
+    let question = ContactQuestion::new(Some(contact.position), Direction::Auto);
     let mut estimator = NonlinearEstimator::new(request.model, &[question])?;
     let across = Contact { angle_deg: contact.angle_deg + 90.0, ..*contact };
     let mut components = NonlinearEstimator::new(request.model, &[(*contact).into(), across.into()])?;

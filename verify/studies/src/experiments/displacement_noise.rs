@@ -7,9 +7,9 @@
 use super::{Context, Evidence};
 use crate::experiments::table_two::contact_sets;
 use crate::prelude::*;
+use crate::response::{RespondingFinger, Response};
 use crate::sampling::scatter::sampled_nodes;
 use finray_model::measurement::DisplacementNoise;
-use finray_model::sensing::Response;
 use finray_numerics::optimise::covariance;
 use std::f64::consts::SQRT_2;
 
@@ -122,8 +122,7 @@ impl DisplacementNoiseStudy {
         sets.extend(pairs.map(|pair| pair.iter().copied().map(NodeId).collect()));
         let mut rows = Vec::new();
         for nodes in &sets {
-            let force = |&node: &NodeId| ContactForce::plain(Contact::at_node(node), force_n);
-            let forces: Vec<ContactForce> = nodes.iter().map(force).collect();
+            let forces: Vec<(Contact, f64)> = nodes.iter().map(|&node| (Contact::at_node(node), force_n)).collect();
             let Some(response) = RespondingFinger::new(&mesh).under(&forces)? else { continue };
             rows.extend(
                 models(image_sd_mm).iter().filter_map(|(name, noise)| row(finger, nodes, name, noise, &response)),

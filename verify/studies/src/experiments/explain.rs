@@ -7,8 +7,9 @@
 
 use super::{Context, Evidence};
 use crate::prelude::*;
+use crate::response::marker_coordinates;
 use crate::sampling::map::MapRequest;
-use finray_model::sensing::{LARGEST_SPAN, marker_coordinates};
+use finray_model::sensing::LARGEST_SPAN;
 use finray_model::statics::Ladder;
 
 /// Limits of sensing one force at one position and direction. Every limit is `None` if the finger has no equilibrium.

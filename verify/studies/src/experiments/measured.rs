@@ -158,7 +158,7 @@ fn sensed(
 ) -> Option<MeasuredForce> {
     let measured = Direction::Angle(scene.finger.angle_deg(force));
     let direction = (knowledge.direction)(measured, scene.contact.lean)?;
-    let question = ContactQuestion { position: None, direction };
+    let question = ContactQuestion::new(None, direction);
     // Displacements are computed relative to the assumed finger; the model error of this finger counts as noise of the markers.
     let mut scene = Scene { finger: finger.clone(), ..scene.clone() };
     let mut observation = seen.observation.clone();

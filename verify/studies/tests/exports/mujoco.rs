@@ -3,7 +3,7 @@
 //! `fixtures/mujoco/README.md` states how the files were made and how accurate they are.
 
 use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, ContactPosition, Pad, sense_refining};
+use finray_model::sensing::{Contact, ContactPosition, sense_refining};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, statics};
 use finray_studies::exports::ExportedFinger;
 use finray_studies::exports::mujoco::{ContactStep, PROGRAM, TouchedRod, contact_steps};
@@ -162,8 +162,7 @@ fn the_force_on_every_rod_is_sensed() {
         let contacts: Vec<_> = step.touched.iter().map(|rod| position_of_force(&finger, &step, rod).into()).collect();
         let measurement = Measurement::of_shape(&finger, &step.shape);
         let sensed =
-            sense_refining(&finger, &contacts, Pad::default(), None, &measurement, Some(CAMERA_NOISE_MM), None)
-                .expect("an answer");
+            sense_refining(&finger, &contacts, None, &measurement, Some(CAMERA_NOISE_MM), None).expect("an answer");
         for (rod, force_n) in step.touched.iter().zip(&sensed.forces.forces_n) {
             let error = force_n / rod.force.norm() - 1.0;
             assert!(error.abs() < SENSED_TOLERANCE, "push {}, {} mm, {rod:?}: {force_n} N", step.push, step.depth_mm);

@@ -12,7 +12,7 @@ use super::problem::{ForceProblem, State};
 use super::unknowns::Unknown;
 use crate::Vector;
 use crate::measurement::{Marker, Measurement};
-use crate::sensing::{Contact, ContactPosition, Direction, Normal, SensingError};
+use crate::sensing::{Contact, ContactPosition, Direction, Normal, Pad, PadForce, SensingError};
 use grid::Grid;
 use least::{Fit, Profile};
 use nalgebra::{DMatrix, DVector};
@@ -147,18 +147,19 @@ fn profile(
     for &i in unplaced {
         let has_across = problem.unknowns.contains(&Unknown::Across(i));
         blocks.push((columns.len(), 1 + usize::from(has_across)));
+        let pad = problem.questions[i].pad;
         for &s_mm in &grid.at_mm {
             let contact = moved(problem, i, state, s_mm)?;
-            columns.push(response(problem, state, measurement, &contact)?);
+            columns.push(response(problem, state, measurement, (&contact, pad))?);
             if has_across {
                 let across = Contact { angle_deg: contact.angle_deg + 90.0, ..contact };
-                columns.push(response(problem, state, measurement, &across)?);
+                columns.push(response(problem, state, measurement, (&across, pad))?);
             }
         }
     }
     let known_from = columns.len();
     for (i, force_n) in state.forces_n.iter().enumerate() {
-        let of_force = response(problem, state, measurement, &state.contacts[i])?;
+        let of_force = response(problem, state, measurement, (&state.contacts[i], problem.questions[i].pad))?;
         right.axpy(*force_n, &of_force, 1.0);
         if !unplaced.contains(&i) {
             columns.push(of_force);
@@ -216,12 +217,13 @@ fn response(
     problem: &mut ForceProblem,
     state: &State,
     measurement: &Measurement,
-    contact: &Contact,
+    (contact, pad): (&Contact, Pad),
 ) -> Result<DVector<f64>, SensingError> {
-    let turn_rad = problem.pad.plate_turn(problem.mesh, contact, &state.motion)?;
+    let plate_turn_rad = pad.plate_turn(problem.mesh, contact, &state.motion)?;
+    let unit = PadForce { contact: *contact, force_n: 1.0, pad, plate_turn_rad };
     let mut sum = vec![Vector::zeros(); problem.finger().key_node_count()];
     let mut of_load = sum.clone();
-    for load in problem.pad.loads(problem.mesh, contact, 1.0, turn_rad) {
+    for load in unit.loads(problem.mesh) {
         problem.statics.equations_mut().added_load(&state.motion, &load?, &mut of_load);
         sum.iter_mut().zip(&of_load).for_each(|(sum, further)| *sum += further);
     }

@@ -9,6 +9,7 @@ mod tried;
 
 use super::{Context, Evidence, ExperimentError};
 use crate::prelude::*;
+use crate::response::RespondingFinger;
 use conditions::{CONDITIONS, Change, Condition};
 use finray_imaging::locate::Locator;
 use finray_imaging::render::{RenderRequest, render};
@@ -192,7 +193,7 @@ fn bent(
     force_n: f64,
 ) -> Result<Option<Bent>, ExperimentError> {
     let finger = mesh.finger();
-    let Some(response) = responding.under(&[ContactForce::plain(Contact::at_node(node), force_n)])? else {
+    let Some(response) = responding.under(&[(Contact::at_node(node), force_n)])? else {
         return Ok(None);
     };
     let load = Load::at_node(node, finger.direction(0.0) * force_n);

@@ -78,7 +78,7 @@ pub(super) fn rows(
         for force_n in request.forces_n {
             let push = pushed(truth, *node, force_n);
             for assumed in Assumption::ALL {
-                let question = ContactQuestion { position: Some(position), direction: assumed.direction() };
+                let question = ContactQuestion::new(Some(position), assumed.direction());
                 let mut estimator = NonlinearEstimator::new(request.model, &[question])?;
                 let answers = push.as_ref().map_or_else(Answers::default, |(contact, shape)| {
                     let seen = Measurement::of_shape(finger, shape);

@@ -3,6 +3,7 @@
 use super::ExperimentError;
 use crate::experiments::table_two::FORCES_N;
 use crate::prelude::*;
+use crate::response::RespondingFinger;
 use finray_contact::press::angle_deg;
 use finray_model::scene::ROD_RADIUS_MM;
 
@@ -106,9 +107,7 @@ impl Caps<'_> {
             .collect();
         for _ in 0..MOST_NEWTON_STEPS {
             let at = |node: &NodeId| Contact { angle_deg, ..Contact::at_node(*node) };
-            let forces =
-                self.nodes.iter().zip(&self.forces_n).map(|(node, along_n)| ContactForce::plain(at(node), *along_n));
-            let forces: Vec<ContactForce> = forces.collect();
+            let forces: Vec<(Contact, f64)> = self.nodes.iter().map(at).zip(self.forces_n.iter().copied()).collect();
             let Some(response) = self.bent.under(&forces)? else { return Ok(None) };
             let of_node = |moved: &DVector<f64>, i: usize| Vector::new(moved[2 * rows[i]], moved[2 * rows[i] + 1]);
             let gap_mm = |(i, node): (usize, &NodeId)| {
