@@ -28,7 +28,7 @@ use crate::mesh::Mesh;
 use crate::observation::{Observation, ObservationError, ObservedMeasurement};
 use crate::scene::Scene;
 use crate::sensing::{
-    Contact, ContactKnowledge, ContactQuestion, MeasuredContact, NearForces, SensingError, TouchedObject,
+    Contact, ContactKnowledge, ContactQuestion, Estimate, MeasuredContact, NearForces, SensingError, TouchedObject,
     UnloadedFinger, Warning, check_contacts, sense_measured_contacts,
 };
 use crate::statics::StaticsError;
@@ -57,6 +57,13 @@ pub enum SensorContacts {
     },
 }
 
+impl SensorContacts {
+    /// Contacts whose positions and directions are known exactly.
+    pub fn known(contacts: &[Contact]) -> SensorContacts {
+        SensorContacts::Asked(contacts.iter().map(|&contact| contact.into()).collect())
+    }
+}
+
 /// Estimator, noise and mesh of a [`Sensor`].
 #[derive(Debug, Clone)]
 pub struct SensorOptions {
@@ -68,6 +75,13 @@ pub struct SensorOptions {
     pub noise_mm: Option<f64>,
     /// Number of mesh nodes, for estimators whose mesh can be chosen. If the number is `None`, the estimator chooses it.
     pub mesh_nodes: Option<usize>,
+}
+
+impl SensorOptions {
+    /// An estimator with the noise of the scene or the observation, and no networks.
+    pub fn of(estimator: EstimatorId) -> SensorOptions {
+        SensorOptions { estimator, ..SensorOptions::default() }
+    }
 }
 
 impl Default for SensorOptions {
@@ -358,7 +372,8 @@ impl Sensor {
         let is_large = question.noise_mm.is_none() && LARGE_RESIDUAL.into_iter().zip(limits_mm).all(is_beyond);
         let large_residual = is_large.then_some(SensorWarning::LargeResidual { residual_rms_mm, moved_rms_mm });
         let warnings = of_model.into_iter().chain(no_residual).chain(large_residual).collect();
-        Ok(SensedForces { warnings, ..SensedForces::new(&contacts, &estimate.forces_n, &estimate.sigmas_n) })
+        let Estimate { forces_n, sigmas_n, covariance_n2, .. } = estimate;
+        Ok(SensedForces { warnings, ..SensedForces::new(&contacts, &forces_n, &sigmas_n, covariance_n2) })
     }
 
     fn of_measured(
@@ -381,7 +396,9 @@ impl Sensor {
         measured.add_force_error(self.force_error());
         let warning = |test| SensorWarning::Model { warning: Warning::Residual(test), is_linear: false };
         let warnings = measured.unexplained.map(warning).into_iter().collect();
-        let sensed = SensedForces::new(&measured.contacts, &measured.along_n, &measured.sigmas_n);
+        let count = measured.along_n.len();
+        let covariance_n2 = measured.covariance_n2.view((0, 0), (count, count)).into_owned();
+        let sensed = SensedForces::new(&measured.contacts, &measured.along_n, &measured.sigmas_n, covariance_n2);
         Ok(SensedForces { warnings, measured: Some(measured), ..sensed })
     }
 

@@ -1,6 +1,7 @@
 //! Estimated forces and their known errors.
 
 use super::ResidualTest;
+use nalgebra::{DMatrix, DVector};
 
 /// A model error up to this share of the largest force causes no warning. Noise alone causes an error of at least 0.13 % of a force of 3 N.
 const NEGLIGIBLE: f64 = 1e-3;
@@ -56,11 +57,11 @@ pub struct Estimate {
     /// Standard deviation of each force, N, including the known error of the model. Infinite if no noise is stated and no degree of freedom remains
     /// to estimate the noise from the residual.
     pub sigmas_n: Vec<f64>,
+    /// Covariance of the forces, N^2, in the order of the contacts. Its diagonal contains the squares of `sigmas_n`.
+    pub covariance_n2: DMatrix<f64>,
     /// Error of each force due to linearisation, mesh, or training of a network, in N. Each standard deviation includes this model error. The error
     /// is signed if its sign is known.
     pub model_error_n: Vec<f64>,
-    /// Factor by which `sigmas_n` are wider because neither noise nor the finger explains the residual, dimensionless; 1 without such a misfit.
-    pub misfit_factor: f64,
     /// Standard deviation of one measured coordinate, mm, from which `sigmas_n` follow: the stated noise, or the residual standard deviation. Without
     /// a stated noise, the residual standard deviation is widened to account for few degrees of freedom.
     pub noise_mm: f64,
@@ -73,19 +74,28 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Widens each standard deviation by an error of `share` times the force. The dimensionless `share` is a result of a calibration.
+    /// Widens each standard deviation by an error of `share` times the force, which all forces share. The dimensionless `share` is a result of a
+    /// calibration.
     pub fn add_force_error(&mut self, share: f64) {
-        for (sigma_n, force_n) in self.sigmas_n.iter_mut().zip(&self.forces_n) {
-            *sigma_n = sigma_n.hypot(share * force_n);
+        let errors_n: Vec<f64> = self.forces_n.iter().map(|force_n| share * force_n).collect();
+        self.add_common_error(&errors_n);
+    }
+
+    /// Adds an error of each force, N, with one cause, so that the errors of all forces are fully correlated.
+    pub(super) fn add_common_error(&mut self, errors_n: &[f64]) {
+        for (sigma_n, error_n) in self.sigmas_n.iter_mut().zip(errors_n) {
+            *sigma_n = sigma_n.hypot(*error_n);
         }
+        let errors_n = DVector::from_column_slice(errors_n);
+        self.covariance_n2 += &errors_n * errors_n.transpose();
     }
 
     /// If noise does not explain the residual, the finger or its contacts differ from the scene, so the standard deviations are widened.
     pub(crate) fn widen_for_misfit(&mut self) {
         if let Some(Warning::Residual(test)) = self.warning {
             let wider = test.widening_of_misfit();
-            self.misfit_factor *= wider;
             self.sigmas_n.iter_mut().for_each(|sigma_n| *sigma_n *= wider);
+            self.covariance_n2 *= wider * wider;
         }
     }
 
@@ -98,9 +108,7 @@ impl Estimate {
         let worst = (0..error_n.len()).filter(counts).max_by(|&i, &j| over(i).total_cmp(&over(j)));
         let of = |i: usize| ModelError { contact: i + 1, error_n: error_n[i], sigma_n: self.sigmas_n[i] };
         self.warning = self.warning.or(worst.map(|i| warning(of(i))));
-        for (sigma, error) in self.sigmas_n.iter_mut().zip(&error_n) {
-            *sigma = sigma.hypot(*error);
-        }
+        self.add_common_error(&error_n);
         self.model_error_n = error_n;
     }
 }

@@ -4,6 +4,7 @@ use super::TWO_SIDED_95;
 use crate::Vector;
 use crate::finger::Finger;
 use crate::sensing::{Contact, MeasuredContactForces, Warning};
+use nalgebra::{DMatrix, DVector};
 
 /// Estimated force at a contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,6 +24,8 @@ pub struct SensedForces {
     pub forces: Vec<SensedForce>,
     /// Reasons why the forces may be less accurate than their standard deviations, or requests to state the noise. Empty without warnings.
     pub warnings: Vec<SensorWarning>,
+    /// Covariance of the forces, N^2, in the order of the contacts.
+    pub(super) covariance_n2: DMatrix<f64>,
     /// Forces along and across the direction of each contact. `None` unless the contacts were measured.
     pub(super) measured: Option<MeasuredContactForces>,
 }
@@ -36,23 +39,39 @@ impl SensedForce {
 }
 
 impl SensedForces {
-    /// Forces along given directions with their standard deviations, both N.
-    pub(super) fn new(contacts: &[Contact], forces_n: &[f64], sigmas_n: &[f64]) -> SensedForces {
+    /// Forces along given directions with their standard deviations, both N, and their covariance, N^2.
+    pub(super) fn new(
+        contacts: &[Contact],
+        forces_n: &[f64],
+        sigmas_n: &[f64],
+        covariance_n2: DMatrix<f64>,
+    ) -> SensedForces {
         let force = |((&contact, &force_n), &sigma_n)| SensedForce { contact, force_n, sigma_n };
         let forces = contacts.iter().zip(forces_n).zip(sigmas_n).map(force).collect();
-        SensedForces { forces, warnings: Vec::new(), measured: None }
+        SensedForces { forces, warnings: Vec::new(), covariance_n2, measured: None }
     }
 
-    /// Sum of all forces along the unit vector `along` (finger frame) and its standard deviation, both N. Unless the contacts were measured, the
-    /// standard deviation is an upper bound that holds for any correlation of the forces.
+    /// Sum of all forces, each along the direction of its contact, and the standard deviation of this sum, both N.
+    pub fn sum(&self) -> [f64; 2] {
+        self.weighted_sum(&DVector::from_element(self.forces.len(), 1.0))
+    }
+
+    /// Sum of all forces along the unit vector `along` (finger frame) and its standard deviation, both N.
     pub fn sum_along(&self, finger: &Finger, along: Vector) -> [f64; 2] {
         if let Some(measured) = &self.measured {
             return measured.sum_along(finger, along);
         }
-        self.forces.iter().fold([0.0; 2], |[sum_n, sigma_n], sensed| {
-            let share = finger.direction(sensed.contact.angle_deg).dot(&along);
-            [sum_n + share * sensed.force_n, sigma_n + share.abs() * sensed.sigma_n]
-        })
+        let shares = self.forces.iter().map(|sensed| finger.direction(sensed.contact.angle_deg).dot(&along));
+        self.weighted_sum(&DVector::from_iterator(self.forces.len(), shares))
+    }
+
+    /// Sum of the forces, each multiplied by its share, and the standard deviation of this sum, both N.
+    fn weighted_sum(&self, shares: &DVector<f64>) -> [f64; 2] {
+        let sum_n = self.forces.iter().zip(shares).map(|(sensed, share)| share * sensed.force_n).sum();
+        // If the noise is unknown, every standard deviation is infinite.
+        let is_known = self.forces.iter().all(|sensed| sensed.sigma_n.is_finite());
+        let variance_n2 = (&self.covariance_n2 * shares).dot(shares);
+        [sum_n, if is_known { variance_n2.max(0.0).sqrt() } else { f64::INFINITY }]
     }
 }
 

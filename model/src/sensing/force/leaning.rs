@@ -49,7 +49,7 @@ pub(super) fn widen_by_leans(
             let second_order_n2 = if j == found.contact { found.second_order_n2 } else { 0.0 };
             let more_n2 = (mean_n2 - linear_n(j).powi(2) - second_order_n2).max(0.0);
             *sigma_n = sigma_n.hypot(more_n2.sqrt());
-            estimate.covariance_n2[(j, j)] += more_n2;
+            estimate.forces.covariance_n2[(j, j)] += more_n2;
         }
     }
     Ok(())

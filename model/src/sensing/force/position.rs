@@ -103,7 +103,7 @@ pub(super) fn widen_by_position(
         let more_n2 = square_n2 - estimate.forces.sigmas_n[j].powi(2);
         if more_n2 > 0.0 {
             estimate.forces.sigmas_n[j] = square_n2.sqrt();
-            estimate.covariance_n2[(j, j)] += more_n2;
+            estimate.forces.covariance_n2[(j, j)] += more_n2;
         }
     }
     Ok(())

@@ -121,7 +121,7 @@ impl Refinement {
                 let remains = if is_settled { REMAINS } else { 1.0 };
                 let error_n: Vec<f64> = change_n.iter().map(|change| remains * change).collect();
                 let is_explained = coarse.forces.warning.is_none();
-                coarse.add_model_error(error_n.clone(), Warning::Discretisation);
+                coarse.forces.add_model_error(error_n.clone(), Warning::Discretisation);
                 self.states.truncate(level + 1);
                 let (contacts, forces_n) = (coarse.contacts.clone(), coarse.forces.forces_n.clone());
                 let mesh_error = Known { contacts: contacts.clone(), forces_n: forces_n.clone(), error_n };
@@ -159,7 +159,7 @@ impl Refinement {
         let is_similar = !differs && found.mesh_error.serves(self.meshes.finger(), contacts, forces_n);
         (is_similar && warning.is_none()).then_some(())?;
         let (contacts, forces_n) = (contacts.clone(), forces_n.clone());
-        estimate.add_model_error(found.mesh_error.error_n.clone(), Warning::Discretisation);
+        estimate.forces.add_model_error(found.mesh_error.error_n.clone(), Warning::Discretisation);
         self.found = Some(Refined { contacts, forces_n, ..found });
         Some(estimate)
     }
