@@ -129,7 +129,8 @@ pub struct Sensor {
     prepared: PreparedScene,
     contacts: SensorContacts,
     options: SensorOptions,
-    kept: Mutex<Kept>,
+    /// `None` until the first estimate, and during an estimate.
+    kept: Mutex<Option<Box<Kept>>>,
 }
 
 /// A scene with the meshes and compliances of its finger, each computed when a sensor first needs it. Clones share them.
@@ -321,9 +322,7 @@ impl Sensor {
                 let near: Option<(Vec<Contact>, Vec<f64>)> =
                     near.map(|near| near.forces.iter().map(|sensed| (sensed.contact, sensed.force_n)).unzip());
                 // If another thread uses the kept results, this estimate does without them.
-                let kept = RefCell::new(
-                    self.kept.try_lock().map_or_else(|_| Kept::default(), |mut kept| std::mem::take(&mut kept)),
-                );
+                let kept = RefCell::new(self.kept.try_lock().ok().and_then(|mut kept| kept.take()).unwrap_or_default());
                 let question = Question {
                     prepared: &self.prepared.meshed,
                     kept: &kept,
@@ -339,7 +338,7 @@ impl Sensor {
                 };
                 let answer = self.answer(&question);
                 if let Ok(mut own) = self.kept.try_lock() {
-                    *own = kept.into_inner();
+                    *own = Some(kept.into_inner());
                 }
                 answer?
             }

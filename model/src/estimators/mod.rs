@@ -117,7 +117,7 @@ pub(crate) struct Question<'q> {
     /// The finger, with its meshes.
     pub prepared: &'q PreparedFinger,
     /// Results of earlier measurements for the same contacts.
-    pub kept: &'q RefCell<Kept>,
+    pub kept: &'q RefCell<Box<Kept>>,
     /// Contacts whose forces are estimated.
     pub contacts: &'q [ContactQuestion],
     /// Pad between objects and the plate. Estimators that do not search refuse a question with a pad.

@@ -1,6 +1,5 @@
 //! Trained networks as estimators.
 
-use super::kept::MarkerSet;
 use super::{Answer, EstimatorError, EstimatorRow, Question, known_contacts};
 use crate::Finger;
 use crate::sensing::Contact;
@@ -26,16 +25,11 @@ pub(super) const ROW: EstimatorRow = EstimatorRow {
 
 fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError> {
     let contacts = known_contacts(finger, question.contacts)?;
-    let markers = MarkerSet::of(question.measurement);
     let mut kept = question.kept.borrow_mut();
-    let estimator = match kept.network.take().filter(|(of, _)| *of == markers) {
-        Some((_, estimator)) => estimator,
-        None => {
-            let network = question.networks.choose(finger, &contacts)?;
-            NetworkEstimator::new(network, finger, &contacts, question.measurement)?
-        }
-    };
-    let (_, estimator) = kept.network.insert((markers, estimator));
+    let estimator = kept.network.get_or_compute(question.measurement, || {
+        let network = question.networks.choose(finger, &contacts)?;
+        Ok::<_, EstimatorError>(NetworkEstimator::new(network, finger, &contacts, question.measurement)?)
+    })?;
     let estimate = estimator.estimate(question.measurement, question.noise_mm)?;
     Ok((contacts, estimate))
 }

@@ -1,7 +1,7 @@
 //! Estimated forces and their known errors.
 
 use super::ResidualTest;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 /// A model error up to this share of the largest force causes no warning. Noise alone causes an error of at least 0.13 % of a force of 3 N.
 const NEGLIGIBLE: f64 = 1e-3;
@@ -77,17 +77,20 @@ impl Estimate {
     /// Widens each standard deviation by an error of `share` times the force, which all forces share. The dimensionless `share` is a result of a
     /// calibration.
     pub fn add_force_error(&mut self, share: f64) {
-        let errors_n: Vec<f64> = self.forces_n.iter().map(|force_n| share * force_n).collect();
-        self.add_common_error(&errors_n);
+        if share > 0.0 {
+            let errors_n: Vec<f64> = self.forces_n.iter().map(|force_n| share * force_n).collect();
+            self.add_common_error(&errors_n);
+        }
     }
 
     /// Adds an error of each force, N, with one cause, so that the errors of all forces are fully correlated.
     pub(super) fn add_common_error(&mut self, errors_n: &[f64]) {
-        for (sigma_n, error_n) in self.sigmas_n.iter_mut().zip(errors_n) {
-            *sigma_n = sigma_n.hypot(*error_n);
+        for (i, error_n) in errors_n.iter().enumerate() {
+            self.sigmas_n[i] = self.sigmas_n[i].hypot(*error_n);
+            for (j, other_n) in errors_n.iter().enumerate() {
+                self.covariance_n2[(i, j)] += error_n * other_n;
+            }
         }
-        let errors_n = DVector::from_column_slice(errors_n);
-        self.covariance_n2 += &errors_n * errors_n.transpose();
     }
 
     /// If noise does not explain the residual, the finger or its contacts differ from the scene, so the standard deviations are widened.

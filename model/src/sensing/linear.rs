@@ -229,10 +229,10 @@ fn rounded_noise_mm(noise_mm: f64) -> f64 {
 pub struct Inverse {
     /// Matrix from weighted displacements (two per marker, mm) to forces (N), N/mm: one row per force.
     pub gain: DMatrix<f64>,
-    /// Standard deviation of each force per mm of noise, N/mm: the length of each row of `root`.
+    /// Standard deviation of each force per mm of noise, N/mm: the square roots of the diagonal of `covariance_per_noise2`.
     pub sigmas_per_noise: Vec<f64>,
-    /// Square root of the covariance per squared noise, N/mm: root root^T = (C^T W^2 C + ridge^2)^-1.
-    root: DMatrix<f64>,
+    /// Covariance of the forces per squared noise, N^2/mm^2: (C^T W^2 C + ridge^2)^-1.
+    pub covariance_per_noise2: DMatrix<f64>,
 }
 
 impl Inverse {
@@ -243,7 +243,7 @@ impl Inverse {
 
     /// Covariance of the forces, N^2, under noise of `noise_mm`.
     fn covariance_n2(&self, noise_mm: f64) -> DMatrix<f64> {
-        &self.root * self.root.transpose() * (noise_mm * noise_mm)
+        &self.covariance_per_noise2 * (noise_mm * noise_mm)
     }
 
     /// Computes the inverse by QR decomposition of a matrix: the compliance, and below it `ridge` (mm/N) times the identity. The columns of this matrix are
@@ -257,7 +257,7 @@ impl Inverse {
             return Inverse {
                 gain: (compliance / norm).transpose() * (norm / length / length),
                 sigmas_per_noise: vec![1.0 / length],
-                root: DMatrix::from_element(1, 1, 1.0 / length),
+                covariance_per_noise2: DMatrix::from_element(1, 1, (1.0 / length).powi(2)),
             };
         }
         let mut stacked = compliance.clone().resize_vertically(rows + if ridge > 0.0 { columns } else { 0 }, 0.0);
@@ -278,7 +278,7 @@ impl Inverse {
         Inverse {
             gain: &inverse_triangle * qr.q().rows(0, rows).transpose(),
             sigmas_per_noise: inverse_triangle.row_iter().map(|row| row.norm()).collect(),
-            root: inverse_triangle,
+            covariance_per_noise2: &inverse_triangle * inverse_triangle.transpose(),
         }
     }
 }

@@ -49,7 +49,7 @@ pub(super) fn differentiate(problem: &mut ForceProblem, state: &mut State) -> Re
         return differentiate_by_differences(problem, state);
     }
     let count = problem.pad.load_count();
-    let State { forces_n, contacts, nuisances, plate_turns_rad, loads, motion, linearised } = state;
+    let State { forces_n, contacts, nuisances, plate_turns_rad, loads, motion, linearised, .. } = state;
     let (base, points, across) = (nuisances.base, &linearised.marker_points, &mut linearised.across);
     let turned = base.rotation != UnitComplex::identity();
     let ladder = problem.statics.equations_mut();

@@ -203,7 +203,7 @@ impl NetworkEstimator {
     fn residual(&self, x: &DVector<f64>, stated_mm: Option<f64>) -> Result<(f64, f64, Option<Warning>), SensingError> {
         let coordinates = x.len() as f64;
         let from_mean = x - &self.mean;
-        let residual = &from_mean - &self.span * (self.span.transpose() * &from_mean);
+        let residual = &from_mean - &self.span * self.span.tr_mul(&from_mean);
         let residual_rms_mm = (residual.norm_squared() / coordinates).sqrt();
         let moved_rms_mm = (x.norm_squared() / coordinates).sqrt();
         let explained = |noise_mm: f64| {
