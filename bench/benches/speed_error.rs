@@ -5,11 +5,14 @@
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use finray_bench::paper;
-use finray_model::estimators::network::{NetworkSensing, Networks};
+use finray_model::Scene;
+use finray_model::estimators::EstimatorId;
+use finray_model::estimators::network::Networks;
+use finray_model::sensor::{PreparedScene, SensorOptions};
 use finray_model::statics::Statics;
 use finray_studies::experiments::speed_error::criterion::group;
 use finray_studies::experiments::speed_error::sensing::{
-    FRAMES_A_PERIOD, Stream, TimedEstimator, beam_estimators, neighbours, sensing_meshes, singles,
+    FRAMES_A_PERIOD, FrameSensor, Stream, TimedEstimator, beam_estimators, neighbours, sensing_meshes, singles,
 };
 use finray_studies::experiments::speed_error::{self, ASKED_NODES, Beams, Start, Task};
 use finray_studies::settings::{CAMERA_NOISE_MM, ReportForces, TWO_FORCES_N};
@@ -50,9 +53,9 @@ fn forces(criterion: &mut Criterion) {
     let finger = paper();
     let truth = fine_mesh(&finger).expect("a mesh of many nodes");
     let shipped = Networks::read(&finray_fixtures::NETWORKS).expect("networks that ship");
-    let network = NetworkSensing { networks: &shipped, finger: &finger, refuses: true };
-    let network =
-        TimedEstimator { estimator: Box::new(network), setting: "shipped networks".to_owned(), start: Start::None };
+    let options = SensorOptions { networks: shipped, ..SensorOptions::of(EstimatorId::Network) };
+    let network = TimedEstimator { options, setting: "shipped networks".to_owned(), start: Start::None };
+    let scene = PreparedScene::from(Scene::of_finger(finger.clone()));
     let meshes = sensing_meshes(&finger);
     let estimators: Vec<TimedEstimator> = beam_estimators(&meshes).into_iter().chain([network]).collect();
     let tasks = [(Task::SenseOne, singles(&finger, ASKED_NODES)), (Task::SenseNeighbours, neighbours(&finger))];
@@ -63,17 +66,16 @@ fn forces(criterion: &mut Criterion) {
         let streams: Vec<Stream> = sets.iter().enumerate().map(take).collect();
         let mut group = criterion.benchmark_group(group(task));
         for timed in &estimators {
-            let prepare =
-                |stream: &Stream| timed.estimator.prepare(&stream.contacts, &stream.frames[0].seen).expect("contacts");
+            let prepare = |stream: &Stream| FrameSensor::new(&scene, timed, &stream.contacts).expect("contacts");
             let mut prepared: Vec<_> = streams.iter().map(prepare).collect();
             let frames =
                 streams.iter().enumerate().flat_map(|(set, of)| of.frames.iter().map(move |frame| (set, frame)));
             let frames: Vec<_> = frames.collect();
             let mut turn = frames.iter().cycle();
-            group.bench_function(BenchmarkId::new(timed.estimator.id().name(), timed.in_words()), |bencher| {
+            group.bench_function(BenchmarkId::new(timed.options.estimator.name(), timed.in_words()), |bencher| {
                 bencher.iter(|| {
                     let (set, frame) = turn.next().expect("a frame");
-                    prepared[*set].estimate(black_box(&frame.seen), Some(CAMERA_NOISE_MM))
+                    prepared[*set].sense(black_box(&frame.seen), CAMERA_NOISE_MM).is_ok()
                 });
             });
         }

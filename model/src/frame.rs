@@ -180,6 +180,12 @@ pub struct FrameMotion<R = f64> {
 }
 
 impl FrameMotion {
+    /// Adds `factor` (dimensionless) times a motion of the same frame.
+    pub(crate) fn add(&mut self, other: &FrameMotion, factor: f64) {
+        self.displacements.iter_mut().zip(&other.displacements).for_each(|(own, other)| *own += factor * other);
+        self.rotations.iter_mut().zip(&other.rotations).for_each(|(own, other)| *own += factor * other);
+    }
+
     /// The zero motion of a frame.
     pub fn at_rest(frame: &PlaneFrame) -> FrameMotion {
         FrameMotion::of_zeros(frame, 0.0)

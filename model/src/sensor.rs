@@ -56,6 +56,11 @@ pub enum SensorContacts {
 }
 
 impl SensorContacts {
+    /// Contacts whose positions and directions are known exactly.
+    pub fn known(contacts: &[Contact]) -> SensorContacts {
+        SensorContacts::Asked(contacts.iter().map(|&contact| contact.into()).collect())
+    }
+
     /// The questions for the forces on the finger of a scene, with the scene's pad.
     fn questions(&self, scene: &Scene) -> Vec<ContactQuestion> {
         let pad = scene.contact.pad;
@@ -88,6 +93,13 @@ pub struct SensorOptions {
     pub noise_mm: Option<f64>,
     /// Number of mesh nodes, for estimators whose mesh can be chosen. If the number is `None`, the estimator chooses it.
     pub mesh_nodes: Option<usize>,
+}
+
+impl SensorOptions {
+    /// An estimator with the noise of the scene or the observation, and no networks.
+    pub fn of(estimator: EstimatorId) -> SensorOptions {
+        SensorOptions { estimator, ..SensorOptions::default() }
+    }
 }
 
 impl Default for SensorOptions {
@@ -135,7 +147,8 @@ pub struct Sensor {
     prepared: PreparedScene,
     contacts: Vec<ContactQuestion>,
     options: SensorOptions,
-    kept: Mutex<Kept>,
+    /// `None` until the first estimate, and during an estimate.
+    kept: Mutex<Option<Box<Kept>>>,
 }
 
 /// A scene with the meshes and compliances of its finger, each computed when a sensor first needs it. Clones share them.
@@ -303,8 +316,7 @@ impl Sensor {
         let near: Option<(Vec<Contact>, Vec<f64>)> =
             near.map(|near| near.forces.iter().map(|sensed| (sensed.contact, sensed.force_n)).unzip());
         // If another thread uses the kept results, this estimate does without them.
-        let kept =
-            RefCell::new(self.kept.try_lock().map_or_else(|_| Kept::default(), |mut kept| std::mem::take(&mut kept)));
+        let kept = RefCell::new(self.kept.try_lock().ok().and_then(|mut kept| kept.take()).unwrap_or_default());
         let question = Question {
             prepared: &self.prepared.meshed,
             kept: &kept,
@@ -319,7 +331,7 @@ impl Sensor {
         };
         let answer = self.answer(&question);
         if let Ok(mut own) = self.kept.try_lock() {
-            *own = kept.into_inner();
+            *own = Some(kept.into_inner());
         }
         let sensed = answer?;
         match sensed.forces.iter().position(|sensed| !sensed.force_n.is_finite()) {

@@ -38,15 +38,15 @@ impl PreparedFinger {
 /// Results for given contacts that later measurements use again. They change no estimate beyond the tolerance of a search.
 #[derive(Debug, Default)]
 pub(crate) struct Kept {
-    pub linear: Option<(MarkerSet, LinearSolution)>,
-    pub network: Option<(MarkerSet, NetworkEstimator)>,
+    pub linear: ForMarkers<LinearSolution>,
+    pub network: ForMarkers<NetworkEstimator>,
     /// The last estimate, and the estimate from whose shapes its search started.
     refined: [Option<Refinement>; 2],
 }
 
-/// Nodes and weights of the markers of a measurement.
-#[derive(Debug, PartialEq)]
-pub(crate) struct MarkerSet(Vec<(NodeId, f64)>);
+/// A result for the nodes and weights of markers.
+#[derive(Debug)]
+pub(crate) struct ForMarkers<T>(Option<(Vec<(NodeId, f64)>, T)>);
 
 /// Linear least squares for contacts and markers, with the errors of linearisation computed so far.
 #[derive(Debug)]
@@ -56,9 +56,26 @@ pub(crate) struct LinearSolution {
     pub linearisation: Linearisation,
 }
 
-impl MarkerSet {
-    pub fn of(measurement: &Measurement) -> MarkerSet {
-        MarkerSet(measurement.markers().iter().map(|marker| (marker.node, marker.weight)).collect())
+impl<T> Default for ForMarkers<T> {
+    fn default() -> ForMarkers<T> {
+        ForMarkers(None)
+    }
+}
+
+impl<T> ForMarkers<T> {
+    /// The result for the markers of a measurement. It is computed if the kept result is for other markers.
+    pub fn get_or_compute<E>(
+        &mut self,
+        measurement: &Measurement,
+        compute: impl FnOnce() -> Result<T, E>,
+    ) -> Result<&mut T, E> {
+        let markers = || measurement.markers().iter().map(|marker| (marker.node, marker.weight));
+        self.0.take_if(|(of, _)| !markers().eq(of.iter().copied()));
+        let (_, result) = match &mut self.0 {
+            Some(kept) => kept,
+            none => none.insert((markers().collect(), compute()?)),
+        };
+        Ok(result)
     }
 }
 
@@ -87,13 +104,16 @@ impl Kept {
         let &Question { object, measurement, noise_mm, near, .. } = question;
         let is_near = |of: &Option<Refinement>| of.as_ref().zip(near).is_some_and(|(of, near)| of.keeps(near));
         let index = self.refined.iter().position(is_near);
+        if let (Some(near), Some(1)) = (near, index)
+            && let Some(start) = &mut self.refined[1]
+            && let Some(sample) = start.sense_sample(object, measurement, noise_mm, near)
+        {
+            return Ok(sample);
+        }
         let start = index.and_then(|index| self.refined[index].take());
         let mut refinement =
             start.clone().unwrap_or_else(|| Refinement::new(question.prepared.meshes.clone(), question.contacts));
-        let found = match near.filter(|_| index == Some(1)) {
-            Some(near) => refinement.sense_sample(object, measurement, noise_mm, near),
-            None => refinement.sense(object, measurement, noise_mm, near),
-        };
+        let found = refinement.sense(object, measurement, noise_mm, near);
         self.refined = [Some(refinement), start];
         found
     }

@@ -1,6 +1,6 @@
 //! Linear least squares, without a prior and with the paper's range of forces as a prior.
 
-use super::kept::{LinearSolution, MarkerSet};
+use super::kept::LinearSolution;
 use super::{Answer, EstimatorError, EstimatorRow, Question, known_contacts};
 use crate::Finger;
 use crate::sensing::Prior;
@@ -28,16 +28,12 @@ pub(super) const RIDGE: EstimatorRow = EstimatorRow {
 };
 
 fn answer(finger: &Finger, question: &Question, prior: Prior) -> Result<Answer, EstimatorError> {
-    let markers = MarkerSet::of(question.measurement);
     let mut kept = question.kept.borrow_mut();
-    let solution = match kept.linear.take().filter(|(of, _)| *of == markers) {
-        Some((_, solution)) => solution,
-        None => {
+    let LinearSolution { contacts, estimator, linearisation } =
+        kept.linear.get_or_compute(question.measurement, || {
             let contacts = known_contacts(finger, question.contacts)?;
-            LinearSolution::new(question.prepared, contacts, question.measurement)?
-        }
-    };
-    let (_, LinearSolution { contacts, estimator, linearisation }) = kept.linear.insert((markers, solution));
+            LinearSolution::new(question.prepared, contacts, question.measurement).map_err(EstimatorError::from)
+        })?;
     let estimate = estimator.estimate_on(linearisation, question.measurement, question.noise_mm, prior)?;
     Ok((contacts.clone(), estimate))
 }

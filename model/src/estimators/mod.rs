@@ -1,15 +1,11 @@
-//! All force estimators. Each estimator is one row of [`EstimatorId`], so all studies and tables treat estimators equally.
-//!
-//! Threads share an [`Estimator`]; each thread prepares a [`PreparedEstimator`] for the contacts and markers of a measurement. An estimate does not depend on
-//! earlier measurements.
+//! All force estimators. Each estimator is one row of [`EstimatorId`], so all studies and tables treat estimators equally. A
+//! [`Sensor`](crate::sensor::Sensor) asks them.
 
-mod beam;
 mod kept;
 mod linear;
 pub mod network;
 mod nonlinear;
 
-pub use beam::BeamEstimator;
 pub(crate) use kept::{Kept, PreparedFinger};
 
 use crate::Finger;
@@ -121,7 +117,7 @@ pub(crate) struct Question<'q> {
     /// The finger, with its meshes.
     pub prepared: &'q PreparedFinger,
     /// Results of earlier measurements for the same contacts.
-    pub kept: &'q RefCell<Kept>,
+    pub kept: &'q RefCell<Box<Kept>>,
     /// Contacts whose forces are estimated. Estimators that do not search refuse a contact with a pad.
     pub contacts: &'q [ContactQuestion],
     /// Object that the contacts touch, if its shape and pose are known.
@@ -151,48 +147,6 @@ fn known_contacts(finger: &Finger, contacts: &[ContactQuestion]) -> Result<Vec<C
     let contacts = known.ok_or(EstimatorError::NotKnown)?;
     check_contacts(finger, &contacts)?;
     Ok(contacts)
-}
-
-/// An estimator of forces whose positions and directions are known.
-pub trait Estimator: Sync {
-    /// Identifier of the estimator.
-    fn id(&self) -> EstimatorId;
-
-    /// Prepares the estimator for contacts and for the nodes of a measurement's markers. The displacements of the markers are not used yet.
-    ///
-    /// # Errors
-    /// [`EstimatorError`] if a contact is wrong, the forces are not identifiable, or the estimator does not support the contacts.
-    fn prepare<'a>(
-        &'a self,
-        contacts: &[Contact],
-        markers: &Measurement,
-    ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError>;
-}
-
-/// An estimator prepared for contacts and markers.
-pub trait PreparedEstimator {
-    /// Estimates the forces from the displacements of the prepared markers. `noise_mm` is the standard deviation of a coordinate, mm; `None` if unknown.
-    ///
-    /// # Errors
-    /// [`EstimatorError`] if the estimator refuses to answer.
-    fn estimate(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Sensed, EstimatorError>;
-
-    /// Announces forces, N, close to the forces of the next measurement, from which a search may start. Only the computation of error bounds at the
-    /// true forces uses this method.
-    fn expect_forces(&mut self, _forces_n: &[f64]) {}
-}
-
-/// Estimated forces with the errors that the estimator states.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Sensed {
-    /// Force of each contact along its direction, N, in the order of the contacts.
-    pub forces_n: Vec<f64>,
-    /// Standard deviation of each force, N. `None` if the estimator does not state standard deviations.
-    pub sigmas_n: Option<Vec<f64>>,
-    /// Standard deviation of the sum of the forces, N. `None` if the estimator does not state the standard deviation of the sum.
-    pub sum_sigma_n: Option<f64>,
-    /// Whether the measurement contradicts the model, or the error of the model exceeds the noise.
-    pub warned: bool,
 }
 
 /// Reason for which an estimator returns no forces.

@@ -1,11 +1,7 @@
 //! Trained networks as estimators.
 
-use super::kept::MarkerSet;
-use super::{
-    Answer, Estimator, EstimatorError, EstimatorId, EstimatorRow, PreparedEstimator, Question, Sensed, known_contacts,
-};
+use super::{Answer, EstimatorError, EstimatorRow, Question, known_contacts};
 use crate::Finger;
-use crate::measurement::Measurement;
 use crate::sensing::Contact;
 use crate::sensing::network::{ContactSet, Network, NetworkError, NetworkEstimator};
 use std::sync::{Arc, LazyLock};
@@ -29,16 +25,11 @@ pub(super) const ROW: EstimatorRow = EstimatorRow {
 
 fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError> {
     let contacts = known_contacts(finger, question.contacts)?;
-    let markers = MarkerSet::of(question.measurement);
     let mut kept = question.kept.borrow_mut();
-    let estimator = match kept.network.take().filter(|(of, _)| *of == markers) {
-        Some((_, estimator)) => estimator,
-        None => {
-            let network = question.networks.choose(finger, &contacts)?;
-            NetworkEstimator::new(network, finger, &contacts, question.measurement)?
-        }
-    };
-    let (_, estimator) = kept.network.insert((markers, estimator));
+    let estimator = kept.network.get_or_compute(question.measurement, || {
+        let network = question.networks.choose(finger, &contacts)?;
+        Ok::<_, EstimatorError>(NetworkEstimator::new(network, finger, &contacts, question.measurement)?)
+    })?;
     let estimate = estimator.estimate(question.measurement, question.noise_mm)?;
     Ok((contacts, estimate))
 }
@@ -98,53 +89,5 @@ impl Networks {
             }
         }
         Err(why)
-    }
-}
-
-/// An estimator for one finger. The estimator selects a network that was trained for the given contacts.
-#[derive(Debug, Clone, Copy)]
-pub struct NetworkSensing<'n> {
-    /// Networks from which one is selected.
-    pub networks: &'n Networks,
-    /// The finger on which the forces act.
-    pub finger: &'n Finger,
-    /// Whether the estimator refuses shapes unlike the training shapes.
-    pub refuses: bool,
-}
-
-impl Estimator for NetworkSensing<'_> {
-    fn id(&self) -> EstimatorId {
-        EstimatorId::Network
-    }
-
-    fn prepare<'a>(
-        &'a self,
-        contacts: &[Contact],
-        markers: &Measurement,
-    ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError> {
-        let network = self.networks.choose(self.finger, contacts)?;
-        let estimator = NetworkEstimator::new(network, self.finger, contacts, markers)?;
-        Ok(if self.refuses { Box::new(estimator) } else { Box::new(Unjudged(estimator)) })
-    }
-}
-
-impl PreparedEstimator for NetworkEstimator {
-    fn estimate(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Sensed, EstimatorError> {
-        let estimate = NetworkEstimator::estimate(self, measurement, noise_mm)?;
-        let warned = estimate.warning.is_some();
-        Ok(Sensed { forces_n: estimate.forces_n, sigmas_n: Some(estimate.sigmas_n), sum_sigma_n: None, warned })
-    }
-}
-
-/// A network estimator that, like the paper's network, accepts any shape and states no standard deviations.
-struct Unjudged(NetworkEstimator);
-
-impl PreparedEstimator for Unjudged {
-    fn estimate(&mut self, measurement: &Measurement, _: Option<f64>) -> Result<Sensed, EstimatorError> {
-        let displacements = measurement.markers().iter().flat_map(|m| [m.displacement.x, m.displacement.y]);
-        let displacements: Vec<f64> = displacements.collect();
-        let mut forces_n = vec![0.0; self.0.contact_count()];
-        self.0.forces(&displacements, &mut forces_n)?;
-        Ok(Sensed { forces_n, sigmas_n: None, sum_sigma_n: None, warned: false })
     }
 }

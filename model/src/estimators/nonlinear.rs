@@ -49,7 +49,10 @@ fn sense(finger: &Finger, question: &Question) -> Result<NonlinearEstimate, Esti
             let mesh = Mesh::with_nodes(finger, nodes)?;
             let finer = Discretisation::finer(&mesh);
             let mut estimator = NonlinearEstimator::new(&mesh, contacts)?.with_object(object);
-            let mut estimate = estimator.estimate(measurement, noise_mm)?;
+            let mut estimate = match question.near {
+                None => estimator.estimate(measurement, noise_mm),
+                Some(near) => estimator.estimate_near(near, false, measurement, noise_mm),
+            }?;
             Discretisation::new(&mesh, &finer).widen(&mut estimator, measurement, &mut estimate)?;
             Ok(estimate)
         }

@@ -57,11 +57,11 @@ pub struct Estimate {
     /// Standard deviation of each force, N, including the known error of the model. Infinite if no noise is stated and no degree of freedom remains
     /// to estimate the noise from the residual.
     pub sigmas_n: Vec<f64>,
+    /// Covariance of the forces, N^2, in the order of the contacts. Its diagonal contains the squares of `sigmas_n`.
+    pub covariance_n2: DMatrix<f64>,
     /// Error of each force due to linearisation, mesh, or training of a network, in N. Each standard deviation includes this model error. The error
     /// is signed if its sign is known.
     pub model_error_n: Vec<f64>,
-    /// Factor by which `sigmas_n` are wider because neither noise nor the finger explains the residual, dimensionless; 1 without such a misfit.
-    pub misfit_factor: f64,
     /// Standard deviation of one measured coordinate, mm, from which `sigmas_n` follow: the stated noise, or the residual standard deviation. Without
     /// a stated noise, the residual standard deviation is widened to account for few degrees of freedom.
     pub noise_mm: f64,
@@ -85,25 +85,60 @@ pub struct MeasuredForces {
 }
 
 impl Estimate {
-    /// Widens each standard deviation by an error of `share` times the force. The dimensionless `share` is a result of a calibration.
+    /// Widens each standard deviation by an error of `share` times the force, which all forces share. The dimensionless `share` is a result of a
+    /// calibration.
     pub fn add_force_error(&mut self, share: f64) {
-        for (sigma_n, force_n) in self.sigmas_n.iter_mut().zip(&self.forces_n) {
-            *sigma_n = sigma_n.hypot(share * force_n);
+        if share > 0.0 {
+            let errors_n: Vec<f64> = self.forces_n.iter().map(|force_n| share * force_n).collect();
+            self.add_common_error(&errors_n);
+            if let Some(MeasuredForces { across_n, covariance_n2 }) = &mut self.measured {
+                // The forces across have the same error, and its correlation with the forces along, which are in the covariance already.
+                let count = across_n.len();
+                let all_n: Vec<f64> = self.forces_n.iter().chain(&*across_n).map(|force_n| share * force_n).collect();
+                for i in 0..2 * count {
+                    for j in 0..2 * count {
+                        if i >= count || j >= count {
+                            covariance_n2[(i, j)] += all_n[i] * all_n[j];
+                        }
+                    }
+                }
+            }
         }
-        if let Some(MeasuredForces { across_n, covariance_n2 }) = &mut self.measured {
-            // The error is a common factor of all forces.
-            let forces_n = self.forces_n.iter().chain(&*across_n).copied();
-            let errors_n = DVector::from_iterator(2 * across_n.len(), forces_n) * share;
-            *covariance_n2 += &errors_n * errors_n.transpose();
+    }
+
+    /// Adds an error of each force, N, with one cause, so that the errors of all forces are fully correlated.
+    pub(super) fn add_common_error(&mut self, errors_n: &[f64]) {
+        for (sigma_n, error_n) in self.sigmas_n.iter_mut().zip(errors_n) {
+            *sigma_n = sigma_n.hypot(*error_n);
         }
+        let errors = DVector::from_column_slice(errors_n);
+        self.add_covariance(&(&errors * errors.transpose()));
+    }
+
+    /// Adds a covariance of the forces along their directions, N^2, without changing the standard deviations.
+    pub(super) fn add_covariance(&mut self, covariance_n2: &DMatrix<f64>) {
+        self.covariance_n2 += covariance_n2;
+        if let Some(measured) = &mut self.measured {
+            let mut along = measured.covariance_n2.view_mut((0, 0), covariance_n2.shape());
+            along += covariance_n2;
+        }
+    }
+
+    /// Adds a variance, N^2, to that of one force along its direction.
+    pub(super) fn add_variance(&mut self, contact: usize, variance_n2: f64) {
+        let count = self.covariance_n2.nrows();
+        let mut covariance_n2 = DMatrix::zeros(count, count);
+        covariance_n2[(contact, contact)] = variance_n2;
+        self.add_covariance(&covariance_n2);
+        self.sigmas_n[contact] = self.sigmas_n[contact].hypot(variance_n2.sqrt());
     }
 
     /// If noise does not explain the residual, the finger or its contacts differ from the scene, so the standard deviations are widened.
     pub(crate) fn widen_for_misfit(&mut self) {
         if let Some(Warning::Residual(test)) = self.warning {
             let wider = test.widening_of_misfit();
-            self.misfit_factor *= wider;
             self.sigmas_n.iter_mut().for_each(|sigma_n| *sigma_n *= wider);
+            self.covariance_n2 *= wider * wider;
             self.measured.iter_mut().for_each(|measured| measured.covariance_n2 *= wider * wider);
         }
     }
@@ -117,9 +152,7 @@ impl Estimate {
         let worst = (0..error_n.len()).filter(counts).max_by(|&i, &j| over(i).total_cmp(&over(j)));
         let of = |i: usize| ModelError { contact: i + 1, error_n: error_n[i], sigma_n: self.sigmas_n[i] };
         self.warning = self.warning.or(worst.map(|i| warning(of(i))));
-        for (sigma, error) in self.sigmas_n.iter_mut().zip(&error_n) {
-            *sigma = sigma.hypot(*error);
-        }
+        self.add_common_error(&error_n);
         self.model_error_n = error_n;
     }
 }

@@ -171,7 +171,8 @@ impl LinearEstimator {
         let residual_mm = || unstated_noise_mm(error.sum_of_squares_mm2, degrees_of_freedom);
         let trusted_mm = test.map(|test| test.trusted_noise_mm());
         estimate.noise_mm = trusted_mm.or(stated_mm).or_else(residual_mm).unwrap_or(estimate.noise_mm);
-        estimate.sigmas_n = inverse.sigmas_per_noise.iter().map(|per_mm| per_mm * estimate.noise_mm).collect();
+        estimate.sigmas_n = inverse.sigmas_n(estimate.noise_mm);
+        estimate.covariance_n2 = inverse.covariance_n2(estimate.noise_mm);
         if let Some(test) = test.filter(ResidualTest::contradicts) {
             estimate.warning = Some(Warning::Residual(test));
             estimate.widen_for_misfit();
@@ -206,9 +207,9 @@ impl LinearEstimator {
         let estimate = Estimate {
             residual_rms_mm: (sum_of_squares(&forces) / coordinates as f64).sqrt(),
             forces_n: forces.iter().copied().collect(),
-            sigmas_n: inverse.sigmas_per_noise.iter().map(|sigma| sigma * noise_mm).collect(),
+            sigmas_n: inverse.sigmas_n(noise_mm),
+            covariance_n2: inverse.covariance_n2(noise_mm),
             model_error_n: vec![0.0; unknowns],
-            misfit_factor: 1.0,
             measured: None,
             noise_mm,
             warning: test.filter(ResidualTest::contradicts).map(Warning::Residual),
@@ -229,12 +230,23 @@ fn rounded_noise_mm(noise_mm: f64) -> f64 {
 pub struct Inverse {
     /// Matrix from weighted displacements (two per marker, mm) to forces (N), N/mm: one row per force.
     pub gain: DMatrix<f64>,
-    /// Standard deviation of each force per mm of noise, N/mm. The standard deviations are the square roots of the diagonal of (C^T W^2 C +
-    /// ridge^2)^-1.
+    /// Standard deviation of each force per mm of noise, N/mm: the square roots of the diagonal of `covariance_per_noise2`.
     pub sigmas_per_noise: Vec<f64>,
+    /// Covariance of the forces per squared noise, N^2/mm^2: (C^T W^2 C + ridge^2)^-1.
+    pub covariance_per_noise2: DMatrix<f64>,
 }
 
 impl Inverse {
+    /// Standard deviation of each force, N, under noise of `noise_mm`.
+    fn sigmas_n(&self, noise_mm: f64) -> Vec<f64> {
+        self.sigmas_per_noise.iter().map(|per_mm| per_mm * noise_mm).collect()
+    }
+
+    /// Covariance of the forces, N^2, under noise of `noise_mm`.
+    fn covariance_n2(&self, noise_mm: f64) -> DMatrix<f64> {
+        &self.covariance_per_noise2 * (noise_mm * noise_mm)
+    }
+
     /// Computes the inverse by QR decomposition of a matrix: the compliance, and below it `ridge` (mm/N) times the identity. The columns of this matrix are
     /// scaled to unit length.
     pub(super) fn of(compliance: &DMatrix<f64>, ridge: f64) -> Inverse {
@@ -246,6 +258,7 @@ impl Inverse {
             return Inverse {
                 gain: (compliance / norm).transpose() * (norm / length / length),
                 sigmas_per_noise: vec![1.0 / length],
+                covariance_per_noise2: DMatrix::from_element(1, 1, (1.0 / length).powi(2)),
             };
         }
         let mut stacked = compliance.clone().resize_vertically(rows + if ridge > 0.0 { columns } else { 0 }, 0.0);
@@ -266,6 +279,7 @@ impl Inverse {
         Inverse {
             gain: &inverse_triangle * qr.q().rows(0, rows).transpose(),
             sigmas_per_noise: inverse_triangle.row_iter().map(|row| row.norm()).collect(),
+            covariance_per_noise2: &inverse_triangle * inverse_triangle.transpose(),
         }
     }
 }

@@ -4,7 +4,7 @@ use super::TWO_SIDED_95;
 use crate::Vector;
 use crate::finger::Finger;
 use crate::sensing::{Contact, Estimate, MeasuredForces, Warning};
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 /// Estimated force at a contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,6 +24,8 @@ pub struct SensedForces {
     pub forces: Vec<SensedForce>,
     /// Reasons why the forces may be less accurate than their standard deviations, or requests to state the noise. Empty without warnings.
     pub warnings: Vec<SensorWarning>,
+    /// Covariance of the forces, N^2, in the order of the contacts.
+    pub(super) covariance_n2: DMatrix<f64>,
     /// Forces along and across the direction of each contact. `None` unless the contacts were measured.
     measured: Option<MeasuredForces>,
 }
@@ -39,27 +41,39 @@ impl SensedForce {
 impl SensedForces {
     /// Estimated forces at contacts, with warnings.
     pub(super) fn new(contacts: &[Contact], estimate: Estimate, warnings: Vec<SensorWarning>) -> SensedForces {
-        let force = |((&contact, &force_n), &sigma_n)| SensedForce { contact, force_n, sigma_n };
-        let forces = contacts.iter().zip(&estimate.forces_n).zip(&estimate.sigmas_n).map(force).collect();
-        SensedForces { forces, warnings, measured: estimate.measured }
+        let Estimate { forces_n, sigmas_n, covariance_n2, measured, .. } = estimate;
+        let force = |((&contact, force_n), sigma_n)| SensedForce { contact, force_n, sigma_n };
+        let forces = contacts.iter().zip(forces_n).zip(sigmas_n).map(force).collect();
+        SensedForces { forces, warnings, covariance_n2, measured }
     }
 
-    /// Sum of all forces along the unit vector `along` (finger frame) and its standard deviation, both N. Unless the contacts were measured, the
-    /// standard deviation is an upper bound that holds for any correlation of the forces.
+    /// Sum of all forces, each along the direction of its contact, and the standard deviation of this sum, both N.
+    pub fn sum(&self) -> [f64; 2] {
+        self.weighted_sum(&DVector::from_element(self.forces.len(), 1.0))
+    }
+
+    /// Sum of all forces along the unit vector `along` (finger frame) and its standard deviation, both N.
     pub fn sum_along(&self, finger: &Finger, along: Vector) -> [f64; 2] {
         let share =
             |sensed: &SensedForce, turned_deg: f64| finger.direction(sensed.contact.angle_deg + turned_deg).dot(&along);
         let Some(MeasuredForces { across_n, covariance_n2 }) = &self.measured else {
-            return self.forces.iter().fold([0.0; 2], |[sum_n, sigma_n], sensed| {
-                let share = share(sensed, 0.0);
-                [sum_n + share * sensed.force_n, sigma_n + share.abs() * sensed.sigma_n]
-            });
+            let shares = self.forces.iter().map(|sensed| share(sensed, 0.0));
+            return self.weighted_sum(&DVector::from_iterator(self.forces.len(), shares));
         };
         let shares = [0.0, 90.0].into_iter().flat_map(|deg| self.forces.iter().map(move |sensed| share(sensed, deg)));
         let shares = DVector::from_iterator(2 * across_n.len(), shares);
         let all_n = self.forces.iter().map(|sensed| sensed.force_n).chain(across_n.iter().copied());
         let all_n = DVector::from_iterator(2 * across_n.len(), all_n);
         [shares.dot(&all_n), shares.dot(&(covariance_n2 * &shares)).sqrt()]
+    }
+
+    /// Sum of the forces, each multiplied by its share, and the standard deviation of this sum, both N.
+    fn weighted_sum(&self, shares: &DVector<f64>) -> [f64; 2] {
+        let sum_n = self.forces.iter().zip(shares).map(|(sensed, share)| share * sensed.force_n).sum();
+        // If the noise is unknown, every standard deviation is infinite.
+        let is_known = self.forces.iter().all(|sensed| sensed.sigma_n.is_finite());
+        let variance_n2 = (&self.covariance_n2 * shares).dot(shares);
+        [sum_n, if is_known { variance_n2.max(0.0).sqrt() } else { f64::INFINITY }]
     }
 }
 

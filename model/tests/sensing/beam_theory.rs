@@ -1,6 +1,6 @@
 //! Every stated standard deviation of a force includes the error of beam theory, and the sum of one force has the deviation of this force.
 
-use finray_model::estimators::{BeamEstimator, Estimator, EstimatorId};
+use finray_model::estimators::EstimatorId;
 use finray_model::measurement::Measurement;
 use finray_model::observation::{Observation, ObservedMarker};
 use finray_model::sensing::{Contact, MeasuredContact};
@@ -80,11 +80,10 @@ fn the_sum_of_one_force_has_the_deviation_of_this_force() {
         let contact = at_position(s_mm, 0.0);
         let reference = Mesh::with_elements_per_member(&finger, 4);
         let of = seen(&reference, &[contact], &[force_n], Kinematics::Corotational).expect("an equilibrium");
-        let mesh = Mesh::key_nodes(&finger);
-        let estimator = BeamEstimator::least_squares(&mesh);
-        let found = estimator.prepare(&[contact], &of).expect("prepared").estimate(&of, Some(CAMERA_NOISE_MM));
-        let found = found.expect("a force");
-        let (sigma_n, sum_n) = (found.sigmas_n.expect("stated")[0], found.sum_sigma_n.expect("stated"));
+        let options = SensorOptions::of(EstimatorId::LeastSquares);
+        let sensor = Sensor::new(Scene::of_finger(finger.clone()), SensorContacts::known(&[contact]), options);
+        let found = sensor.expect("a contact").sense_displacements(&of, Some(CAMERA_NOISE_MM), None).expect("a force");
+        let (sigma_n, [_, sum_n]) = (found.forces[0].sigma_n, found.sum());
         assert!((sum_n / sigma_n - 1.0).abs() < SAME, "{s_mm} mm, {force_n} N: {sum_n} of the sum, {sigma_n}");
     }
 }

@@ -2,11 +2,12 @@
 //!
 //! Training takes minutes, so the report shows recorded errors: `fixtures/networks/recipes.csv` and `curves.csv`.
 
-use finray_model::estimators::Estimator;
-use finray_model::estimators::network::{NetworkSensing, Networks};
+use finray_model::estimators::EstimatorId;
+use finray_model::estimators::network::Networks;
 use finray_model::sensing::Contact;
 use finray_model::sensing::network::{Network, Scaling};
-use finray_model::{Finger, Kinematics, Mesh, NodeId};
+use finray_model::sensor::SensorOptions;
+use finray_model::{Finger, Kinematics, Mesh, NodeId, Scene};
 use finray_studies::experiments::ExperimentError;
 use finray_studies::experiments::networks::paper::PAPER_RECIPES;
 use finray_studies::experiments::networks::records::{CurveRow, RecipeRow};
@@ -56,7 +57,7 @@ pub fn curve_count() -> usize {
 }
 
 /// Errors of the recipes on the linear and on the co-rotational finger, without and with noise. The paper's recipes are tested at every set of
-/// contacts of its Table II, the other recipes at one set of each group. Like the paper's network, these networks refuse no measurement.
+/// contacts of its Table II, the other recipes at one set of each group. Like the paper's network, these networks accept forces of any size.
 ///
 /// # Errors
 /// [`ExperimentError`] if a training fails, a mesh cannot be built, or a network does not support its contacts.
@@ -85,16 +86,14 @@ struct Group {
 fn rows_of(finger: &Finger, groups: Vec<Group>) -> Result<Vec<RecipeRow>, ExperimentError> {
     let sets = groups.first().map_or(Vec::new(), |group| sets_of(group.recipe));
     let sets: Vec<Vec<usize>> = sets.into_iter().map(<[usize]>::to_vec).collect();
-    let networks: Vec<Networks> = groups.iter().map(|group| Networks::of(group.networks.clone())).collect();
-    let sensing: Vec<NetworkSensing> =
-        networks.iter().map(|networks| NetworkSensing { networks, finger, refuses: false }).collect();
+    let sensors: Vec<SensorOptions> = groups.iter().map(|group| unlimited(&group.networks)).collect();
     let (coarse, fine) = (Mesh::key_nodes(finger), fine_mesh(finger)?);
     let mut rows = Vec::new();
     for (truth, mesh, kinematics) in
         [(TruthId::Linear, &coarse, Kinematics::Linear), (TruthId::Corotational, &fine, Kinematics::Corotational)]
     {
         // Rows are ordered by set, noise level, then group.
-        let rows_of_groups = errors(mesh, kinematics, &[0.0, CAMERA_NOISE_MM], &sensing, &sets)?;
+        let rows_of_groups = errors(mesh, kinematics, &[0.0, CAMERA_NOISE_MM], &sensors, &sets)?;
         for (row, group) in rows_of_groups.into_iter().zip(groups.iter().cycle()) {
             let entry = |quantity: &str, mean_error| RecipeRow {
                 recipe: group.recipe.to_owned(),
@@ -127,10 +126,8 @@ pub fn curves(finger: &Finger, progress: &(dyn Fn() + Sync)) -> Result<Vec<Curve
     let mut rows = Vec::new();
     for set in CURVE_SETS {
         let of_set: Vec<(&Job, &Network)> = jobs.iter().zip(&trained).filter(|(j, _)| j.nodes == set).collect();
-        let networks: Vec<Networks> = of_set.iter().map(|&(_, network)| Networks::of(vec![network.clone()])).collect();
-        let sensing: Vec<NetworkSensing> =
-            networks.iter().map(|networks| NetworkSensing { networks, finger, refuses: false }).collect();
-        let errors = errors(&fine, Kinematics::Corotational, &[CAMERA_NOISE_MM], &sensing, &[set.to_vec()])?;
+        let sensors: Vec<_> = of_set.iter().map(|&(_, network)| unlimited(std::slice::from_ref(network))).collect();
+        let errors = errors(&fine, Kinematics::Corotational, &[CAMERA_NOISE_MM], &sensors, &[set.to_vec()])?;
         // With one set and one noise level, there is one row per estimator, in the order of the estimators.
         rows.extend(of_set.iter().zip(&errors).map(|(&(job, network), row)| CurveRow {
             curve: job.name.to_owned(),
@@ -209,18 +206,36 @@ fn train_all(finger: &Finger, jobs: &[Job], progress: &(dyn Fn() + Sync)) -> Res
     jobs.par_iter().map(train_one).collect()
 }
 
+/// A sensor with networks that, like the paper's network, accept forces and inputs of any size.
+fn unlimited(networks: &[Network]) -> SensorOptions {
+    let mut networks = networks.to_vec();
+    for network in &mut networks {
+        network.inputs.largest.fill(f64::INFINITY);
+        network.card.origin.force_range_n = [f64::NEG_INFINITY, f64::INFINITY];
+    }
+    SensorOptions { networks: Networks::of(networks), ..SensorOptions::of(EstimatorId::Network) }
+}
+
 fn errors(
     truth: &Mesh,
     kinematics: Kinematics,
     noise_levels_mm: &[f64],
-    sensing: &[NetworkSensing],
+    sensors: &[SensorOptions],
     sets: &[Vec<usize>],
 ) -> Result<Vec<ScatterRow>, ExperimentError> {
     let key_nodes = Mesh::key_nodes(truth.finger());
-    let request = ScatterRequest { truth, kinematics, model: &key_nodes, noise_levels_mm, cases: CASES, seed: SEED };
-    let estimators: Vec<&dyn Estimator> = sensing.iter().map(|sensing| sensing as &dyn Estimator).collect();
+    let scene = Scene::of_finger(truth.finger().clone()).into();
+    let request = ScatterRequest {
+        truth,
+        kinematics,
+        model: &key_nodes,
+        scene: &scene,
+        noise_levels_mm,
+        cases: CASES,
+        seed: SEED,
+    };
     let sets: Vec<Vec<NodeId>> = sets.iter().map(|set| set.iter().copied().map(NodeId).collect()).collect();
-    Ok(scatter(&request, &estimators, &sets, FORCES_N, &|| ())?)
+    Ok(scatter(&request, sensors, &sets, FORCES_N, &|| ())?)
 }
 
 /// Number of trained parameters. Without hidden layers, the parameters of the linear branch are not counted, because branch and last layer are the

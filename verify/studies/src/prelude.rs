@@ -8,9 +8,7 @@ pub(crate) use crate::statistics::{Span, mean, rms};
 pub(crate) use finray_lattice::{Lattice, LatticeError};
 pub(crate) use finray_model::camera::Camera;
 pub(crate) use finray_model::estimators::network::Networks;
-pub(crate) use finray_model::estimators::{
-    BeamEstimator, ELEMENTS, Estimator, EstimatorError, EstimatorId, PreparedEstimator, Sensed,
-};
+pub(crate) use finray_model::estimators::{ELEMENTS, EstimatorId};
 pub(crate) use finray_model::finger::Plate;
 pub(crate) use finray_model::frame::{FrameLoad, FrameMotion};
 pub(crate) use finray_model::gripper::{Gripper, Placement};

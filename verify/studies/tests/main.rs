@@ -1,4 +1,4 @@
-//! Tests of `finray-studies`: each file tests the source file of the same path. `stand_ins` contains simple estimators for tests.
+//! Tests of `finray-studies`: each file tests the source file of the same path.
 
 mod check;
 mod estimators {
@@ -51,7 +51,6 @@ mod sampling {
     pub mod scatter;
     mod shared_start;
 }
-mod stand_ins;
 mod statistics;
 mod truths {
     mod all;

@@ -130,10 +130,7 @@ pub(super) fn widen_by_rivals(estimate: &mut NonlinearEstimate, misfit: f64, min
         |off: &DVector<f64>| off.iter().zip(sigmas_n).map(|(off_n, sigma_n)| (off_n / sigma_n).powi(2)).sum::<f64>();
     let largest = minima.iter().map(off).filter(|off| size(off).is_finite()).max_by(|a, b| size(a).total_cmp(&size(b)));
     let Some(off) = largest else { return };
-    estimate.add_covariance(&(&off * off.transpose()));
-    for (sigma_n, off_n) in estimate.forces.sigmas_n.iter_mut().zip(&off) {
-        *sigma_n = sigma_n.hypot(*off_n);
-    }
+    estimate.forces.add_common_error(off.as_slice());
 }
 
 /// Widens standard deviations if the misfit grows less towards other forces than it does for a linear finger, for which it grows by the squared number of
@@ -154,7 +151,7 @@ pub(super) fn widen_by_positions(estimate: &mut NonlinearEstimate, misfit: f64, 
                 continue;
             }
             let further_n2 = needed_n2 - stated_n2;
-            estimate.add_variance(i, further_n2);
+            estimate.forces.add_variance(i, further_n2);
         }
     }
 }

@@ -134,15 +134,14 @@ pub(super) fn assess(
         forces: Estimate {
             forces_n: state.forces_n.clone(),
             sigmas_n: (0..problem.questions.len()).map(|i| covariance(i, i).sqrt()).collect(),
+            covariance_n2: DMatrix::from_fn(problem.questions.len(), problem.questions.len(), covariance),
             model_error_n: vec![0.0; problem.questions.len()],
-            misfit_factor: 1.0,
             measured: None,
             noise_mm,
             warning: test.filter(ResidualTest::contradicts).map(Warning::Residual),
             residual_rms_mm,
             singular_values: parts.descending(),
         },
-        covariance_n2: DMatrix::from_fn(problem.questions.len(), problem.questions.len(), covariance),
         contacts: state
             .contacts
             .iter()

@@ -51,6 +51,7 @@ pub(super) fn resolve(
         }
     }
     let covariance_n2 = &components * covariance * components.transpose();
+    estimate.forces.covariance_n2 = covariance_n2.view((0, 0), (count, count)).into_owned();
     let across_n: Vec<f64> = (0..count).map(|i| state.forces_n[i] * tangent(i)).collect();
     for (i, question) in problem.questions.iter().enumerate() {
         let Direction::Measured(normal) = question.direction else { continue };
@@ -60,8 +61,8 @@ pub(super) fn resolve(
         let across_n2 = across_n[i].powi(2) + covariance_n2[(count + i, count + i)];
         let share_n = normal.sd_rad * across_n2.sqrt().max(normal.friction * state.forces_n[i].abs());
         estimate.forces.sigmas_n[i] = covariance_n2[(i, i)].sqrt().hypot(share_n);
+        estimate.forces.covariance_n2[(i, i)] += share_n * share_n;
     }
-    estimate.covariance_n2 = covariance_n2.view((0, 0), (count, count)).into_owned();
     estimate.forces.measured = Some(MeasuredForces { across_n, covariance_n2 });
     Ok(())
 }

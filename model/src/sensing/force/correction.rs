@@ -88,10 +88,13 @@ fn corrected(problem: &mut ForceProblem, state: &mut State, seen: Seen, negligib
         if steps == 1 && change <= SETTLED_STEP && normal_turn_deg <= SETTLED_ANGLE_DEG {
             return Some(steps);
         }
-        // In the first step, nothing is factored yet.
-        let turn = match steps == 1 || problem.object.is_some() {
-            true => problem.statics.corrected(&mut state.motion, &state.loads)?,
-            false => problem.statics.corrected_under(&mut state.motion, &before, &state.loads)?,
+        let turn = match state.unit_motions.take() {
+            Some(unit_motions) => state.follow(&unit_motions),
+            // In the first step, nothing is factored yet.
+            None if steps == 1 || problem.object.is_some() => {
+                problem.statics.corrected(&mut state.motion, &state.loads)?
+            }
+            None => problem.statics.corrected_under(&mut state.motion, &before, &state.loads)?,
         };
         progress.is_near_after(moved_mm, turn).then_some(())?;
         // Directions follow the shape before its correction.

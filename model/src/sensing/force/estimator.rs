@@ -48,8 +48,6 @@ pub struct NonlinearEstimator<'m> {
     pub(super) problem: ForceProblem<'m>,
     /// State of the last estimate.
     pub(super) last: Option<State>,
-    /// The held state, from which estimates start after a [`reset`](NonlinearEstimator::reset).
-    held: Option<State>,
     scan: KeptScan,
 }
 
@@ -60,7 +58,7 @@ impl<'m> NonlinearEstimator<'m> {
     /// [`SensingError`] if no contact is given, a contact is not on the free front plate, or two contacts are equal.
     pub fn new(mesh: &'m Mesh, questions: &[ContactQuestion]) -> Result<NonlinearEstimator<'m>, SensingError> {
         let problem = ForceProblem::new(mesh, questions)?;
-        Ok(NonlinearEstimator { problem, last: None, held: None, scan: None })
+        Ok(NonlinearEstimator { problem, last: None, scan: None })
     }
 
     /// This estimator with an object of known shape, for contacts whose lean (angle between force and normal) is measured from
@@ -71,39 +69,14 @@ impl<'m> NonlinearEstimator<'m> {
         self
     }
 
-    /// Forgets the last estimate. The next estimate starts from the held estimate or, without one, from least squares.
+    /// Forgets the last estimate. The next estimate starts from least squares.
     pub fn reset(&mut self) {
-        self.last.clone_from(&self.held);
-    }
-
-    /// Holds the last estimate: estimates after a [`reset`](NonlinearEstimator::reset) start from the held estimate. Suits measurements that differ
-    /// only by noise.
-    pub fn hold(&mut self) {
-        self.held.clone_from(&self.last);
-    }
-
-    /// Holds the equilibrium under known forces, N: estimates after a [`reset`](NonlinearEstimator::reset) start from this equilibrium. The
-    /// computation of error bounds at known forces uses this method. Holds nothing if positions or directions are unknown, or if the finger has no
-    /// equilibrium under the forces.
-    pub fn hold_at(&mut self, forces_n: &[f64]) {
-        let before = self.held.take();
         self.last = None;
-        self.held = self.state_at(forces_n, before);
     }
 
-    /// State under known forces, N, followed from the state `from`, or from rest if `from` is `None`. `None` if no equilibrium is found, a position
-    /// or direction is unknown, or the estimator has an object.
-    fn state_at(&mut self, forces_n: &[f64], from: Option<State>) -> Option<State> {
-        self.problem.object.is_none().then_some(())?;
-        let contacts: Vec<Contact> =
-            self.problem.questions.iter().map(ContactQuestion::known).collect::<Option<_>>()?;
-        let near = from.and_then(|from| state_under(&mut self.problem, &contacts, forces_n, Some(&from)));
-        near.or_else(|| state_under(&mut self.problem, &contacts, forces_n, None))
-    }
-
-    /// Forgets the last estimate, the held estimate and the scanned equilibria.
+    /// Forgets the last estimate and the scanned equilibria.
     pub fn forget(&mut self) {
-        (self.last, self.held, self.scan) = (None, None, None);
+        (self.last, self.scan) = (None, None);
     }
 
     /// Estimates the forces. `noise_mm` is the standard deviation of one coordinate, mm. The noise is estimated from the residual if `noise_mm` is `None` or
@@ -149,7 +122,7 @@ impl<'m> NonlinearEstimator<'m> {
         seen: Seen,
     ) -> Result<NonlinearEstimate, SensingError> {
         self.expect(seen)?;
-        (self.last, self.held) = (None, None);
+        self.last = None;
         let problem = &mut self.problem;
         let many = MANY_COORDINATES[usize::from(problem.questions.len() > 1)];
         let is_unique = is_chosen || seen.measurement.coordinate_count() >= many;

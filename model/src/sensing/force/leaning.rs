@@ -48,7 +48,7 @@ pub(super) fn widen_by_leans(
             let mean_n2 = ends.iter().flatten().map(off_n2).sum::<f64>() / answered as f64;
             let second_order_n2 = if j == found.contact { found.second_order_n2 } else { 0.0 };
             let more_n2 = (mean_n2 - linear_n(j).powi(2) - second_order_n2).max(0.0);
-            estimate.add_variance(j, more_n2);
+            estimate.forces.add_variance(j, more_n2);
         }
     }
     Ok(())

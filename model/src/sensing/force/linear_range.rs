@@ -47,7 +47,7 @@ pub(super) fn widen_by_curvature(
         return Ok(());
     }
     let least_mm2 = problem.misfit(state, measurement);
-    let axes = estimate.covariance_n2.clone().symmetric_eigen();
+    let axes = estimate.forces.covariance_n2.clone().symmetric_eigen();
     for (i, (variance_n2, axis)) in axes.eigenvalues.iter().zip(axes.eigenvectors.column_iter()).enumerate() {
         let sd_n = variance_n2.max(0.0).sqrt();
         if sd_n <= STRAIGHT * state.forces_n.iter().fold(0.0, |largest: f64, force_n| largest.max(force_n.abs())) {
@@ -79,7 +79,7 @@ pub(super) fn widen_by_curvature(
         for (sigma_n, share) in estimate.forces.sigmas_n.iter_mut().zip(&axis) {
             *sigma_n = sigma_n.hypot(more.sqrt() * share);
         }
-        estimate.add_covariance(&(axis * axis.transpose() * more));
+        estimate.forces.add_covariance(&(axis * axis.transpose() * more));
     }
     Ok(())
 }

@@ -102,7 +102,7 @@ pub(super) fn widen_by_position(
         let square_n2 = mean(&|point| (point.forces_n[j] - state.forces_n[j]).powi(2) + point.sigmas_n[j].powi(2));
         let more_n2 = square_n2 - estimate.forces.sigmas_n[j].powi(2);
         if more_n2 > 0.0 {
-            estimate.add_variance(j, more_n2);
+            estimate.forces.add_variance(j, more_n2);
         }
     }
     Ok(())

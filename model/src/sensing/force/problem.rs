@@ -21,6 +21,7 @@ use crate::sensing::{
 use crate::statics::{Ladder, Statics};
 use crate::{Finger, Kinematics};
 use nalgebra::{Translation2, UnitComplex};
+use std::sync::Arc;
 
 /// A position changes by at most this share of the plate's length in one step.
 const LONGEST_MOVE: f64 = 0.2;
@@ -55,6 +56,9 @@ pub(super) struct State {
     pub loads: Vec<FrameLoad>,
     pub motion: FrameMotion,
     pub linearised: Linearised,
+    /// First-order motion of the mesh per N of each force, from which the first step of a correction follows without factoring the tangent. `None`
+    /// unless many corrections start from this state.
+    pub unit_motions: Option<Arc<[FrameMotion]>>,
 }
 
 impl State {
@@ -98,6 +102,16 @@ impl State {
         forces_n: &[f64],
     ) -> Result<Vec<FrameLoad>, LoadError> {
         self.pad_forces_under(questions, forces_n).flat_map(|force| force.loads(mesh)).collect()
+    }
+
+    /// Moves the shape by the state's step of the forces, to first order. Returns the largest rotation of a node, rad.
+    pub fn follow(&mut self, unit_motions: &[FrameMotion]) -> f64 {
+        let before = self.motion.rotations.clone();
+        for (unit_motion, step_n) in unit_motions.iter().zip(&self.linearised.step) {
+            self.motion.add(unit_motion, *step_n);
+        }
+        let turns = self.motion.rotations.iter().zip(before).map(|(after, before)| (after - before).abs());
+        turns.fold(0.0, f64::max)
     }
 
     /// Weights the markers by their distances from the shape.
@@ -299,7 +313,7 @@ impl<'m> ForceProblem<'m> {
     /// [`LoadError`] if a position is not on the plate, which the limits of positions prevent.
     pub fn advance(&self, state: &mut State) -> Result<f64, LoadError> {
         let finger = self.finger();
-        let State { forces_n, contacts, nuisances, plate_turns_rad, loads, motion, linearised } = state;
+        let State { forces_n, contacts, nuisances, plate_turns_rad, loads, motion, linearised, .. } = state;
         for (unknown, &x) in self.unknowns.iter().zip(&linearised.step) {
             match *unknown {
                 Unknown::Force(i) => forces_n[i] += x,

@@ -5,6 +5,7 @@ use super::estimate::NonlinearEstimate;
 use super::estimator::{NearForces, NonlinearEstimator};
 use super::linearised::Seen;
 use super::problem::State;
+use super::states::unit_motions;
 use crate::Finger;
 use crate::measurement::Measurement;
 use crate::mesh::MeshLevels;
@@ -118,7 +119,7 @@ impl Refinement {
                 let remains = if is_settled { REMAINS } else { 1.0 };
                 let error_n: Vec<f64> = change_n.iter().map(|change| remains * change).collect();
                 let is_explained = coarse.forces.warning.is_none();
-                coarse.add_model_error(error_n.clone(), Warning::Discretisation);
+                coarse.forces.add_model_error(error_n.clone(), Warning::Discretisation);
                 self.states.truncate(level + 1);
                 let (contacts, forces_n) = (coarse.contacts.clone(), coarse.forces.forces_n.clone());
                 let mesh_error = Known { contacts: contacts.clone(), forces_n: forces_n.clone(), error_n };
@@ -129,35 +130,32 @@ impl Refinement {
         Ok(coarse)
     }
 
-    /// Estimates the forces of a measurement that differs by noise alone from the measurement of the last estimate, `near`. One search on the finest
-    /// mesh of that estimate then suffices, because the error of the mesh is the same. The result is that of [`sense`](Refinement::sense) within the
-    /// tolerance of the search; `sense` also follows if the forces differ by more than noise, or the finger does not explain the measurement.
-    ///
-    /// # Errors
-    /// [`SensingError`] from the estimate on any of the meshes.
+    /// Estimates the forces of a measurement that differs by noise alone from the measurement of the last estimate, `near`, whose shapes stay kept.
+    /// One search on the finest mesh of that estimate then suffices, because the error of the mesh is the same. The result is that of
+    /// [`sense`](Refinement::sense) within the tolerance of the search. `None` if the forces differ by more than noise, or the finger does not explain
+    /// one of the measurements.
     pub fn sense_sample(
         &mut self,
         object: Option<&TouchedObject>,
         measurement: &Measurement,
         noise_mm: Option<f64>,
         near: NearForces,
-    ) -> Result<NonlinearEstimate, SensingError> {
-        let sample = if self.keeps(near) { self.sample(object, Seen { measurement, noise_mm }, near) } else { None };
-        sample.map_or_else(|| self.sense(object, measurement, noise_mm, Some(near)), Ok)
-    }
-
-    fn sample(&mut self, object: Option<&TouchedObject>, seen: Seen, near: NearForces) -> Option<NonlinearEstimate> {
-        let found = self.found.take().filter(|found| found.is_explained)?;
-        let finest = self.states.len().checked_sub(1)?;
-        let mut estimate = self.on(finest, object, seen, Some(near), false).ok()?;
+    ) -> Option<NonlinearEstimate> {
+        let found = self.found.as_ref().filter(|found| found.is_explained)?;
+        let mesh = self.meshes.with_elements(self.elements(self.states.len().checked_sub(1)?));
+        let kept = self.states.last_mut()?.as_mut()?;
+        let mut estimator = NonlinearEstimator::new(mesh, &self.questions).ok()?.with_object(object);
+        if kept.unit_motions.is_none() {
+            kept.unit_motions = unit_motions(&mut estimator.problem, kept);
+        }
+        let seen = Seen { measurement, noise_mm };
+        let mut estimate = estimator.estimate_resuming(Some(kept.clone()), near, false, seen).ok()?;
         let (contacts, Estimate { forces_n, sigmas_n, warning, .. }) = (&estimate.contacts, &estimate.forces);
         let differs = |((a, b), sigma_n): ((&f64, &f64), &f64)| (a - b).abs() > NOISE_SIGMAS * sigma_n;
         let differs = forces_n.iter().zip(near.forces_n).zip(sigmas_n).any(differs);
         let is_similar = !differs && found.mesh_error.serves(self.meshes.finger(), contacts, forces_n);
         (is_similar && warning.is_none()).then_some(())?;
-        let (contacts, forces_n) = (contacts.clone(), forces_n.clone());
-        estimate.add_model_error(found.mesh_error.error_n.clone(), Warning::Discretisation);
-        self.found = Some(Refined { contacts, forces_n, ..found });
+        estimate.forces.add_model_error(found.mesh_error.error_n.clone(), Warning::Discretisation);
         Some(estimate)
     }
 

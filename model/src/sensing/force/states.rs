@@ -5,10 +5,12 @@ use super::derivatives::differentiate;
 use super::linearised::{Linearised, Seen};
 use super::nuisances::Nuisances;
 use super::problem::{ForceProblem, State};
+use super::unknowns::Unknown;
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::mesh::LoadError;
 use crate::sensing::{Contact, Direction, SensingError};
 use crate::statics::{Equilibrium, EquilibriumEquations, Ladder, Statics, StaticsError};
+use std::sync::Arc;
 
 /// The iteration that adapts the loads to the shape ends after this number of updates. Each update of the loads removes most of the change that
 /// remains.
@@ -84,9 +86,29 @@ pub(super) fn state_of(
     }
     let linearised = Linearised::new(problem.mesh, &problem.unknowns);
     let motion = problem.statics.equations().at_rest();
-    let mut state = State { forces_n, contacts, nuisances, plate_turns_rad, loads: Vec::new(), motion, linearised };
+    let (loads, unit_motions) = (Vec::new(), None);
+    let mut state = State { forces_n, contacts, nuisances, plate_turns_rad, loads, motion, linearised, unit_motions };
     state.loads = state.loads_under(problem.mesh, &problem.questions, &state.forces_n)?;
     Ok(state)
+}
+
+/// First-order motions of the mesh per N of each force at a state. `None` unless all unknowns are forces whose loads do not follow the shape.
+pub(super) fn unit_motions(problem: &mut ForceProblem, state: &State) -> Option<Arc<[FrameMotion]>> {
+    let are_forces = problem.unknowns.iter().all(|unknown| matches!(unknown, Unknown::Force(_)));
+    let has_pad = problem.questions.iter().any(|question| !question.pad.is_none());
+    let are_all = state.linearised.scales.len() == state.contacts.len();
+    if !(are_forces && are_all) || problem.object.is_some() || problem.follows_plate() || has_pad {
+        return None;
+    }
+    let unit_motion = |(i, contact): (usize, &Contact)| {
+        problem.statics.linearise(&state.motion, &state.loads).then_some(())?;
+        let (mut loads, mut motion) = (state.loads.clone(), state.motion.clone());
+        loads[i] = problem.mesh.frame_load(&contact.load(problem.finger(), state.forces_n[i] + 1.0)).ok()?;
+        problem.statics.corrected_under(&mut motion, &state.loads, &loads)?;
+        motion.add(&state.motion, -1.0);
+        Some(motion)
+    };
+    state.contacts.iter().enumerate().map(unit_motion).collect()
 }
 
 /// Linearises the state of a problem with other unknowns for the unknowns of this problem.
@@ -94,7 +116,8 @@ pub(super) fn state_of(
 /// # Errors
 /// [`SensingError`] if loads that follow an object have no equilibrium.
 pub(super) fn resume(problem: &mut ForceProblem, state: State, seen: Seen) -> Result<State, SensingError> {
-    let mut state = State { linearised: Linearised::new(problem.mesh, &problem.unknowns), ..state };
+    let linearised = Linearised::new(problem.mesh, &problem.unknowns);
+    let mut state = State { linearised, unit_motions: None, ..state };
     state.nuisances.resume(&problem.shared_errors);
     if problem.object.is_some() {
         settle(problem, &mut state)?;

@@ -172,12 +172,12 @@ impl NetworkEstimator {
 
         let (_, derivatives) = self.prepared.forces_and_derivatives(&z);
         let gain = &derivatives * &self.prepared.projection;
-        let hidden = &derivatives * &self.hidden_covariance * derivatives.transpose();
-        let sigma = |(k, clean_rms_n): (usize, &f64)| {
-            let from_noise = noise_mm * gain.row(k).norm();
-            (from_noise.powi(2) + hidden[(k, k)].max(0.0) + clean_rms_n.powi(2)).sqrt()
-        };
-        let sigmas_n: Vec<f64> = self.clean_rms_n.iter().enumerate().map(sigma).collect();
+        // Errors of the network on held-out samples count as independent between forces.
+        let clean_n2 = self.clean_rms_n.iter().map(|clean_rms_n| clean_rms_n.powi(2));
+        let covariance_n2 = &gain * gain.transpose() * noise_mm.powi(2)
+            + &derivatives * &self.hidden_covariance * derivatives.transpose()
+            + DMatrix::from_diagonal(&DVector::from_iterator(self.clean_rms_n.len(), clean_n2));
+        let sigmas_n: Vec<f64> = covariance_n2.diagonal().iter().map(|variance_n2| variance_n2.sqrt()).collect();
         self.require_trained_forces(&forces_n, &sigmas_n)?;
         let further = self.further.iter().map(|contact| contact.force(&x, noise_mm));
         if let Some((_, Some(refusal))) = further.max_by(|(a, _), (b, _)| a.total_cmp(b)) {
@@ -188,8 +188,8 @@ impl NetworkEstimator {
         Ok(Estimate {
             forces_n,
             sigmas_n,
+            covariance_n2,
             model_error_n: self.clean_rms_n.clone(),
-            misfit_factor: 1.0,
             measured: None,
             noise_mm,
             warning,
@@ -204,7 +204,7 @@ impl NetworkEstimator {
     fn residual(&self, x: &DVector<f64>, stated_mm: Option<f64>) -> Result<(f64, f64, Option<Warning>), SensingError> {
         let coordinates = x.len() as f64;
         let from_mean = x - &self.mean;
-        let residual = &from_mean - &self.span * (self.span.transpose() * &from_mean);
+        let residual = &from_mean - &self.span * self.span.tr_mul(&from_mean);
         let residual_rms_mm = (residual.norm_squared() / coordinates).sqrt();
         let moved_rms_mm = (x.norm_squared() / coordinates).sqrt();
         let explained = |noise_mm: f64| {

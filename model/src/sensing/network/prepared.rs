@@ -121,12 +121,26 @@ impl Prepared {
 impl Dense {
     /// Output of the layer without its tanh: W x + b.
     fn applied(&self, x: &[f64]) -> Vec<f64> {
-        let sums = self.weights.chunks_exact(self.inputs).zip(&self.bias);
-        sums.map(|(weights, bias)| {
-            f64::from(*bias) + weights.iter().zip(x).map(|(weight, x)| f64::from(*weight) * x).sum::<f64>()
-        })
-        .collect()
+        let rows = self.weights.chunks_exact(self.inputs).zip(&self.bias);
+        rows.map(|(weights, bias)| f64::from(*bias) + dot(weights, x)).collect()
     }
+}
+
+/// Number of sums in which a product of vectors is added up, so that the compiler can use vector instructions.
+const SUMS: usize = 8;
+
+/// Scalar product of vectors of equal length.
+fn dot(weights: &[f32], x: &[f64]) -> f64 {
+    let (weights, last_weights) = weights.as_chunks::<SUMS>();
+    let (x, last_x) = x.as_chunks::<SUMS>();
+    let mut sums = [0.0; SUMS];
+    for (weights, x) in weights.iter().zip(x) {
+        for k in 0..SUMS {
+            sums[k] += f64::from(weights[k]) * x[k];
+        }
+    }
+    let rest = last_weights.iter().zip(last_x).map(|(weight, x)| f64::from(*weight) * x);
+    sums.iter().sum::<f64>() + rest.sum::<f64>()
 }
 
 /// Selected rows of a matrix of `columns` columns. An empty matrix gives an empty result.

@@ -7,7 +7,7 @@ mod rivals;
 use finray_model::frame::FrameLoad;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{
-    Contact, ContactPosition, ContactQuestion, Direction, NonlinearEstimator, SensingError, sense_refining,
+    Contact, ContactPosition, ContactQuestion, Direction, NearForces, NonlinearEstimator, SensingError, sense_refining,
 };
 use finray_model::statics::{Statics, StaticsError};
 use finray_model::{Kinematics, Load, Mesh, NodeId, Vector};
@@ -218,9 +218,8 @@ fn an_estimate_starts_from_forces_that_are_known() -> Result<(), Box<dyn std::er
         let seen = Measurement::of_shape(&finger, &mesh.shape(&statics.equilibrium(&loads)?.motion));
         estimator.forget();
         let cold = estimator.estimate(&seen, Some(CAMERA_NOISE_MM))?;
-        estimator.hold_at(&forces_n);
-        estimator.reset();
-        let held = estimator.estimate(&seen, Some(CAMERA_NOISE_MM))?;
+        let near = NearForces { contacts: &contacts, forces_n: &forces_n, shape: None };
+        let held = estimator.estimate_near(near, false, &seen, Some(CAMERA_NOISE_MM))?;
         assert!(held.steps <= 3 && held.steps < cold.steps, "{} steps, {} from nothing", held.steps, cold.steps);
         for i in 0..2 {
             assert!((held.forces.forces_n[i] / cold.forces.forces_n[i] - 1.0).abs() < 1e-6, "{held:?}, {cold:?}");

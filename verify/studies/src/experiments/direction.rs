@@ -249,7 +249,7 @@ fn cells(
         // For the Cramer-Rao bound, the unknowns are the force components along and across the direction; for small angles, the angle is their ratio.
         components.reset();
         let bound = seen.and_then(|seen| components.estimate(&seen, Some(request.noise_mm)).ok());
-        let sigma = |k: usize| bound.as_ref().map(|bound| bound.covariance_n2[(k, k)].sqrt() / force_n);
+        let sigma = |k: usize| bound.as_ref().map(|bound| bound.forces.covariance_n2[(k, k)].sqrt() / force_n);
         DirectionCell {
             s_mm: contact.position_mm(finger).unwrap_or(f64::NAN),
             angle_deg: contact.angle_deg,

@@ -4,10 +4,10 @@
 //! the same camera also measures the undeformed positions, or these positions follow from the motor angle ([`DisplacementNoise`]). A generalised
 //! least-squares estimator uses the covariance of the displacement errors; an ordinary estimator assumes independent errors.
 
-use super::{Context, Evidence};
+use super::{Context, Evidence, ExperimentError};
 use crate::experiments::table_two::contact_sets;
 use crate::prelude::*;
-use crate::response::{RespondingFinger, Response};
+use crate::sampling::bound::linearised_markers;
 use crate::sampling::scatter::sampled_nodes;
 use finray_model::measurement::DisplacementNoise;
 use finray_numerics::optimise::covariance;
@@ -86,14 +86,6 @@ pub fn ordinary_n2(
     Some(&gain * noise.covariance_mm2(positions_mm, 1) * gain.transpose())
 }
 
-/// Deformed positions of the marked nodes in the finger frame, mm.
-fn positions_mm(finger: &Finger, displacements_mm: &DVector<f64>) -> Vec<Vector> {
-    let displaced = |(i, node): (usize, NodeId)| {
-        finger.position(node) + Vector::new(displacements_mm[2 * i], displacements_mm[2 * i + 1])
-    };
-    finger.marked_nodes().enumerate().map(displaced).collect()
-}
-
 impl Evidence for DisplacementNoiseStudy {
     fn checks(&self, context: &Context) -> Vec<Check> {
         if context.is_paper { vec![self.check()] } else { Vec::new() }
@@ -101,20 +93,18 @@ impl Evidence for DisplacementNoiseStudy {
 }
 
 /// Runs the study for a report; `None` without noise.
-pub(crate) fn run(context: &Context) -> Result<Option<DisplacementNoiseStudy>, LoadError> {
+pub(crate) fn run(context: &Context) -> Result<Option<DisplacementNoiseStudy>, ExperimentError> {
     let study = || DisplacementNoiseStudy::run(context.finger, context.noise_mm, context.checked_forces().half_n());
-    (context.noise_mm > 0.0).then(study).transpose()
+    Ok((context.noise_mm > 0.0).then(study))
 }
 
 impl DisplacementNoiseStudy {
     /// Study of single contact nodes (at most 12, without the tip), and of the pairs of Table II that exist on the finger. Each contact node carries
     /// `force_n` (N) along the normal; the two nodes of a pair carry it simultaneously. The camera's standard deviation is `image_sd_mm` (mm).
     /// Contacts without equilibrium are omitted.
-    ///
-    /// # Errors
-    /// [`LoadError`] if a node is not on the finger.
-    pub fn run(finger: &Finger, image_sd_mm: f64, force_n: f64) -> Result<DisplacementNoiseStudy, LoadError> {
+    pub fn run(finger: &Finger, image_sd_mm: f64, force_n: f64) -> DisplacementNoiseStudy {
         let mesh = Mesh::key_nodes(finger);
+        let mut statics = Statics::ladder(&mesh, Kinematics::Corotational);
         let mut sets: Vec<Vec<NodeId>> = sampled_nodes(finger).into_iter().map(|node| vec![node]).collect();
         sets.retain(|set| set[0] != finger.tip());
         let on_finger = |set: &&[usize]| set.iter().all(|&node| finger.contact_nodes().any(|other| other.0 == node));
@@ -122,13 +112,16 @@ impl DisplacementNoiseStudy {
         sets.extend(pairs.map(|pair| pair.iter().copied().map(NodeId).collect()));
         let mut rows = Vec::new();
         for nodes in &sets {
-            let forces: Vec<(Contact, f64)> = nodes.iter().map(|&node| (Contact::at_node(node), force_n)).collect();
-            let Some(response) = RespondingFinger::new(&mesh).under(&forces)? else { continue };
-            rows.extend(
-                models(image_sd_mm).iter().filter_map(|(name, noise)| row(finger, nodes, name, noise, &response)),
-            );
+            let contacts: Vec<Contact> = nodes.iter().copied().map(Contact::at_node).collect();
+            let forces_n = vec![force_n; nodes.len()];
+            let linearised = linearised_markers(&mut statics, &mesh, &contacts, &forces_n);
+            let Some((motion, derivatives)) = linearised else { continue };
+            let deformed = |node| finger.position(node) + motion.displacements[mesh.marker_node(node)];
+            let positions_mm: Vec<Vector> = finger.marked_nodes().map(deformed).collect();
+            let row = |(name, noise)| row(nodes, name, &noise, &positions_mm, &derivatives);
+            rows.extend(models(image_sd_mm).into_iter().filter_map(row));
         }
-        Ok(DisplacementNoiseStudy { image_sd_mm, force_n, rows })
+        DisplacementNoiseStudy { image_sd_mm, force_n, rows }
     }
 
     /// Checks that the error of an image of the undeformed finger increases every bound by sqrt(2).
@@ -142,20 +135,18 @@ impl DisplacementNoiseStudy {
 }
 
 fn row(
-    finger: &Finger,
     nodes: &[NodeId],
     name: &'static str,
     noise: &DisplacementNoise,
-    response: &Response,
+    positions_mm: &[Vector],
+    derivatives: &DMatrix<f64>,
 ) -> Option<DisplacementNoiseRow> {
-    let at = positions_mm(finger, &response.displacements_mm);
-    let derivatives = DMatrix::from_columns(&response.along);
     let rms_n = |covariance: DMatrix<f64>| (covariance.trace() / nodes.len() as f64).sqrt();
     Some(DisplacementNoiseRow {
         nodes: nodes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" "),
         noise: name,
-        bound_n: rms_n(bound_n2(noise, &at, &derivatives, 1)?),
-        bound_of_25_frames_n: rms_n(bound_n2(noise, &at, &derivatives, FRAMES)?),
-        ordinary_rms_n: rms_n(ordinary_n2(noise, &at, &derivatives)?),
+        bound_n: rms_n(bound_n2(noise, positions_mm, derivatives, 1)?),
+        bound_of_25_frames_n: rms_n(bound_n2(noise, positions_mm, derivatives, FRAMES)?),
+        ordinary_rms_n: rms_n(ordinary_n2(noise, positions_mm, derivatives)?),
     })
 }

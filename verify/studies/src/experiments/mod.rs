@@ -96,9 +96,9 @@ pub enum ExperimentError {
     /// A contact cannot be sensed.
     #[error(transparent)]
     Sensing(#[from] SensingError),
-    /// An estimator fails, or does not support the contacts.
+    /// A sensor refuses, or does not support the contacts.
     #[error(transparent)]
-    Estimator(#[from] EstimatorError),
+    Refused(#[from] Refusal),
     /// A network cannot be read.
     #[error(transparent)]
     Network(#[from] NetworkError),

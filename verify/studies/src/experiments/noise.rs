@@ -3,7 +3,7 @@
 use super::{Context, Evidence};
 use crate::experiments::table_two::condition_number;
 use crate::prelude::*;
-use crate::sampling::scatter::{self, Controlled, Counts, ScatterRequest, ScatterRow, scatter_controlled};
+use crate::sampling::scatter::{self, Controlled, Counts, ScatterRequest, ScatterRow};
 use crate::settings::{ONE_FORCE_N, TWO_FORCES_N};
 
 /// Tolerance of the mean relative error of one force at nodes 14 to 24. The mean error at the Cramer-Rao bound is largest at node 24: 1.2 %.
@@ -78,12 +78,12 @@ impl Evidence for NoiseStudy {
 }
 
 /// Runs the study for a report; `None` without noise.
-pub(crate) fn run(context: &Context) -> Result<Option<NoiseStudy>, EstimatorError> {
+pub(crate) fn run(context: &Context) -> Result<Option<NoiseStudy>, Refusal> {
     (context.noise_mm > 0.0).then(|| NoiseStudy::run(context)).transpose()
 }
 
 impl NoiseStudy {
-    fn run(context: &Context) -> Result<NoiseStudy, EstimatorError> {
+    fn run(context: &Context) -> Result<NoiseStudy, Refusal> {
         let &Context { finger, fine: truth, noise_mm, is_paper, progress, .. } = context;
         let [one_n, two_n] = [ONE_FORCE_N, TWO_FORCES_N].map(|range_n| context.checked_forces().scaled(range_n));
         let cases = Cases::of(context.effort, is_paper);
@@ -96,25 +96,22 @@ impl NoiseStudy {
         };
         progress.part("noise", singles.len() + pairs.len() + checked.len());
         let model = Mesh::with_elements_per_member(finger, ELEMENTS);
-        let nonlinear = BeamEstimator::nonlinear(&model);
-        // Reports show only the errors of pairs. Stated standard deviations are not shown, so the model error that they would include is not
-        // computed.
-        let of_pairs = [BeamEstimator::nonlinear, BeamEstimator::least_squares]
-            .map(|estimator| estimator(&model).of_noise_alone());
+        let [nonlinear, least_squares] = [EstimatorId::Nonlinear, EstimatorId::LeastSquares].map(SensorOptions::of);
+        let scene = PreparedScene::from(Scene::of_finger(finger.clone()));
         let noise_levels_mm = [noise_mm];
         let request = |cases| ScatterRequest {
             truth,
             kinematics: Kinematics::Corotational,
             model: &model,
+            scene: &scene,
             noise_levels_mm: &noise_levels_mm,
             cases,
             seed: 1,
         };
         let step = || progress.step();
-        let run = |sets: &[Vec<NodeId>], range_n, cases| {
-            scatter::scatter(&request(cases), &[&nonlinear], sets, range_n, &step)
-        };
-        let both = scatter_controlled(&request(cases.pairs), &[&of_pairs[0], &of_pairs[1]], &pairs, two_n, &step)?;
+        let alone = std::slice::from_ref(&nonlinear);
+        let run = |sets: &[Vec<NodeId>], range_n, cases| scatter::scatter(&request(cases), alone, sets, range_n, &step);
+        let both = scatter::scatter(&request(cases.pairs), &[nonlinear.clone(), least_squares], &pairs, two_n, &step)?;
         let (mut nonlinear_pairs, linear_pairs): (Vec<ScatterRow>, Vec<ScatterRow>) =
             both.into_iter().partition(|row| row.estimator == EstimatorId::Nonlinear);
         // On the paper's finger, pairs that exceed the tolerance, or are too close to it for a verdict, are computed again with more, newly drawn
@@ -122,7 +119,7 @@ impl NoiseStudy {
         let is_open = |&i: &usize| is_paper && nonlinear_pairs[i].is_near_tolerance(BOUND_TOLERANCE);
         let open: Vec<usize> = (0..pairs.len()).filter(is_open).collect();
         let sets: Vec<Vec<NodeId>> = open.iter().map(|&i| pairs[i].clone()).collect();
-        let again = scatter_controlled(&request(ENOUGH_PAIR_CASES), &[&of_pairs[0]], &sets, two_n, &|| ())?;
+        let again = scatter::scatter(&request(ENOUGH_PAIR_CASES), alone, &sets, two_n, &|| ())?;
         for (i, row) in open.into_iter().zip(again) {
             nonlinear_pairs[i] = row;
         }

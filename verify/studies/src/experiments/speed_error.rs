@@ -121,7 +121,7 @@ pub struct SpeedErrorPoint {
     pub seconds: f64,
     /// 95th percentile of the computation time per answer, s; `None` if only a median is given.
     pub seconds_95: Option<f64>,
-    /// Median preparation time for a new contact, s; only for sensing that was timed by the report.
+    /// Median time of the first answer for a new contact, s; only for sensing that was timed by the report.
     pub preparation_seconds: Option<f64>,
     /// Relative error. For shapes: worst difference from the reference, divided by the largest displacement. For forces: mean of |sensed / true - 1|.
     pub error: f64,

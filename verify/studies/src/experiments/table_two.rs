@@ -69,7 +69,7 @@ pub struct GroupErrors {
 }
 
 /// Condition number: largest over smallest singular value of the displacements of all markers under unit forces along the normal.
-pub(crate) fn condition_number(finger: &Finger, nodes: &[NodeId]) -> Result<f64, EstimatorError> {
+pub(crate) fn condition_number(finger: &Finger, nodes: &[NodeId]) -> Result<f64, SensingError> {
     let contacts: Vec<Contact> = nodes.iter().copied().map(Contact::at_node).collect();
     let estimator = LinearEstimator::new(finger, &contacts, &Measurement::at_rest(finger))?;
     let values = estimator.singular_values();

@@ -1,5 +1,6 @@
 //! Tests of sensing over many positions, directions, forces and noise samples.
 
+pub mod bound;
 pub mod map;
 pub mod noise;
 pub mod sampled;

@@ -14,7 +14,7 @@ pub struct SampledSensor {
 impl SampledSensor {
     /// An estimator that knows the contact.
     pub fn new(estimator: EstimatorId, networks: &Networks) -> SampledSensor {
-        let options = SensorOptions { estimator, networks: networks.clone(), ..SensorOptions::default() };
+        let options = SensorOptions { networks: networks.clone(), ..SensorOptions::of(estimator) };
         SampledSensor { options, stated: |_, contact| vec![contact] }
     }
 
@@ -23,9 +23,8 @@ impl SampledSensor {
     /// # Errors
     /// [`Refusal`] of the first stated contact that the estimator does not support.
     pub fn at(&self, scene: &PreparedScene, contact: Contact) -> Result<Vec<Sensor>, Refusal> {
-        let sensor = |contact: Contact| {
-            Sensor::new(scene.clone(), SensorContacts::Asked(vec![contact.into()]), self.options.clone())
-        };
+        let sensor =
+            |contact: Contact| Sensor::new(scene.clone(), SensorContacts::known(&[contact]), self.options.clone());
         (self.stated)(&scene.finger, contact).into_iter().map(sensor).collect()
     }
 }

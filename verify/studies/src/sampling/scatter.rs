@@ -1,14 +1,14 @@
 //! Sensing under camera noise: errors of each estimator against the Cramer-Rao bound, and coverage of its stated standard deviation.
 //!
-//! Random forces deform a true finger, and noise is added to its marker displacements. Each estimator knows the contact nodes and the directions
-//! (undeformed normals), and uses no result of earlier cases. All estimators get the same forces and noise. Each error is divided by the Cramer-Rao
+//! Random forces deform a true finger, and noise is added to its marker displacements. Each sensor knows the contact nodes and the directions
+//! (undeformed normals), and uses no result of earlier cases. All sensors get the same forces and noise. Each error is divided by the Cramer-Rao
 //! bound at the true forces of its case. For an unbiased estimator, the root mean square of these ratios is at least 1.
 
 mod cases;
 mod scout;
 
 use crate::prelude::*;
-use cases::{Case, Sample};
+use cases::Case;
 
 /// Mean of |x| for x of a normal distribution with standard deviation 1: sqrt(2 / pi).
 const MEAN_ABSOLUTE: f64 = 0.797_884_560_802_865_4;
@@ -25,6 +25,8 @@ pub struct ScatterRequest<'m> {
     pub kinematics: Kinematics,
     /// Mesh of the true finger on which the Cramer-Rao bound is computed.
     pub model: &'m Mesh,
+    /// The scene that the sensors assume.
+    pub scene: &'m PreparedScene,
     /// Standard deviations of a coordinate's noise, mm; 0 means no noise. All noise levels use the same forces and the same noise, scaled to the
     /// level.
     pub noise_levels_mm: &'m [f64],
@@ -37,14 +39,14 @@ pub struct ScatterRequest<'m> {
 /// Errors of one quantity: a force, or the sum of all forces.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Scatter {
-    /// Mean of |sensed / true - 1|, dimensionless; computed with the control variate of [`Controlled`], if requested.
+    /// Mean of |sensed / true - 1|, dimensionless; computed with the control variate of [`Controlled`], if every case has a bound.
     pub mean_error: f64,
     /// Mean of |sensed - true|, N.
     pub mean_error_n: f64,
     /// Errors relative to the Cramer-Rao bound. `None` if no case has a bound, or without noise, because the bound is then 0.
     #[serde(flatten)]
     pub bound: Option<AgainstBound>,
-    /// Coverage of the stated standard deviations; `None` without noise, or if the estimator states no standard deviations.
+    /// Coverage of the stated standard deviations; `None` without noise.
     #[serde(flatten)]
     pub coverage: Option<Coverage>,
 }
@@ -58,7 +60,7 @@ pub struct AgainstBound {
     pub over_bound: f64,
     /// Mean of error / bound, dimensionless.
     pub bias_over_bound: f64,
-    /// Root mean square of error / bound with a control variate, if requested.
+    /// Root mean square of error / bound with a control variate; `None` if fewer than two cases, or not all cases, have a bound.
     #[serde(flatten)]
     pub controlled: Option<Controlled>,
 }
@@ -170,55 +172,31 @@ impl ScatterRow {
     }
 }
 
-/// Senses random forces, uniform in `range_n` (N), and returns one row for each set of contact nodes, noise level and estimator, in this order.
-/// `progress` is called after each set. The results of an estimator do not depend on the number of threads or on the other estimators.
+/// Senses random forces, uniform in `range_n` (N), and returns one row for each set of contact nodes, noise level and sensor, in this order.
+/// `progress` is called after each set. The results of a sensor do not depend on the number of threads or on the other sensors.
 ///
 /// # Errors
-/// [`EstimatorError`] if a node is no contact node, or an estimator does not support the contacts.
+/// [`Refusal`] if a node is no contact node, or an estimator does not support the contacts.
 pub fn scatter(
     request: &ScatterRequest,
-    estimators: &[&dyn Estimator],
+    sensors: &[SensorOptions],
     sets: &[Vec<NodeId>],
     range_n: [f64; 2],
     progress: &(dyn Fn() + Sync),
-) -> Result<Vec<ScatterRow>, EstimatorError> {
-    rows(request, estimators, sets, (range_n, false), progress)
-}
-
-/// Like [`scatter`], but also returns each row's [`Controlled`] figures, at the cost of one more estimate per case and noise level.
-///
-/// # Errors
-/// [`EstimatorError`] for the reasons that [`scatter`] lists.
-pub fn scatter_controlled(
-    request: &ScatterRequest,
-    estimators: &[&dyn Estimator],
-    sets: &[Vec<NodeId>],
-    range_n: [f64; 2],
-    progress: &(dyn Fn() + Sync),
-) -> Result<Vec<ScatterRow>, EstimatorError> {
-    rows(request, estimators, sets, (range_n, true), progress)
-}
-
-fn rows(
-    request: &ScatterRequest,
-    estimators: &[&dyn Estimator],
-    sets: &[Vec<NodeId>],
-    (range_n, controlled): ([f64; 2], bool),
-    progress: &(dyn Fn() + Sync),
-) -> Result<Vec<ScatterRow>, EstimatorError> {
+) -> Result<Vec<ScatterRow>, Refusal> {
     let of_set = |(stream, nodes): (usize, &Vec<NodeId>)| {
         let contacts: Vec<Contact> = nodes.iter().copied().map(Contact::at_node).collect();
-        let cases = cases::cases(request, estimators, &contacts, (range_n, controlled), stream as u64)?;
+        let cases = cases::cases(request, sensors, &contacts, range_n, stream as u64)?;
         progress();
         let mut rows = Vec::new();
         for (level, &noise_mm) in request.noise_levels_mm.iter().enumerate() {
-            for (i, estimator) in estimators.iter().enumerate() {
-                rows.push(row(estimator.id(), nodes, noise_mm, &cases, [level, i]));
+            for (i, sensor) in sensors.iter().enumerate() {
+                rows.push(row(sensor.estimator, nodes, noise_mm, &cases, [level, i]));
             }
         }
         Ok(rows)
     };
-    let rows: Result<Vec<_>, EstimatorError> = sets.par_iter().enumerate().with_max_len(1).map(of_set).collect();
+    let rows: Result<Vec<_>, Refusal> = sets.par_iter().enumerate().with_max_len(1).map(of_set).collect();
     Ok(rows?.into_iter().flatten().collect())
 }
 
@@ -240,7 +218,7 @@ pub fn pairs(nodes: &[NodeId]) -> Vec<Vec<NodeId>> {
     (0..nodes.len()).flat_map(from).collect()
 }
 
-/// Row of the estimator with index `number` at the noise level with index `level`.
+/// Row of the sensor with index `number` at the noise level with index `level`.
 fn row(
     estimator: EstimatorId,
     nodes: &[NodeId],
@@ -252,26 +230,22 @@ fn row(
     let mut sum = Sums::default();
     let (mut answered, mut refused, mut not_carried) = (0, 0, 0);
     for case in cases {
-        let Sample { bound, first_order, sensed } = &case.samples[level];
         not_carried += case.not_carried;
-        let Some(sensed) = &sensed[number] else {
+        let Some(sensed) = &case.sensed[level][number] else {
             refused += 1;
             continue;
         };
         answered += 1;
-        for (i, sums) in forces.iter_mut().enumerate() {
-            let sigma = |of: &Sensed| of.sigmas_n.as_ref().map(|sigmas| sigmas[i]);
-            let errors =
-                [sensed.forces_n[i] - case.forces_n[i], first_order.as_ref().map_or(f64::NAN, |errors| errors[i])];
-            sums.add(case.forces_n[i], errors, bound.as_ref().and_then(sigma), sigma(sensed));
+        let bound = case.bound.as_ref().filter(|_| noise_mm > 0.0);
+        let bounds_n = bound.map(|(bound, _)| bound.sigmas_n(noise_mm));
+        for (i, (sums, found)) in forces.iter_mut().zip(&sensed.forces).enumerate() {
+            let bound =
+                bounds_n.as_ref().zip(bound).map(|(sigmas_n, (_, response))| [sigmas_n[i], noise_mm * response[i]]);
+            sums.add(case.forces_n[i], found.force_n, found.sigma_n, bound);
         }
-        let bound = bound.as_ref().and_then(|bound| bound.sum_sigma_n);
-        let true_sum: f64 = case.forces_n.iter().sum();
-        let errors = [
-            sensed.forces_n.iter().sum::<f64>() - true_sum,
-            first_order.as_ref().map_or(f64::NAN, |errors| errors.iter().sum::<f64>()),
-        ];
-        sum.add(true_sum, errors, bound, sensed.sum_sigma_n);
+        let bound = bound.map(|(bound, response)| [bound.sum_sigma_n(noise_mm), noise_mm * response.sum()]);
+        let [sensed_n, sigma_n] = sensed.sum();
+        sum.add(case.forces_n.iter().sum(), sensed_n, sigma_n, bound);
     }
     let noisy = noise_mm > 0.0;
     ScatterRow {
@@ -291,59 +265,53 @@ struct Sums {
     cases: usize,
     error: f64,
     error_n: f64,
-    /// Sum of |first-order response / true value| over the controlled cases.
-    response: f64,
+    /// Number of cases with a bound, over which the following sums run.
     bounded: usize,
     bound: f64,
     standardised: f64,
     squared: f64,
-    /// Number of cases with a first-order response. Over these cases, `beyond` sums z^2 - z1^2 and `beyond_squared` sums its square, with z and z1 of
-    /// [`Controlled`].
-    controlled: usize,
+    /// Sum of |first-order response / true value|.
+    response: f64,
+    /// Sum of z^2 - z1^2 and of its square, with z and z1 of [`Controlled`].
     beyond: f64,
     beyond_squared: f64,
-    stated: usize,
     one_sigma: usize,
     two_sigma: usize,
 }
 
 impl Sums {
-    /// Adds a case, given by the true value, the error, the first-order error (NaN if not computed), the bound, and the stated standard deviation.
-    fn add(&mut self, truth: f64, [error, first_order]: [f64; 2], bound: Option<f64>, stated_sigma: Option<f64>) {
+    /// Adds a case, given by the true value, the sensed value with its stated standard deviation, and the bound with the first-order error due to the
+    /// noise, all N.
+    fn add(&mut self, truth: f64, sensed: f64, sigma: f64, bound: Option<[f64; 2]>) {
+        let error = sensed - truth;
         self.cases += 1;
         self.error += (error / truth).abs();
         self.error_n += error.abs();
-        if let Some(bound) = bound {
+        if let Some([bound, first_order]) = bound {
+            let beyond = (error / bound).powi(2) - (first_order / bound).powi(2);
             self.bounded += 1;
             self.bound += MEAN_ABSOLUTE * bound / truth;
             self.standardised += error / bound;
             self.squared += (error / bound).powi(2);
-            if first_order.is_finite() {
-                let beyond = (error / bound).powi(2) - (first_order / bound).powi(2);
-                self.controlled += 1;
-                self.response += (first_order / truth).abs();
-                self.beyond += beyond;
-                self.beyond_squared += beyond * beyond;
-            }
+            self.response += (first_order / truth).abs();
+            self.beyond += beyond;
+            self.beyond_squared += beyond * beyond;
         }
-        if let Some(sigma) = stated_sigma {
-            self.stated += 1;
-            self.one_sigma += usize::from(error.abs() <= sigma);
-            self.two_sigma += usize::from(error.abs() <= TWO_SIDED_95 * sigma);
-        }
+        self.one_sigma += usize::from(error.abs() <= sigma);
+        self.two_sigma += usize::from(error.abs() <= TWO_SIDED_95 * sigma);
     }
 
     fn controlled(&self) -> Controlled {
-        let count = self.controlled as f64;
+        let count = self.bounded as f64;
         let mean = self.beyond / count;
         let variance = (self.beyond_squared / count - mean * mean).max(0.0) / (count - 1.0);
         let root = (1.0 + mean).sqrt();
         Controlled { over_bound_controlled: root, standard_error: variance.sqrt() / (2.0 * root) }
     }
 
-    /// Whether every case has its first-order response. A figure computed with the control variate from only some of the cases would be biased.
+    /// Whether every case has a bound. A figure computed with the control variate from only some of the cases would be biased.
     fn is_controlled(&self) -> bool {
-        self.controlled > 1 && self.controlled == self.cases
+        self.bounded > 1 && self.bounded == self.cases
     }
 
     fn mean(&self, noisy: bool) -> Option<Scatter> {
@@ -358,9 +326,9 @@ impl Sums {
                 bias_over_bound: over(self.standardised, self.bounded),
                 controlled: self.is_controlled().then(|| self.controlled()),
             }),
-            coverage: (noisy && self.stated > 0).then(|| Coverage {
-                one_sigma: over(self.one_sigma as f64, self.stated),
-                two_sigma: over(self.two_sigma as f64, self.stated),
+            coverage: noisy.then(|| Coverage {
+                one_sigma: over(self.one_sigma as f64, self.cases),
+                two_sigma: over(self.two_sigma as f64, self.cases),
             }),
         })
     }

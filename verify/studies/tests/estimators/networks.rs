@@ -1,11 +1,12 @@
 //! Accuracy of the shipped networks on new random forces of the co-rotational finger with 684 nodes and camera noise. `FINRAY_TEST_CASES=full` runs
 //! the full study, which takes half a minute on two cores.
 
-use finray_model::estimators::network::{NetworkSensing, Networks, NoNetwork};
-use finray_model::estimators::{BeamEstimator, ELEMENTS, Estimator};
+use finray_model::estimators::EstimatorId;
+use finray_model::estimators::network::{Networks, NoNetwork};
 use finray_model::measurement::Measurement;
 use finray_model::sensing::network::NetworkEstimator;
-use finray_model::{Kinematics, Mesh, NodeId, statics};
+use finray_model::sensor::SensorOptions;
+use finray_model::{Kinematics, Mesh, NodeId, Scene, statics};
 use finray_studies::experiments::networks::shipping::{Shipping, shipping};
 use finray_studies::sampling::scatter::{ScatterRequest, ScatterRow, scatter, singles};
 use finray_studies::settings::TWO_FORCES_N;
@@ -24,22 +25,17 @@ fn nodes(numbers: &[usize]) -> Vec<NodeId> {
     numbers.iter().copied().map(NodeId).collect()
 }
 
-fn errors(
-    fine: &Mesh,
-    model: &Mesh,
-    estimators: &[&dyn Estimator],
-    sets: &[Vec<NodeId>],
-    cases: usize,
-) -> Vec<ScatterRow> {
+fn errors(fine: &Mesh, model: &Mesh, sensors: &[SensorOptions], sets: &[Vec<NodeId>], cases: usize) -> Vec<ScatterRow> {
     let request = ScatterRequest {
         truth: fine,
         kinematics: Kinematics::Corotational,
         model,
+        scene: &Scene::of_finger(fine.finger().clone()).into(),
         noise_levels_mm: &[CAMERA_NOISE_MM],
         cases,
         seed: 20,
     };
-    scatter(&request, estimators, sets, TWO_FORCES_N, &|| {}).expect("contact nodes")
+    scatter(&request, sensors, sets, TWO_FORCES_N, &|| {}).expect("contact nodes")
 }
 
 /// For every node and every pair of nodes with a shipped network, mean errors are within the tolerance and close to the bound. No case is refused,
@@ -48,7 +44,7 @@ fn errors(
 fn errors_are_near_the_bound() {
     let finger = paper();
     let networks = Networks::read(&finray_fixtures::NETWORKS).expect("networks that read");
-    let sensing = NetworkSensing { networks: &networks, finger: &finger, refuses: true };
+    let network = SensorOptions { networks, ..SensorOptions::of(EstimatorId::Network) };
     let (fine, key_nodes) = (fine_mesh(&finger).expect("a mesh"), Mesh::key_nodes(&finger));
     let cases = case_count(200, 4000);
     let each = singles(&nodes(&[14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24]));
@@ -56,7 +52,7 @@ fn errors_are_near_the_bound() {
     let apart = [nodes(&[18, 20]), nodes(&[16, 20])];
     let chance = 1.0 + STANDARD_ERRORS * SPREAD / (cases as f64).sqrt();
     for (sets, force, sum) in [(&each[..], 0.016, 0.016), (&near[..], 0.04, 0.01), (&apart[..], 0.02, 0.01)] {
-        for row in errors(&fine, &key_nodes, &[&sensing], sets, cases) {
+        for row in errors(&fine, &key_nodes, std::slice::from_ref(&network), sets, cases) {
             assert_eq!((row.cases, row.refused), (cases, 0), "{row:?}");
             let all = row.sum.expect("a sum");
             println!(
@@ -88,13 +84,12 @@ fn errors_are_near_the_bound() {
 fn the_network_for_any_nodes_beats_ridge() {
     let finger = paper();
     let networks = Networks::read(&finray_fixtures::NETWORKS).expect("networks that read");
-    let sensing = NetworkSensing { networks: &networks, finger: &finger, refuses: true };
+    let network = SensorOptions { networks, ..SensorOptions::of(EstimatorId::Network) };
     let (fine, key_nodes) = (fine_mesh(&finger).expect("a mesh"), Mesh::key_nodes(&finger));
-    let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
-    let ridge = BeamEstimator::ridge(&mesh);
+    let ridge = SensorOptions::of(EstimatorId::Ridge);
     let sets = [&[15, 22][..], &[14, 18, 22], &[15, 16, 17], &[13, 16, 19, 22], &[14, 16, 18, 20, 22]];
     let sets: Vec<_> = sets.into_iter().map(nodes).collect();
-    let rows = errors(&fine, &key_nodes, &[&sensing, &ridge], &sets, case_count(100, 2000));
+    let rows = errors(&fine, &key_nodes, &[network, ridge], &sets, case_count(100, 2000));
     for pair in rows.chunks(2) {
         let [network, ridge] = pair else { panic!("a row for each estimator") };
         let [ours, theirs] = [network, ridge].map(|row| row.mean_error().expect("forces"));

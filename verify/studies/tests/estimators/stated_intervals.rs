@@ -1,9 +1,9 @@
 //! Stated intervals have their nominal coverage, with and without a stated noise.
 
-use finray_model::estimators::{BeamEstimator, ELEMENTS, Estimator};
+use finray_model::estimators::EstimatorId::{LeastSquares, Nonlinear, Ridge};
 use finray_model::measurement::Measurement;
-use finray_model::{Kinematics, Mesh, NodeId};
-use finray_studies::settings::TWO_SIDED_95;
+use finray_model::sensor::{PreparedScene, Sensor, SensorContacts, SensorOptions};
+use finray_model::{Kinematics, NodeId, Scene};
 use finray_studies::truths::TruthId;
 use finray_studies::truths::{MeshTruth, Truth, fine_mesh};
 use finray_tests::{CAMERA_NOISE_MM, at_node, at_position, case_count, noisy, paper, seen};
@@ -18,12 +18,7 @@ fn intervals_cover_the_truth_where_no_noise_is_stated() {
     let samples = case_count(60, 300);
     let finger = paper();
     let fine = fine_mesh(&finger).expect("684 nodes");
-    let [key_nodes, four] = [1, ELEMENTS].map(|elements| Mesh::with_elements_per_member(&finger, elements));
-    let estimators = [
-        ("least squares", BeamEstimator::least_squares(&key_nodes)),
-        ("ridge", BeamEstimator::ridge(&key_nodes)),
-        ("nonlinear", BeamEstimator::nonlinear(&four)),
-    ];
+    let scene = PreparedScene::from(Scene::of_finger(finger.clone()));
     let mut rng = ChaCha8Rng::seed_from_u64(12);
     let all: Vec<NodeId> = finger.free_nodes().collect();
     // Each case lists node, direction, force and number of markers. The last two cases have two markers and one marker, which leaves 3 degrees of
@@ -47,14 +42,16 @@ fn intervals_cover_the_truth_where_no_noise_is_stated() {
         let clean =
             seen(&fine, &[contact], &[force_n], Kinematics::Corotational).expect("an equilibrium").without(&hidden);
         assert_eq!(clean.markers().len(), markers);
-        for (name, estimator) in &estimators {
+        for name in [LeastSquares, Ridge, Nonlinear] {
+            let contacts = SensorContacts::known(&[contact]);
+            let sensor = Sensor::new(scene.clone(), contacts, SensorOptions::of(name)).expect("a contact");
             let mut covered = 0;
             for _ in 0..samples {
                 let noisy = noisy(&clean, CAMERA_NOISE_MM, &mut rng);
-                let mut prepared = estimator.prepare(&[contact], &noisy).expect("well-posed");
                 // A refusal states no interval, so it counts as covered.
-                covered += usize::from(prepared.estimate(&noisy, None).map_or(true, |sensed| {
-                    (sensed.forces_n[0] - force_n).abs() <= TWO_SIDED_95 * sensed.sigmas_n.expect("stated")[0]
+                covered += usize::from(sensor.sense_displacements(&noisy, None, None).map_or(true, |sensed| {
+                    let [least_n, most_n] = sensed.forces[0].interval_n();
+                    (least_n..=most_n).contains(&force_n)
                 }));
             }
             // The limit is 93 %, minus three binomial standard deviations.
@@ -74,13 +71,9 @@ fn stated_intervals_cover_the_truth_over_the_map() {
     let finger = paper();
     let fine = fine_mesh(&finger).expect("684 nodes");
     let truth = MeshTruth::new(TruthId::Corotational, &fine, Kinematics::Corotational).expect("a finger that is held");
-    let [key_nodes, four] = [1, ELEMENTS].map(|elements| Mesh::with_elements_per_member(&finger, elements));
-    let estimators = [
-        ("least squares", BeamEstimator::least_squares(&key_nodes)),
-        ("ridge", BeamEstimator::ridge(&key_nodes)),
-        ("nonlinear, 25 nodes", BeamEstimator::nonlinear(&key_nodes)),
-        ("nonlinear", BeamEstimator::nonlinear(&four)),
-    ];
+    let scene = PreparedScene::from(Scene::of_finger(finger.clone()));
+    let coarse = SensorOptions { mesh_nodes: Some(25), ..SensorOptions::of(Nonlinear) };
+    let options = [SensorOptions::of(LeastSquares), SensorOptions::of(Ridge), coarse, SensorOptions::of(Nonlinear)];
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     // For each estimator, without and with a warning: numbers of answers and of covering intervals.
     let mut counts = [[[0_usize; 2]; 2]; 4];
@@ -89,20 +82,22 @@ fn stated_intervals_cover_the_truth_over_the_map() {
         for direction in 0..9 {
             let s_mm = 153.0 * (position as f64 + 0.6) / 12.0;
             let contact = at_position(s_mm, -80.0 + 20.0 * direction as f64);
+            let sensors = options.each_ref().map(|options| {
+                Sensor::new(scene.clone(), SensorContacts::known(&[contact]), options.clone()).expect("a contact")
+            });
             let forces_n = [0.5, 1.0, 2.0, 3.0];
             for (shape, force_n) in truth.shapes(&contact, &forces_n).iter().zip(forces_n) {
                 for _ in 0..3 {
                     let noisy = noisy(&Measurement::of_shape(&finger, shape), CAMERA_NOISE_MM, &mut rng);
                     drawn += 1;
-                    for (k, (_, estimator)) in estimators.iter().enumerate() {
-                        let mut prepared = estimator.prepare(&[contact], &noisy).expect("well-posed");
-                        let Ok(sensed) = prepared.estimate(&noisy, Some(CAMERA_NOISE_MM)) else {
+                    for (k, sensor) in sensors.iter().enumerate() {
+                        let Ok(sensed) = sensor.sense_displacements(&noisy, Some(CAMERA_NOISE_MM), None) else {
                             refused[k] += 1;
                             continue;
                         };
-                        let sigma_n = sensed.sigmas_n.expect("stated")[0];
-                        let covered = (sensed.forces_n[0] - force_n).abs() <= TWO_SIDED_95 * sigma_n;
-                        let [answers, covers] = &mut counts[k][usize::from(sensed.warned)];
+                        let [least_n, most_n] = sensed.forces[0].interval_n();
+                        let covered = (least_n..=most_n).contains(&force_n);
+                        let [answers, covers] = &mut counts[k][usize::from(!sensed.warnings.is_empty())];
                         *answers += 1;
                         *covers += usize::from(covered);
                     }
@@ -111,7 +106,8 @@ fn stated_intervals_cover_the_truth_over_the_map() {
         }
     }
     assert!(drawn > 1000, "{drawn} samples");
-    for (k, (name, _)) in estimators.iter().enumerate() {
+    for (k, SensorOptions { estimator: name, mesh_nodes, .. }) in options.iter().enumerate() {
+        let name = format!("{name}, {mesh_nodes:?} nodes");
         let [plain, warned] = counts[k];
         assert_eq!(plain[0] + warned[0] + refused[k], drawn);
         assert!(50 * refused[k] <= drawn, "{name}: {} of {drawn} refused", refused[k]);

@@ -2,11 +2,12 @@
 
 use super::{assert_said, ends, joined, percent};
 use crate::sampling::scatter::{CASES, CHANCE};
-use finray_model::estimators::network::{NetworkSensing, Networks};
-use finray_model::estimators::{BeamEstimator, ELEMENTS, Estimator, EstimatorId};
+use finray_model::estimators::EstimatorId;
+use finray_model::estimators::network::Networks;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::LinearEstimator;
-use finray_model::{Kinematics, Mesh, NodeId};
+use finray_model::sensor::{PreparedScene, SensorOptions};
+use finray_model::{Kinematics, Mesh, NodeId, Scene};
 use finray_studies::experiments::networks::paper::{
     PAPER_RECIPES, SAME_FACTOR, figures, quantities, recorded, recorded_sets,
 };
@@ -20,7 +21,7 @@ use serde::{Deserialize, Serialize};
 
 /// Tolerance for linear sensing of the linear finger without noise: rounding errors times the condition number for neighbouring contacts.
 const ROUNDING: f64 = 1e-8;
-/// Tolerance for nonlinear sensing without noise, with four elements per member; shapes on this mesh have an error of 0.04 %.
+/// Tolerance for nonlinear sensing without noise: the error at which refinement of the mesh ends.
 const MESH_ERROR: f64 = 0.002;
 /// Largest number of cases per set for the nonlinear estimator, which takes as long as all others together; on the linear finger, whose shapes no
 /// co-rotational finger fits, its search tries every starting point and takes a hundred times as long.
@@ -31,23 +32,29 @@ const NOISES_MM: [f64; 2] = [0.0, CAMERA_NOISE_MM];
 pub fn sensed(cases: usize) -> [(TruthId, Vec<ScatterRow>); 2] {
     let finger = paper();
     let (key_nodes, fine) = (Mesh::key_nodes(&finger), fine_mesh(&finger).expect("684 nodes"));
-    let model = Mesh::with_elements_per_member(&finger, ELEMENTS);
-    let [least_squares, ridge, nonlinear] =
-        [BeamEstimator::least_squares, BeamEstimator::ridge, BeamEstimator::nonlinear]
-            .map(|estimator| estimator(&model).of_noise_alone());
+    let scene = PreparedScene::from(Scene::of_finger(finger));
     let networks = Networks::read(&finray_fixtures::NETWORKS).expect("networks that ship");
-    let network = NetworkSensing { networks: &networks, finger: &finger, refuses: true };
+    let sensor = |estimator| SensorOptions { networks: networks.clone(), ..SensorOptions::of(estimator) };
+    let direct = [EstimatorId::LeastSquares, EstimatorId::Ridge, EstimatorId::Network].map(sensor);
+    let searching = [EstimatorId::Nonlinear].map(sensor);
     let sets: Vec<Vec<NodeId>> =
         contact_sets().iter().map(|set| set.iter().map(|&node| NodeId(node)).collect()).collect();
-    let run = |mesh, kinematics, cases, estimators: &[&dyn Estimator]| {
+    let run = |mesh, kinematics, cases, sensors: &[SensorOptions]| {
         // The Cramer-Rao bound depends little on the mesh, so the coarsest mesh suffices.
-        let request =
-            ScatterRequest { truth: mesh, kinematics, model: &key_nodes, noise_levels_mm: &NOISES_MM, cases, seed: 1 };
-        scatter(&request, estimators, &sets, FORCES_N, &|| ()).expect("the paper's contact nodes")
+        let request = ScatterRequest {
+            truth: mesh,
+            kinematics,
+            model: &key_nodes,
+            scene: &scene,
+            noise_levels_mm: &NOISES_MM,
+            cases,
+            seed: 1,
+        };
+        scatter(&request, sensors, &sets, FORCES_N, &|| ()).expect("the paper's contact nodes")
     };
     let of = |mesh, kinematics, fits| {
-        let mut rows = run(mesh, kinematics, cases, &[&least_squares, &ridge, &network]);
-        rows.extend(run(mesh, kinematics, fits, &[&nonlinear]));
+        let mut rows = run(mesh, kinematics, cases, &direct);
+        rows.extend(run(mesh, kinematics, fits, &searching));
         rows
     };
     let linear = of(&key_nodes, Kinematics::Linear, cases.div_ceil(4).min(MOST_FITS[0]));

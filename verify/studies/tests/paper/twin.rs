@@ -8,10 +8,11 @@ use super::table_one::{NODES, TableOne, modulus_factor, table_one, uniform};
 use super::{assert_said, ends, joined, percent, same};
 use finray_fixtures::TWIN_SCENE;
 use finray_model::calibration::{CalibrationCase, FactorEstimate, FactorModel, Unknown, factors};
-use finray_model::estimators::{BeamEstimator, ELEMENTS, Estimator};
+use finray_model::estimators::{ELEMENTS, EstimatorId};
 use finray_model::finger::{FingerDescription, Part, Zone};
 use finray_model::measurement::Measurement;
-use finray_model::{Finger, Kinematics, Mesh, NodeId};
+use finray_model::sensor::SensorOptions;
+use finray_model::{Finger, Kinematics, Mesh, NodeId, Scene};
 use finray_numerics::optimise::{Convergence, FromFunction, LevenbergMarquardt, Refusal, covariance};
 use finray_studies::experiments::causes::WEIGHTS_N;
 use finray_studies::sampling::scatter::{ScatterRequest, ScatterRow, scatter};
@@ -237,24 +238,24 @@ fn calibrate(finger: &Finger, truth: &dyn Truth, seed: u64) -> FactorEstimate {
 
 /// Senses random forces at nodes 14 to 24 of the twin with noise: by the uniform linear model, and by linear and nonlinear models with known zones.
 fn sense(twin: &Mesh, known: &Finger) -> Vec<ScatterRow> {
-    let [uniform, linear] = [&paper(), known].map(Mesh::key_nodes);
-    let [nonlinear, bound] = [known, twin.finger()].map(|finger| Mesh::with_elements_per_member(finger, ELEMENTS));
-    let estimators = [
-        BeamEstimator::least_squares(&uniform),
-        BeamEstimator::least_squares(&linear),
-        BeamEstimator::nonlinear(&nonlinear),
-    ];
-    let request = ScatterRequest {
-        truth: twin,
-        kinematics: Kinematics::Corotational,
-        model: &bound,
-        noise_levels_mm: &[CAMERA_NOISE_MM],
-        cases: 400,
-        seed: 1,
-    };
+    let bound = Mesh::with_elements_per_member(twin.finger(), ELEMENTS);
     let sets: Vec<_> = (14..=24).map(|node| vec![NodeId(node)]).collect();
-    let estimators = estimators.each_ref().map(|estimator| estimator as &dyn Estimator);
-    scatter(&request, &estimators, &sets, ONE_FORCE_N, &|| ()).expect("contact nodes")
+    let sense = |finger: &Finger, estimators: &[EstimatorId]| {
+        let request = ScatterRequest {
+            truth: twin,
+            kinematics: Kinematics::Corotational,
+            model: &bound,
+            scene: &Scene::of_finger(finger.clone()).into(),
+            noise_levels_mm: &[CAMERA_NOISE_MM],
+            cases: 400,
+            seed: 1,
+        };
+        let sensors: Vec<_> = estimators.iter().map(|&estimator| SensorOptions::of(estimator)).collect();
+        scatter(&request, &sensors, &sets, ONE_FORCE_N, &|| ()).expect("contact nodes")
+    };
+    let uniform = sense(&paper(), &[EstimatorId::LeastSquares]);
+    let known = sense(known, &[EstimatorId::LeastSquares, EstimatorId::Nonlinear]);
+    uniform.into_iter().zip(known.chunks(2)).flat_map(|(one, both)| [&[one], both].concat()).collect()
 }
 
 /// Rows of [`sense`] with the zones of the first calibration.

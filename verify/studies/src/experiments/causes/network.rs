@@ -26,7 +26,7 @@ pub fn causes(
     truth: TruthId,
     finger: &Finger,
     believed: &Finger,
-    network: &dyn Estimator,
+    network: &(dyn Fn(NodeId) -> Result<Sensor, Refusal> + Sync),
     forces_n: &[f64],
     noise_mm: f64,
 ) -> Result<CauseMap, ExperimentError> {
@@ -44,10 +44,10 @@ pub fn causes(
     let worlds: Vec<World> = worlds
         .map(|off| World::without(off, truth, finger, believed, &request.weights_n))
         .collect::<Result<_, ExperimentError>>()?;
-    let at_rest = Measurement::at_rest(finger);
-    let nodes: Vec<NodeId> =
-        believed.contact_nodes().filter(|node| network.prepare(&[Contact::at_node(*node)], &at_rest).is_ok()).collect();
-    let cells = |&node: &NodeId| -> Vec<CauseCell> {
+    let sensors: Vec<(NodeId, Sensor)> =
+        believed.contact_nodes().filter_map(|node| Some((node, network(node).ok()?))).collect();
+    let cells = |(node, network): &(NodeId, Sensor)| -> Vec<CauseCell> {
+        let node = *node;
         let errors: Vec<_> = worlds.iter().map(|world| world.errors(node, network, forces_n, noise_mm)).collect();
         let cell = |(i, &force_n): (usize, &f64)| {
             let (without, all) = (&errors[..causes.len()], errors[causes.len()][i]);
@@ -62,8 +62,8 @@ pub fn causes(
         };
         forces_n.iter().enumerate().map(cell).collect()
     };
-    let cells: Vec<CauseCell> = nodes.par_iter().with_max_len(1).flat_map_iter(cells).collect();
-    request.positions_mm = nodes.iter().filter_map(|node| believed.front_position_mm(*node)).collect();
+    let cells: Vec<CauseCell> = sensors.par_iter().with_max_len(1).flat_map_iter(cells).collect();
+    request.positions_mm = sensors.iter().filter_map(|(node, _)| believed.front_position_mm(*node)).collect();
     Ok(CauseMap { request, truth, practice: Practice::Network, contact: ContactKnowledge::Assumed, causes, cells })
 }
 
@@ -101,7 +101,7 @@ impl World {
     }
 
     /// Mean square of sensed / true - 1 at a node, by force (N); `None` if the finger has no equilibrium or sensing refuses.
-    fn errors(&self, node: NodeId, network: &dyn Estimator, forces_n: &[f64], noise_mm: f64) -> Vec<Option<f64>> {
+    fn errors(&self, node: NodeId, network: &Sensor, forces_n: &[f64], noise_mm: f64) -> Vec<Option<f64>> {
         let off = |cause| self.off == Some(cause);
         let mut sums = vec![Some(0.0); forces_n.len()];
         let Ok(truth) = MeshTruth::new(self.truth, &self.mesh, Kinematics::Corotational) else {
@@ -116,8 +116,8 @@ impl World {
             let seen: Vec<_> = shapes.iter().map(|shape| Measurement::of_shape(finger, shape)).collect();
             let errors = match self.off {
                 Some(Cause::NetworkFit) => self.by_the_model(node, &seen, forces_n, noise_mm),
-                Some(Cause::Noise) => self.by_the_network(node, network, &seen, forces_n, 0.0),
-                _ => self.by_the_network(node, network, &seen, forces_n, noise_mm),
+                Some(Cause::Noise) => self.by_the_network(network, &seen, forces_n, 0.0),
+                _ => self.by_the_network(network, &seen, forces_n, noise_mm),
             };
             for (i, sum) in sums.iter_mut().enumerate() {
                 let error = errors.get(i).copied().flatten();
@@ -129,24 +129,19 @@ impl World {
 
     fn by_the_network(
         &self,
-        node: NodeId,
-        network: &dyn Estimator,
+        network: &Sensor,
         seen: &[Measurement],
         forces_n: &[f64],
         noise_mm: f64,
     ) -> Vec<Option<f64>> {
-        let contacts = [Contact::at_node(node)];
-        let Some(Ok(mut network)) = seen.first().map(|markers| network.prepare(&contacts, markers)) else {
-            return Vec::new();
-        };
         let mut noise = Noise::new(SEED);
         let samples = if noise_mm > 0.0 { SAMPLES } else { 1 };
         let mut of_force = |(seen, &force_n): (&Measurement, &f64)| {
             let mut sum = 0.0;
             for _ in 0..samples {
                 let sample = noise.on(seen, noise_mm);
-                let sensed = network.estimate(&sample, Some(noise_mm.max(LEAST_STATED_MM))).ok()?;
-                sum += (self.modulus_factor * sensed.forces_n[0] / force_n - 1.0).powi(2);
+                let sensed = network.sense_displacements(&sample, Some(noise_mm.max(LEAST_STATED_MM)), None).ok()?;
+                sum += (self.modulus_factor * sensed.forces[0].force_n / force_n - 1.0).powi(2);
             }
             Some(sum / samples as f64)
         };

@@ -8,7 +8,6 @@ use crate::experiments::{Context, Evidence, ExperimentError};
 use crate::prelude::*;
 use crate::sampling::sweep::Grid;
 use crate::truths::{TruthId, twin_of};
-use finray_model::estimators::network::NetworkSensing;
 
 impl Evidence for CauseMap {}
 
@@ -54,8 +53,12 @@ pub fn run(context: &Context) -> Result<Vec<CauseMap>, ExperimentError> {
             maps.extend(causes(truth, as_it_is, &request, &|| context.progress.step())?);
         }
         if effort == Effort::Full {
-            let sensing = NetworkSensing { networks: context.networks, finger, refuses: false };
-            let map = network::causes(truth, as_it_is, finger, &sensing, &forces_n, noise_mm)?;
+            let scene = PreparedScene::from(Scene::of_finger(finger.clone()));
+            let options =
+                SensorOptions { networks: context.networks.clone(), ..SensorOptions::of(EstimatorId::Network) };
+            let network =
+                |node| Sensor::new(scene.clone(), SensorContacts::known(&[Contact::at_node(node)]), options.clone());
+            let map = network::causes(truth, as_it_is, finger, &network, &forces_n, noise_mm)?;
             maps.extend((!map.cells.is_empty()).then_some(map));
         }
     }

@@ -14,7 +14,6 @@ use crate::experiments::table_two::{ContactGroup, FORCES_N, GroupErrors, contact
 use crate::experiments::{Context, Evidence, ExperimentError};
 use crate::prelude::*;
 use crate::sampling::noise::Noise;
-use finray_model::estimators::network::NetworkSensing;
 
 /// Number of noise samples per step.
 const SAMPLES: usize = 4;
@@ -153,19 +152,17 @@ pub(crate) fn run(context: &Context) -> Result<Option<ModuleStudy>, ExperimentEr
     let Some(gripper) = scene.gripper else { return Ok(None) };
     let sets = contact_sets();
     context.progress.part("sensor modules", sets.len());
-    let [key_nodes, model] = [1, ELEMENTS].map(|elements| Mesh::with_elements_per_member(context.finger, elements));
-    let [least_squares, nonlinear] =
-        [BeamEstimator::least_squares(&key_nodes), BeamEstimator::nonlinear(&model)].map(BeamEstimator::of_noise_alone);
-    let network = NetworkSensing { networks: context.networks, finger: context.finger, refuses: true };
-    let estimators: [&dyn Estimator; 3] = [&least_squares, &nonlinear, &network];
+    let scene = PreparedScene::from(Scene::of_finger(context.finger.clone()));
+    let sensors = [EstimatorId::LeastSquares, EstimatorId::Nonlinear, EstimatorId::Network]
+        .map(|estimator| SensorOptions { networks: context.networks.clone(), ..SensorOptions::of(estimator) });
     let test = |(i, nodes): (usize, &'static [usize])| {
         let mut noise = Noise::of_stream(SEED, i as u64);
         let steps = closing(context.fine, &gripper, nodes)?.into_iter().map(|step| {
             let samples: Vec<Measurement> =
                 (0..SAMPLES).map(|_| noise.on(&step.displacements, context.noise_mm)).collect();
-            let sensed_n = estimators.map(|estimator| {
-                let sensed = sense(estimator, nodes, step.axis_deg, &samples, context.noise_mm)?;
-                Ok::<_, EstimatorError>((estimator.id(), sensed))
+            let sensed_n = sensors.each_ref().map(|options| {
+                let sensed = sense((&scene, options), nodes, step.axis_deg, &samples, context.noise_mm)?;
+                Ok::<_, Refusal>((options.estimator, sensed))
             });
             let sensed_n = sensed_n.into_iter().collect::<Result<_, _>>()?;
             let ClosedStep { turned_deg, axis_deg, true_n, .. } = step;
@@ -182,15 +179,19 @@ pub(crate) fn run(context: &Context) -> Result<Option<ModuleStudy>, ExperimentEr
 
 /// Senses every sample along the sensors' axis. Networks support only the normal, so they assume the normal instead, as the paper's network does.
 fn sense(
-    estimator: &dyn Estimator,
+    (scene, options): (&PreparedScene, &SensorOptions),
     nodes: &[usize],
     axis_deg: f64,
     samples: &[Measurement],
     noise_mm: f64,
-) -> Result<Vec<Option<Vec<f64>>>, EstimatorError> {
-    let angle_deg = if estimator.id().at_nodes() { 0.0 } else { axis_deg };
+) -> Result<Vec<Option<Vec<f64>>>, Refusal> {
+    let angle_deg = if options.estimator.at_nodes() { 0.0 } else { axis_deg };
     let at = |node: &usize| Contact { position: ContactPosition::Node(NodeId(*node)), angle_deg };
     let contacts: Vec<Contact> = nodes.iter().map(at).collect();
-    let mut prepared = estimator.prepare(&contacts, &samples[0])?;
-    Ok(samples.iter().map(|seen| Some(prepared.estimate(seen, Some(noise_mm)).ok()?.forces_n)).collect())
+    let sensor = Sensor::new(scene.clone(), SensorContacts::known(&contacts), options.clone())?;
+    let sense = |seen| {
+        let sensed = sensor.sense_displacements(seen, Some(noise_mm), None).ok()?;
+        Some(sensed.forces.iter().map(|sensed| sensed.force_n).collect())
+    };
+    Ok(samples.iter().map(sense).collect())
 }

@@ -119,28 +119,26 @@ pub(crate) fn run(
     context: &Context,
     grasps: &[GraspStudy],
     modules: Option<&ModuleStudy>,
-) -> Result<Option<Observations>, EstimatorError> {
+) -> Result<Option<Observations>, Refusal> {
     let Some(modules) = modules else { return Ok(None) };
     context.progress.part("observations", 1);
     let of_paper = || grasps.iter().filter(|grasp| grasp.is_paper());
     let objects =
         of_paper().filter_map(|grasp| Some((grasp.name.clone(), totals(context.finger, &grasp.steps)?))).collect();
-    let [key_nodes, model] = [1, ELEMENTS].map(|elements| Mesh::with_elements_per_member(context.finger, elements));
-    let estimators =
-        [BeamEstimator::least_squares(&key_nodes), BeamEstimator::nonlinear(&model)].map(BeamEstimator::of_noise_alone);
-    let mut untouched = estimators.each_ref().map(|estimator| (estimator.id(), Untouched::default()));
+    let scene = PreparedScene::from(Scene::of_finger(context.finger.clone()));
+    let mut untouched =
+        [EstimatorId::LeastSquares, EstimatorId::Nonlinear].map(|estimator| (estimator, Untouched::default()));
     let mut noise = Noise::new(SEED);
     for finger in of_paper().flat_map(|grasp| &grasp.steps).flat_map(|step| &step.fingers) {
         let Some(free) = free_nodes(context.finger, finger) else { continue };
         let exact = Measurement::of_shape(context.finger, &finger.shape);
         let seen = noise.on(&exact, context.noise_mm);
         let contacts: Vec<Contact> = NODES.map(|node| along_normal(finger, NodeId(node))).collect();
-        for (estimator, (_, found)) in estimators.iter().zip(&mut untouched) {
-            let Ok(sensed) = estimator.prepare(&contacts, &seen)?.estimate(&seen, Some(context.noise_mm)) else {
-                continue;
-            };
-            let at_free = NODES.zip(&sensed.forces_n).filter(|(node, _)| free.contains(node));
-            at_free.for_each(|(_, sensed_n)| found.add(*sensed_n, SMALL_N));
+        for (estimator, found) in &mut untouched {
+            let sensor = Sensor::new(scene.clone(), SensorContacts::known(&contacts), SensorOptions::of(*estimator))?;
+            let Ok(sensed) = sensor.sense_displacements(&seen, Some(context.noise_mm), None) else { continue };
+            let at_free = NODES.zip(&sensed.forces).filter(|(node, _)| free.contains(node));
+            at_free.for_each(|(_, sensed)| found.add(sensed.force_n, SMALL_N));
         }
     }
     let mut beside_sensor = Untouched::default();

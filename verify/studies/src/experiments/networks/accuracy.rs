@@ -4,7 +4,7 @@ use crate::experiments::{Context, Evidence};
 use crate::prelude::*;
 use crate::sampling::scatter::{ScatterRequest, ScatterRow, scatter};
 use crate::settings::{CAMERA_NOISE_MM, ENOUGH_CASES, TWO_FORCES_N};
-use finray_model::estimators::network::{NetworkSensing, Networks};
+use finray_model::estimators::network::Networks;
 
 /// Range of each force, N.
 pub const FORCES_N: [f64; 2] = TWO_FORCES_N;
@@ -73,7 +73,7 @@ impl Evidence for NetworkStudy {
 }
 
 /// Study of the shipped networks under noise; `None` without noise, or for a finger that is not the paper's.
-pub(crate) fn run(context: &Context) -> Result<Option<NetworkStudy>, EstimatorError> {
+pub(crate) fn run(context: &Context) -> Result<Option<NetworkStudy>, Refusal> {
     if !context.is_paper || context.noise_mm == 0.0 {
         return Ok(None);
     }
@@ -87,16 +87,16 @@ impl NetworkStudy {
     /// is called after each set.
     ///
     /// # Errors
-    /// [`EstimatorError`] for a finger or contacts without a shipped network.
+    /// [`Refusal`] for a finger or contacts without a shipped network.
     pub fn run(
         fine: &Mesh,
         networks: &Networks,
         noise_mm: f64,
         cases: usize,
         progress: &(dyn Fn() + Sync),
-    ) -> Result<NetworkStudy, EstimatorError> {
+    ) -> Result<NetworkStudy, Refusal> {
         let finger = fine.finger();
-        let network = NetworkSensing { networks, finger, refuses: true };
+        let network = SensorOptions { networks: networks.clone(), ..SensorOptions::of(EstimatorId::Network) };
         let sets: Vec<Vec<NodeId>> =
             CHECKED_SETS.iter().map(|set| set.nodes.iter().map(|&node| NodeId(node)).collect()).collect();
         // The Cramer-Rao bound depends little on the mesh, so the coarsest mesh suffices.
@@ -104,11 +104,12 @@ impl NetworkStudy {
             truth: fine,
             kinematics: Kinematics::Corotational,
             model: &Mesh::key_nodes(finger),
+            scene: &Scene::of_finger(finger.clone()).into(),
             noise_levels_mm: &[noise_mm],
             cases,
             seed: SEED,
         };
-        Ok(NetworkStudy { noise_mm, rows: scatter(&request, &[&network], &sets, FORCES_N, progress)? })
+        Ok(NetworkStudy { noise_mm, rows: scatter(&request, &[network], &sets, FORCES_N, progress)? })
     }
 
     /// Checks of all sets of contacts.

@@ -4,7 +4,6 @@ use super::sensing::{TimedEstimator, sensing};
 use super::{ASKED_NODES, ExperimentError, SpeedErrorPoint, Start, solving};
 use crate::experiments::{Context, Evidence};
 use crate::prelude::*;
-use finray_model::estimators::network::NetworkSensing;
 
 impl Evidence for SpeedErrorPoint {}
 
@@ -29,9 +28,8 @@ pub fn run(context: &Context) -> Result<Vec<SpeedErrorPoint>, ExperimentError> {
     };
     progress.step();
     if noise_mm > 0.0 {
-        let network = NetworkSensing { networks: context.networks, finger, refuses: true };
-        let network =
-            TimedEstimator { estimator: Box::new(network), setting: "shipped networks".to_owned(), start: Start::None };
+        let options = SensorOptions { networks: context.networks.clone(), ..SensorOptions::of(EstimatorId::Network) };
+        let network = TimedEstimator { options, setting: "shipped networks".to_owned(), start: Start::None };
         let further = if context.is_paper { vec![network] } else { Vec::new() };
         points.extend(sensing(context.fine, noise_mm, forces, periods, further)?);
     }

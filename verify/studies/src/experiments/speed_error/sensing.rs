@@ -3,12 +3,12 @@
 //! A force at a node oscillates over the range [`TWO_FORCES_N`] once per second, at the paper's 25 frames per second. The force changes by up to 0.34
 //! N between frames. Frames contain the displacements, with noise, of the co-rotational finger on the finest mesh. The nonlinear estimator is timed
 //! from a cold start (the least-squares solution) and from a warm start (the answer for the previous frame). Other estimators do not iterate from a
-//! starting point. Preparation for a contact is timed separately. In this study, stated standard deviations cover only noise, so that errors of
-//! linearisation and mesh can be compared with the noise. `finray sense` also computes the errors of linearisation and mesh, to widen its intervals;
-//! that computation is not timed here.
+//! starting point. The first answer for a contact, which includes all preparation, is timed separately. As in `finray sense`, answers include the
+//! standard deviations with the errors of linearisation and mesh.
 
 use super::{ASKED_NODES, ExperimentError, SpeedErrorPoint, Start, Task, TimedBy, mark_fronts, spread};
 use crate::prelude::*;
+use crate::sampling::bound::{ForceBound, linearised_markers};
 use crate::sampling::noise::Noise;
 use crate::settings::TWO_FORCES_N;
 use crate::statistics::percentile;
@@ -55,7 +55,6 @@ impl Stream {
         let finger = truth.finger();
         let contacts: Vec<Contact> = nodes.iter().copied().map(Contact::at_node).collect();
         let model = Mesh::with_elements_per_member(finger, ELEMENTS);
-        let bound = BeamEstimator::nonlinear(&model).of_noise_alone();
         let bent = |statics: &mut Statics<Ladder<'_>>, frame: usize| {
             let forces_n: Vec<f64> = (0..contacts.len()).map(|contact| force_n(range_n, frame, contact)).collect();
             let loads = contacts
@@ -66,11 +65,10 @@ impl Stream {
             // Forces without equilibrium have no frame.
             let equilibrium = statics.equilibrium(&loads).ok()?;
             let exact = Measurement::of_shape(finger, &truth.shape(&equilibrium.motion));
-            let at_truth = bound.prepare(&contacts, &exact).and_then(|mut prepared| {
-                prepared.expect_forces(&forces_n);
-                prepared.estimate(&exact, Some(noise_mm))
-            });
-            Some((forces_n, exact, at_truth.ok().and_then(|sensed| sensed.sigmas_n)))
+            let mut model_statics = Statics::ladder(&model, Kinematics::Corotational);
+            let linearised = linearised_markers(&mut model_statics, &model, &contacts, &forces_n);
+            let bound = linearised.and_then(|(_, derivatives)| ForceBound::new(&derivatives));
+            Some((forces_n, exact, bound.map(|bound| bound.sigmas_n(noise_mm))))
         };
         let statics = || Statics::ladder(truth, Kinematics::Corotational);
         // Periods differ only in their noise.
@@ -93,16 +91,16 @@ fn force_n([low, high]: [f64; 2], frame: usize, contact: usize) -> f64 {
 }
 
 /// An estimator to be timed.
-pub struct TimedEstimator<'e> {
-    /// Estimator whose answers are timed.
-    pub estimator: Box<dyn Estimator + 'e>,
+pub struct TimedEstimator {
+    /// Estimator and mesh.
+    pub options: SensorOptions,
     /// Mesh or other setting, in words.
     pub setting: String,
     /// Starting point of each frame.
     pub start: Start,
 }
 
-impl TimedEstimator<'_> {
+impl TimedEstimator {
     /// Setting and starting point in words, as in tables and benches.
     pub fn in_words(&self) -> String {
         format!("{}{}", self.setting, self.start.suffix())
@@ -116,50 +114,41 @@ pub fn sensing_meshes(finger: &Finger) -> Vec<Mesh> {
 
 /// The beam estimators to be timed: the linear estimators on the first of [`sensing_meshes`], and the nonlinear estimator on all meshes, with cold
 /// and warm start.
-pub fn beam_estimators(meshes: &[Mesh]) -> Vec<TimedEstimator<'_>> {
-    fn on<'m>(mesh: &'m Mesh, estimator: impl Estimator + 'm, start: Start) -> TimedEstimator<'m> {
-        TimedEstimator { estimator: Box::new(estimator), setting: format!("{} nodes", mesh.node_count()), start }
-    }
-    let linear = |mesh| {
-        [BeamEstimator::least_squares(mesh), BeamEstimator::ridge(mesh)]
-            .map(|estimator| on(mesh, estimator.of_noise_alone(), Start::None))
+pub fn beam_estimators(meshes: &[Mesh]) -> Vec<TimedEstimator> {
+    let on = |mesh: &Mesh, estimator, start| TimedEstimator {
+        options: SensorOptions { mesh_nodes: Some(mesh.node_count()), ..SensorOptions::of(estimator) },
+        setting: format!("{} nodes", mesh.node_count()),
+        start,
     };
-    let cold = meshes.iter().map(|mesh| on(mesh, BeamEstimator::nonlinear(mesh).of_noise_alone(), Start::Cold));
-    let warm = meshes.iter().map(|mesh| on(mesh, Streaming { mesh }, Start::Warm));
-    meshes.first().into_iter().flat_map(linear).chain(cold).chain(warm).collect()
+    let linear = |mesh| [EstimatorId::LeastSquares, EstimatorId::Ridge].map(|id| on(mesh, id, Start::None));
+    let nonlinear = |start| meshes.iter().map(move |mesh| on(mesh, EstimatorId::Nonlinear, start));
+    meshes.first().into_iter().flat_map(linear).chain(nonlinear(Start::Cold)).chain(nonlinear(Start::Warm)).collect()
 }
 
-/// The nonlinear estimator, which starts each frame from the answer for the previous frame.
-struct Streaming<'m> {
-    mesh: &'m Mesh,
+/// A sensor that is asked frame by frame.
+pub struct FrameSensor {
+    sensor: Sensor,
+    start: Start,
+    last: Option<SensedForces>,
 }
 
-impl Estimator for Streaming<'_> {
-    fn id(&self) -> EstimatorId {
-        EstimatorId::Nonlinear
+impl FrameSensor {
+    /// A sensor for the contacts of a stream on a finger.
+    ///
+    /// # Errors
+    /// [`Refusal`] if the estimator does not support the contacts.
+    pub fn new(scene: &PreparedScene, timed: &TimedEstimator, contacts: &[Contact]) -> Result<FrameSensor, Refusal> {
+        let sensor = Sensor::new(scene.clone(), SensorContacts::known(contacts), timed.options.clone())?;
+        Ok(FrameSensor { sensor, start: timed.start, last: None })
     }
 
-    fn prepare<'a>(
-        &'a self,
-        contacts: &[Contact],
-        _: &Measurement,
-    ) -> Result<Box<dyn PreparedEstimator + 'a>, EstimatorError> {
-        let questions: Vec<_> = contacts.iter().map(|&contact| contact.into()).collect();
-        Ok(Box::new(PreparedStream(NonlinearEstimator::new(self.mesh, &questions)?)))
-    }
-}
-
-struct PreparedStream<'m>(NonlinearEstimator<'m>);
-
-impl PreparedEstimator for PreparedStream<'_> {
-    fn estimate(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Sensed, EstimatorError> {
-        let estimate = self.0.estimate(measurement, noise_mm)?;
-        Ok(Sensed {
-            sum_sigma_n: Some(estimate.covariance_n2.sum().sqrt()),
-            warned: estimate.forces.warning.is_some(),
-            forces_n: estimate.forces.forces_n,
-            sigmas_n: Some(estimate.forces.sigmas_n),
-        })
+    /// Senses a frame with noise `noise_mm` (mm), from the last frame's forces after a warm start.
+    ///
+    /// # Errors
+    /// [`Refusal`] as for [`Sensor::sense`].
+    pub fn sense(&mut self, seen: &Measurement, noise_mm: f64) -> Result<&SensedForces, Refusal> {
+        let near = self.last.take().filter(|_| self.start == Start::Warm);
+        Ok(self.last.insert(self.sensor.sense_displacements(seen, Some(noise_mm), near.as_ref())?))
     }
 }
 
@@ -184,9 +173,10 @@ pub(crate) fn sensing(
     noise_mm: f64,
     forces: ReportForces,
     periods: [usize; 2],
-    further: Vec<TimedEstimator<'_>>,
+    further: Vec<TimedEstimator>,
 ) -> Result<Vec<SpeedErrorPoint>, ExperimentError> {
     let finger = truth.finger();
+    let scene = PreparedScene::from(Scene::of_finger(finger.clone()));
     let meshes = sensing_meshes(finger);
     let beams = beam_estimators(&meshes);
     let tasks = [(Task::SenseOne, singles(finger, ASKED_NODES)), (Task::SenseNeighbours, neighbours(finger))];
@@ -199,17 +189,17 @@ pub(crate) fn sensing(
             .enumerate()
             .map(|(stream, set)| Stream::take(truth, set, noise_mm, range_n, frames, stream as u64))
             .collect();
-        let estimators: Vec<&TimedEstimator<'_>> = beams.iter().chain(&further).collect();
-        let of_task = estimators.iter().map(|timed| sensed(task, timed, noise_mm, &streams));
+        let estimators: Vec<&TimedEstimator> = beams.iter().chain(&further).collect();
+        let of_task = estimators.iter().map(|timed| sensed(&scene, task, timed, noise_mm, &streams));
         let mut of_task = of_task.collect::<Result<Vec<_>, _>>()?;
         // Timing is complete at this point, so the model errors may be computed in parallel. The model error does not depend on the starting point,
         // so cold starts get the error of warm starts.
-        let once: Vec<&&TimedEstimator<'_>> = estimators.iter().filter(|timed| timed.start != Start::Cold).collect();
-        let biases = once.par_iter().map(|timed| largest_bias(timed, noise_mm, &streams));
+        let once: Vec<&&TimedEstimator> = estimators.iter().filter(|timed| timed.start != Start::Cold).collect();
+        let biases = once.par_iter().map(|timed| largest_bias(&scene, timed, noise_mm, &streams));
         let biases: Vec<Option<f64>> = biases.collect::<Result<_, _>>()?;
         for (point, timed) in of_task.iter_mut().zip(&estimators) {
-            let same = |other: &&&TimedEstimator<'_>| {
-                (other.estimator.id(), &other.setting) == (timed.estimator.id(), &timed.setting)
+            let same = |other: &&&TimedEstimator| {
+                (other.options.estimator, &other.setting) == (timed.options.estimator, &timed.setting)
             };
             point.bias_sigmas = once.iter().position(same).and_then(|i| biases[i]);
         }
@@ -224,39 +214,38 @@ pub(crate) fn sensing(
 /// # Errors
 /// [`ExperimentError`] if the estimator does not support the contacts.
 pub fn sensed(
+    scene: &PreparedScene,
     task: Task,
-    timed: &TimedEstimator<'_>,
+    timed: &TimedEstimator,
     noise_mm: f64,
     streams: &[Stream],
 ) -> Result<SpeedErrorPoint, ExperimentError> {
-    let estimator = &*timed.estimator;
     let (mut seconds, mut preparations, mut errors, mut asked) = (Vec::new(), Vec::new(), Vec::new(), 0);
     for stream in streams {
         let Some(first) = stream.frames.first() else { continue };
-        let prepare = || estimator.prepare(&stream.contacts, &first.seen);
         for _ in 0..PREPARATIONS {
             let start = Instant::now();
-            let prepared = prepare()?;
+            // A refusal prepares the sensor, too.
+            let _ = FrameSensor::new(scene, timed, &stream.contacts)?.sense(&first.seen, noise_mm);
             preparations.push(start.elapsed().as_secs_f64());
-            drop(prepared);
         }
-        let mut prepared = prepare()?;
+        let mut sensor = FrameSensor::new(scene, timed, &stream.contacts)?;
         for frame in &stream.frames {
             asked += 1;
             let start = Instant::now();
-            let answer = prepared.estimate(&frame.seen, Some(noise_mm));
+            let answer = sensor.sense(&frame.seen, noise_mm);
             let elapsed = start.elapsed().as_secs_f64();
             if let Ok(answer) = answer {
                 seconds.push(elapsed);
-                let pairs = answer.forces_n.iter().zip(&frame.forces_n);
-                errors.extend(pairs.map(|(sensed, force)| (sensed / force - 1.0).abs()));
+                let pairs = answer.forces.iter().zip(&frame.forces_n);
+                errors.extend(pairs.map(|(sensed, force_n)| (sensed.force_n / force_n - 1.0).abs()));
             }
         }
     }
     Ok(SpeedErrorPoint {
         task,
-        model: estimator.id().name().to_owned(),
-        estimator: Some(estimator.id()),
+        model: timed.options.estimator.name().to_owned(),
+        estimator: Some(timed.options.estimator),
         setting: timed.in_words(),
         start: timed.start,
         seconds: percentile(&mut seconds, 50.0),
@@ -277,17 +266,17 @@ pub fn sensed(
 /// # Errors
 /// [`ExperimentError`] if the estimator does not support the contacts.
 pub fn largest_bias(
-    timed: &TimedEstimator<'_>,
+    scene: &PreparedScene,
+    timed: &TimedEstimator,
     noise_mm: f64,
     streams: &[Stream],
 ) -> Result<Option<f64>, ExperimentError> {
     let of_stream = |stream: &Stream| {
-        let Some(first) = stream.frames.first() else { return Ok(None) };
-        let mut prepared = timed.estimator.prepare(&stream.contacts, &first.seen)?;
+        let mut sensor = FrameSensor::new(scene, timed, &stream.contacts)?;
         let of_frame = |frame: &Frame| {
-            let answer = prepared.estimate(&frame.exact, Some(noise_mm)).ok()?;
-            let forces_n = answer.forces_n.iter().zip(&frame.forces_n).zip(frame.bound_n.as_ref()?);
-            forces_n.map(|((sensed, force), bound_n)| ((sensed - force) / bound_n).abs()).reduce(f64::max)
+            let answer = sensor.sense(&frame.exact, noise_mm).ok()?;
+            let forces = answer.forces.iter().zip(&frame.forces_n).zip(frame.bound_n.as_ref()?);
+            forces.map(|((sensed, force_n), bound_n)| ((sensed.force_n - force_n) / bound_n).abs()).reduce(f64::max)
         };
         // Without noise all periods have the same frames.
         Ok(stream.frames.iter().take(FRAMES_A_PERIOD).filter_map(of_frame).reduce(f64::max))

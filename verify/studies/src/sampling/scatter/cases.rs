@@ -1,60 +1,43 @@
-//! Random cases: forces that deform the true finger, its noisy measurements, and the estimates of every estimator.
+//! Random cases: forces that deform the true finger, its noisy measurements, and the answers of every sensor.
 
 use super::ScatterRequest;
-use super::scout::{LoadClass, RatioLimits, Scout, loads};
+use super::scout::{LoadClass, RatioLimits, Scout};
 use crate::prelude::*;
+use crate::sampling::bound::{ForceBound, linearised_markers, loads};
 use crate::sampling::noise::{Noise, with_sample};
-use finray_model::statics::equilibria;
+use finray_model::statics::{Ladder, equilibria};
 
 /// A case is dropped after this number of draws without equilibrium. If the first case is dropped, the finger counts as unable to carry any force
 /// of the range.
 const MOST_DRAWS: usize = 100;
-/// Number of cases per block. Cases of a block share prepared estimators, and one thread computes a block.
+/// Number of cases per block. Cases of a block share sensors, and one thread computes a block.
 const BLOCK: u64 = 100;
-/// Noise for the first-order response, as a fraction of the full noise. With this fraction of the noise, the estimated forces change by about a tenth
-/// of their standard deviation, far more than the convergence tolerance of the search. The second-order error of the response is a tenth of the
-/// second-order error at full noise.
-const LITTLE: f64 = 0.1;
-
 pub(super) struct Case {
     /// True forces, N.
     pub forces_n: Vec<f64>,
-    /// Samples by noise level.
-    pub samples: Vec<Sample>,
+    /// Cramer-Rao bound at the true forces, and the first-order errors of the forces per mm of noise (N/mm). `None` if the forces are not
+    /// identifiable.
+    pub bound: Option<(ForceBound, DVector<f64>)>,
+    /// Answers by noise level, then sensor; `None` if the sensor refused.
+    pub sensed: Vec<Vec<Option<SensedForces>>>,
     /// Number of draws that were repeated because the finger has no equilibrium under the drawn forces.
     pub not_carried: usize,
-}
-
-pub(super) struct Sample {
-    /// Cramer-Rao bound: standard deviations stated by an estimator with the true finger's kinematics. `None` without noise, or if the estimator that
-    /// gives the bound returns no estimate.
-    pub bound: Option<Sensed>,
-    /// First-order errors due to the noise, N, of the estimator that gives the Cramer-Rao bound. `None` without noise, or if not requested or not
-    /// computed.
-    pub first_order: Option<Vec<f64>>,
-    /// Estimates by estimator; `None` if the estimator refused.
-    pub sensed: Vec<Option<Sensed>>,
 }
 
 /// All cases of one set of contacts, in order; empty if the finger carries no force of the range.
 pub(super) fn cases(
     request: &ScatterRequest,
-    estimators: &[&dyn Estimator],
+    sensors: &[SensorOptions],
     contacts: &[Contact],
-    (range_n, controlled): ([f64; 2], bool),
+    range_n: [f64; 2],
     stream: u64,
-) -> Result<Vec<Case>, EstimatorError> {
+) -> Result<Vec<Case>, Refusal> {
     let count = request.cases as u64;
-    let bound = match request.kinematics {
-        Kinematics::Linear => BeamEstimator::least_squares(request.model),
-        _ => BeamEstimator::nonlinear(request.model),
-    }
-    .of_noise_alone();
     let ratio_limits = RatioLimits::new(request.model, request.kinematics, contacts, range_n);
-    let run = |numbers: std::ops::Range<u64>| -> Result<Vec<Case>, EstimatorError> {
-        let mut runner = CaseRunner::new(request, &bound, estimators, (contacts, &ratio_limits))?;
+    let run = |numbers: std::ops::Range<u64>| -> Result<Vec<Case>, Refusal> {
+        let mut runner = CaseRunner::new(request, sensors, (contacts, &ratio_limits))?;
         let draws = numbers.map(|number| Draw::new(request, contacts, range_n, stream, number)).collect();
-        Ok(runner.carried(draws, range_n).iter().flatten().map(|draw| runner.case(request, draw, controlled)).collect())
+        Ok(runner.carried(draws, range_n).iter().flatten().map(|draw| runner.case(draw)).collect())
     };
     // The first case reveals wrong contacts, and fingers without any equilibrium.
     let mut all = run(0..count.min(1))?;
@@ -67,39 +50,37 @@ pub(super) fn cases(
     Ok(all)
 }
 
-/// The true finger, the estimator that gives the Cramer-Rao bound, and every estimator under test.
+/// The true finger, and every sensor under test.
 struct CaseRunner<'a> {
     finger: &'a Finger,
     mesh: &'a Mesh,
     contacts: &'a [Contact],
-    kinematics: Kinematics,
+    request: &'a ScatterRequest<'a>,
     ratio_limits: &'a RatioLimits<'a>,
     /// Recognises forces above the limit load; created at the first draw without equilibrium.
     scout: Option<Scout<'a>>,
-    bound: Box<dyn PreparedEstimator + 'a>,
-    estimators: Vec<Box<dyn PreparedEstimator + 'a>>,
+    /// The true finger on the mesh of the Cramer-Rao bound.
+    model: Statics<Ladder<'a>>,
+    sensors: Vec<Sensor>,
 }
 
 impl<'a> CaseRunner<'a> {
     fn new(
-        request: &ScatterRequest<'a>,
-        bound: &'a dyn Estimator,
-        estimators: &[&'a dyn Estimator],
+        request: &'a ScatterRequest<'a>,
+        sensors: &[SensorOptions],
         (contacts, ratio_limits): (&'a [Contact], &'a RatioLimits<'a>),
-    ) -> Result<CaseRunner<'a>, EstimatorError> {
-        let mesh = request.truth;
-        let finger = mesh.finger();
-        let markers = Measurement::of_shape(finger, &mesh.shape(&FrameMotion::at_rest(mesh.frame())));
-        let prepared = estimators.iter().map(|estimator| estimator.prepare(contacts, &markers));
+    ) -> Result<CaseRunner<'a>, Refusal> {
+        let asked = SensorContacts::known(contacts);
+        let sensors = sensors.iter().map(|options| Sensor::new(request.scene.clone(), asked.clone(), options.clone()));
         Ok(CaseRunner {
-            finger,
-            mesh,
+            finger: request.truth.finger(),
+            mesh: request.truth,
             contacts,
-            kinematics: request.kinematics,
+            request,
             ratio_limits,
             scout: None,
-            bound: bound.prepare(contacts, &markers)?,
-            estimators: prepared.collect::<Result<_, _>>()?,
+            model: Statics::ladder(request.model, request.kinematics),
+            sensors: sensors.collect::<Result<_, _>>()?,
         })
     }
 
@@ -166,44 +147,38 @@ impl<'a> CaseRunner<'a> {
         if !is_path {
             let of_draw = |number: &usize| loads(self.mesh, self.contacts, &draws[*number].forces_n);
             let loads = open.iter().map(of_draw).collect::<Option<Vec<_>>>()?;
-            let found = equilibria(self.mesh, self.kinematics, &loads);
+            let found = equilibria(self.mesh, self.request.kinematics, &loads);
             return Some(found.into_iter().map(|found| found.ok().map(|found| found.motion)).collect());
         }
         let force_n = |number: &usize| draws[*number].forces_n[0];
         open.sort_by(|a, b| force_n(a).total_cmp(&force_n(b)));
         let forces_n: Vec<f64> = open.iter().map(force_n).collect();
         let unit_load = loads(self.mesh, self.contacts, &[1.0])?;
-        let (found, _) = Statics::ladder(self.mesh, self.kinematics).path(&unit_load, &forces_n);
+        let (found, _) = Statics::ladder(self.mesh, self.request.kinematics).path(&unit_load, &forces_n);
         let mut motions: Vec<Option<FrameMotion>> = found.into_iter().map(|found| Some(found.motion)).collect();
         motions.resize(open.len(), None);
         Some(motions)
     }
 
-    fn case(&mut self, request: &ScatterRequest, (draw, clean): &(Draw, Measurement), controlled: bool) -> Case {
-        let sample = |&noise_mm: &f64| {
+    fn case(&mut self, (draw, clean): &(Draw, Measurement)) -> Case {
+        let of_level = |&noise_mm: &f64| {
             let seen = with_sample(clean, &draw.noise, noise_mm);
-            let sense = |estimator: &mut Box<dyn PreparedEstimator + 'a>| {
-                estimator.estimate(&seen, Some(noise_mm.max(LEAST_STATED_MM))).ok()
-            };
-            let sensed = self.estimators.iter_mut().map(sense).collect();
-            if noise_mm > 0.0 {
-                self.bound.expect_forces(&draw.forces_n);
-            }
-            let bound = if noise_mm > 0.0 { self.bound.estimate(clean, Some(noise_mm)).ok() } else { None };
-            let first_order = bound.as_ref().filter(|_| controlled).and_then(|at_rest| {
-                let seen = with_sample(clean, &draw.noise, LITTLE * noise_mm);
-                let moved = self.bound.estimate(&seen, Some(noise_mm)).ok()?;
-                let pairs = moved.forces_n.iter().zip(&at_rest.forces_n);
-                Some(pairs.map(|(moved, at_rest)| (moved - at_rest) / LITTLE).collect())
-            });
-            Sample { bound, first_order, sensed }
+            let stated_mm = Some(noise_mm.max(LEAST_STATED_MM));
+            self.sensors.iter().map(|sensor| sensor.sense_displacements(&seen, stated_mm, None).ok()).collect()
         };
-        let samples = request.noise_levels_mm.iter().map(sample).collect();
-        Case { forces_n: draw.forces_n.clone(), samples, not_carried: draw.not_carried }
+        let sensed = self.request.noise_levels_mm.iter().map(of_level).collect();
+        let forces_n = draw.forces_n.clone();
+        let bound = linearised_markers(&mut self.model, self.request.model, self.contacts, &forces_n)
+            .and_then(|(_, derivatives)| ForceBound::new(&derivatives));
+        let bound = bound.map(|bound| {
+            let response = bound.response_n(&DVector::from_column_slice(&draw.noise));
+            (bound, response)
+        });
+        Case { forces_n, bound, sensed, not_carried: draw.not_carried }
     }
 }
 
-/// Random numbers of one case, the same for every estimator.
+/// Random numbers of one case, the same for every sensor.
 #[derive(Clone)]
 struct Draw {
     forces_n: Vec<f64>,

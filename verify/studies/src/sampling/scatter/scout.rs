@@ -2,6 +2,7 @@
 //! finger's mesh.
 
 use crate::prelude::*;
+use crate::sampling::bound::loads;
 use finray_model::statics::Ladder;
 use std::sync::OnceLock;
 
@@ -149,12 +150,6 @@ impl Scout<'_> {
         let (below, above) = (nearest(-1.0)?, nearest(1.0)?);
         Some([below.min(above), below.max(above)])
     }
-}
-
-/// Forces (N) at contacts as loads on a mesh; `None` if a contact is not on the mesh.
-pub(super) fn loads(mesh: &Mesh, contacts: &[Contact], forces_n: &[f64]) -> Option<Vec<FrameLoad>> {
-    let load = |(c, f): (&Contact, &f64)| mesh.frame_load(&c.load(mesh.finger(), *f)).ok();
-    contacts.iter().zip(forces_n).map(load).collect()
 }
 
 #[cfg(test)]

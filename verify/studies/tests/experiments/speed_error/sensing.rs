@@ -1,14 +1,19 @@
 //! Streams of frames, and the error that a mesh adds to the noise.
 
-use finray_model::{Mesh, NodeId};
+use finray_model::sensor::PreparedScene;
+use finray_model::{Mesh, NodeId, Scene};
 use finray_studies::experiments::speed_error::sensing::{
-    FRAMES_A_PERIOD, Frame, Stream, beam_estimators, largest_bias, sensed, sensing_meshes,
+    FRAMES_A_PERIOD, Frame, FrameSensor, Stream, beam_estimators, largest_bias, sensed, sensing_meshes,
 };
 use finray_studies::experiments::speed_error::{Start, Task};
 use finray_studies::settings::TWO_FORCES_N;
 use finray_studies::truths::fine_mesh;
 use finray_tests::{CAMERA_NOISE_MM, paper};
 use std::f64::consts::TAU;
+
+fn scene() -> PreparedScene {
+    Scene::of_finger(paper()).into()
+}
 
 fn stream_at(node: usize) -> (Mesh, Stream) {
     let truth = fine_mesh(&paper()).expect("a mesh");
@@ -49,9 +54,8 @@ fn cold_and_warm_starts_answer_alike() {
     let estimators = beam_estimators(&meshes);
     let answers = |start| {
         let timed = estimators.iter().find(|timed| timed.start == start).expect("a nonlinear estimator");
-        let mut prepared = timed.estimator.prepare(&stream.contacts, &stream.frames[0].seen).expect("a contact node");
-        let answer =
-            |frame: &Frame| prepared.estimate(&frame.seen, Some(CAMERA_NOISE_MM)).expect("an answer").forces_n[0];
+        let mut sensor = FrameSensor::new(&scene(), timed, &stream.contacts).expect("a contact node");
+        let answer = |frame: &Frame| sensor.sense(&frame.seen, CAMERA_NOISE_MM).expect("an answer").forces[0].force_n;
         stream.frames.iter().map(answer).collect::<Vec<f64>>()
     };
     for (cold, warm) in answers(Start::Cold).into_iter().zip(answers(Start::Warm)) {
@@ -71,10 +75,10 @@ fn the_bias_of_a_coarse_mesh_is_seen() {
         .iter()
         .filter(|timed| timed.start == Start::Cold)
         .map(|timed| {
-            let point = sensed(Task::SenseOne, timed, CAMERA_NOISE_MM, &streams).expect("an answer");
+            let point = sensed(&scene(), Task::SenseOne, timed, CAMERA_NOISE_MM, &streams).expect("an answer");
             assert_eq!((point.failed, point.asked), (0, FRAMES_A_PERIOD));
             assert!(point.seconds_95 >= Some(point.seconds) && point.preparation_seconds > Some(0.0));
-            let bias_sigmas = largest_bias(timed, CAMERA_NOISE_MM, &streams).expect("an answer");
+            let bias_sigmas = largest_bias(&scene(), timed, CAMERA_NOISE_MM, &streams).expect("an answer");
             bias_sigmas.expect("stated standard deviations")
         })
         .collect();
@@ -83,6 +87,6 @@ fn the_bias_of_a_coarse_mesh_is_seen() {
     // deviation, which gave only 7.5.
     let estimators = beam_estimators(&meshes);
     let linear = estimators.iter().find(|timed| timed.start == Start::None).expect("least squares");
-    let bias_sigmas = largest_bias(linear, CAMERA_NOISE_MM, &streams).expect("an answer");
+    let bias_sigmas = largest_bias(&scene(), linear, CAMERA_NOISE_MM, &streams).expect("an answer");
     assert!(bias_sigmas > Some(30.0), "{bias_sigmas:?}");
 }
