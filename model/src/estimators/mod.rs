@@ -165,7 +165,7 @@ pub enum EstimatorError {
     #[error(transparent)]
     Mesh(#[from] MeshSizeError),
     /// The estimator does not support positions or directions that are unknown or have a standard deviation.
-    #[error("a position or direction that is `normal`, `friction`, `object` or `auto`, or has a standard deviation, needs the estimator {name}", name = EstimatorId::Nonlinear)]
+    #[error("a standard deviation, or a position or direction that is `normal`, `friction`, `object` or `auto` needs the estimator {name}", name = EstimatorId::Nonlinear)]
     NotKnown,
     /// The estimator does not support a pad between object and plate.
     #[error("a scene whose contacts have a pad (pad_mm, pad_length_mm) needs the estimator {name}", name = EstimatorId::Nonlinear)]

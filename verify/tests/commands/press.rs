@@ -49,9 +49,9 @@ fn sense_of_measured_contacts_gives_what_press_gives() {
     for (press, sense) in of_press.iter().zip(of_sense) {
         assert!((press / sense - 1.0).abs() < 1e-6, "{of_press:?} and {of_sense:?}");
     }
-    // Without the friction cone, the direction counts as exact, and the standard deviation is smaller. The residual contradicts this direction.
+    // Without the friction cone, the direction counts as exact. The residual contradicts this direction, and widens the standard deviation.
     let exact = Csv::of(&finray(&sense).warned().0).numbers("sigma_n")[0];
-    assert!(exact < of_sense[1], "{exact} and {of_sense:?}");
+    assert!(exact > of_sense[1], "{exact} and {of_sense:?}");
     let mixed = [&sense[..], &["--contact", "17"]].concat();
     assert_says(&finray(&mixed).refused(), &["expected standard deviations (+-) for all contacts or for no contact"]);
     // A standard deviation is refused, and not ignored silently, if another quantity of the same contact is unknown.

@@ -275,15 +275,22 @@ impl<'m> ForceProblem<'m> {
     }
 
     /// Sets the scale of each unknown: 1 N for forces, [`TURN_UNIT`] for rotations, 1 mm for translations, and one standard deviation for errors that
-    /// all markers share. The scale of a position is a shift of the contact that moves the finger about as far as a force of 1 N does.
+    /// all markers share. The scale of a position is a shift of the contact that moves the finger about as far as a force of 1 N does, or the standard
+    /// deviation of a measured position. The scale of a force across a measured normal is its standard deviation before the measurement, so that small
+    /// forces and accurate normals remain identifiable.
     pub fn rescale(&self, state: &mut State) {
         let largest = state.forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         for (scale, unknown) in state.linearised.scales.iter_mut().zip(&self.unknowns) {
             *scale = match *unknown {
                 Unknown::Base(BaseMotion::Turn) | Unknown::Object(BaseMotion::Turn) => TURN_UNIT,
-                Unknown::Force(_) | Unknown::Across(_) | Unknown::Base(_) | Unknown::Object(_) | Unknown::Shared(_) => {
-                    1.0
-                }
+                Unknown::Across(i) => match self.questions[i].direction {
+                    Direction::Measured(normal) => {
+                        leaning_n(state.forces_n[i]).abs() * normal.tangent_sd(self.questions.len())
+                    }
+                    _ => 1.0,
+                },
+                Unknown::Force(_) | Unknown::Base(_) | Unknown::Object(_) | Unknown::Shared(_) => 1.0,
+                Unknown::Position(i) if self.questions[i].is_position_measured() => self.questions[i].position_sd_mm,
                 Unknown::Position(i) => {
                     let force = state.forces_n[i].abs().max(1e-3 * largest).max(f64::MIN_POSITIVE);
                     0.1 * self.finger().plate_length_mm(Plate::Front) / force
