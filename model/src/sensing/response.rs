@@ -1,6 +1,6 @@
 //! Response of a bent finger: displacements of its markers and their derivatives with respect to contact forces and positions.
 
-use crate::finger::Plate;
+use crate::finger::{Plate, PlatePosition};
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::mesh::{Load, LoadError};
 use crate::sensing::{Contact, ContactPosition};
@@ -43,7 +43,7 @@ impl ContactForce {
         let moment_nmm = -self.lever_mm * force_n;
         let loads = match turned.load(finger, force_n) {
             Load::Node { node, force, .. } => [Some(Load::Node { node, force, moment_nmm }), None],
-            Load::Front { s_mm, force } => {
+            Load::Plate { at: PlatePosition { plate: _, s_mm }, force } => {
                 let length_mm = finger.plate_length_mm(Plate::Front);
                 // Positions on the plate are greater than 0.
                 let reach_mm = COUPLE_REACH_MM.min(length_mm - s_mm).min(0.5 * s_mm);
