@@ -154,13 +154,14 @@ impl Shape {
     }
 
     /// Features of the object that are closer to a part than `within_mm`, each with the geometry of the contact and the gap, mm. `line` is the part's
-    /// line in the finger's frame, with the points `ends` at the part's start and end; `object` is the object's pose in the finger's frame.
+    /// line in the finger's frame, with the points `ends` at the part's start and end; `pose` is the object's pose in the finger's frame, and `corners`
+    /// are its corners there, mm.
     pub(crate) fn near(
         &self,
         part: &Part,
         line: &Deformed<f64>,
         ends: [&AxisPoint<f64>; 2],
-        pose: &PoseInFinger,
+        (pose, corners): (&PoseInFinger, &[Vector]),
         within_mm: f64,
         mut add: impl FnMut(Feature, Pair, f64),
     ) {
@@ -175,9 +176,8 @@ impl Shape {
             }
         };
         if part.touches == Touches::Corners {
-            for (i, corner) in self.corners.iter().enumerate() {
-                let at = pose.point(*corner);
-                let Some((xi, height_mm)) = foot(line, part, ends, at) else { continue };
+            for (i, (corner, at)) in self.corners.iter().zip(corners).enumerate() {
+                let Some((xi, height_mm)) = foot(line, part, ends, *at) else { continue };
                 if height_mm > -part.radius_mm - within_mm {
                     let gap_mm = height_mm - part.radius_mm - self.disc_mm;
                     add(Feature::Corner(i), Meeting::PieceAndCorner { corner: *corner }, xi, gap_mm);

@@ -6,7 +6,7 @@
 //! increments, because friction depends on the whole path.
 
 use crate::outline::Shape;
-use crate::world::{Drive, GraspFailure, World, WorldError};
+use crate::world::{Drive, GraspFailure, Moment, World, WorldError};
 use crate::{ContactError, Touch};
 use finray_model::finger::Plate;
 use finray_model::gripper::Placement;
@@ -111,8 +111,7 @@ impl<'m> Pressing<'m> {
         let turn_rad = -along.y.atan2(along.x);
         let radii_mm = shape.corners().1 + 0.5 * description.front.thickness_mm;
         let way_mm = if friction > 0.0 { WAY_WITH_FRICTION } else { WAY } * length_mm;
-        let drive =
-            Drive { placements: vec![placed(turn_rad, start)], weight: Vector::zeros(), gripper: Vector::zeros() };
+        let drive = still(placed(turn_rad, start), 0.0);
         let object = [0.0, 0.0, turn_rad];
         let world = World::new(&[mesh], rod_radius_mm, (shape, friction), object, drive, None);
         let world = world.map_err(|error| match error {
@@ -147,20 +146,54 @@ impl<'m> Pressing<'m> {
     /// As for [`pass`](Self::pass).
     pub fn push(&mut self, push: Push) -> Result<Pressed, ContactError> {
         self.pass(push)?;
+        Ok(self.pressed(push))
+    }
+
+    /// Finger and object at rest after the hand's last motion.
+    fn pressed(&self, push: Push) -> Pressed {
         let outwards = self.placement().axes().transpose();
         let touches: Vec<Touch> = self.world.contacts().iter().filter_map(|contact| contact.touch).collect();
         let contact: Vector = touches.iter().map(|touch| touch.force).sum();
         let in_world = self.placement().axes() * contact;
         let along_n = if let Push::With(force_n) = push { force_n } else { in_world.x };
         let (base_force, base_moment_nmm) = self.world.on_base(0);
-        Ok(Pressed {
+        Pressed {
             shape: self.world.finger_shape(0),
             object: self.object(),
             hand_force: outwards * Vector::new(along_n, in_world.y),
             touches,
             base_force,
             base_moment_nmm,
-        })
+        }
+    }
+
+    /// Finger and object at present, from which [`push_near`](Self::push_near) starts on a finer mesh.
+    pub(crate) fn moment(&self) -> Moment {
+        self.world.moment()
+    }
+
+    /// Brings finger and object to rest near `there`, an equilibrium under the same push on `coarse`, a mesh with half as many elements per member.
+    /// `None` if no equilibrium is found there; nothing has changed then. Without friction, the equilibrium does not depend on the path.
+    pub(crate) fn push_near(&mut self, coarse: &Pressing, there: &Moment, push: Push) -> Option<Pressed> {
+        let before = self.moment();
+        self.world.take_from(&coarse.world, there);
+        let gone = match push {
+            Push::To(at) => {
+                self.world.hold([true; 3]);
+                self.world.meet(&still(self.placement_towards(at), 0.0))
+            }
+            Push::With(force_n) => {
+                self.world.hold([false, true, true]);
+                self.world.meet(&still(self.placement(), force_n)).and_then(|()| self.world.rest())
+            }
+        };
+        if gone.is_err() {
+            self.world.restore(before);
+            return None;
+        }
+        self.last = push;
+        self.has_touched |= coarse.has_touched;
+        Some(self.pressed(push))
     }
 
     /// Number of increments (not rounded) in which the hand moves to another position or changes its pull.
@@ -186,19 +219,14 @@ impl<'m> Pressing<'m> {
 
     /// Moves the hand by one increment.
     fn go(&mut self, to: Push, is_last: bool) -> Result<(), ContactError> {
-        let drive = |placement: Placement, pull_n: f64| Drive {
-            placements: vec![placement],
-            weight: Vector::new(pull_n, 0.0),
-            gripper: Vector::zeros(),
-        };
         let gone = match to {
             Push::To(at) => {
                 self.world.hold([true; 3]);
-                self.world.pass(&drive(self.placement_towards(at), 0.0))
+                self.world.pass(&still(self.placement_towards(at), 0.0))
             }
             Push::With(force_n) => {
                 self.world.hold([false, true, true]);
-                let drive = drive(self.placement(), force_n);
+                let drive = still(self.placement(), force_n);
                 if is_last { self.world.advance(&drive) } else { self.world.pass(&drive) }
             }
         };
@@ -233,6 +261,11 @@ impl<'m> Pressing<'m> {
         }
         between(clear)
     }
+}
+
+/// A finger at rest at a placement, and an object that is pulled along the x axis of the world, N.
+fn still(placement: Placement, pull_n: f64) -> Drive {
+    Drive { placements: vec![placement], weight: Vector::new(pull_n, 0.0), gripper: Vector::zeros() }
 }
 
 /// Placement of a finger, rotated by `angle_rad`, in which `point` (mm, finger frame) lies at the origin.

@@ -83,6 +83,7 @@ impl Surface {
         is_relevant: impl Fn(&Carrier) -> bool,
         mut add: impl FnMut(usize, Feature, Pair, f64),
     ) {
+        let corners: Vec<Vector> = shape.corners().0.iter().map(|corner| pose.point(*corner)).collect();
         for run in self.runs.iter().filter(|run| is_relevant(&run.carrier)) {
             let nodes = run.carrier.coordinates(motion);
             if run.away_mm(&nodes, pose.origin) > shape.size_mm() + within_mm {
@@ -94,12 +95,24 @@ impl Surface {
                 let part = &self.parts[index];
                 // A point between two pieces precedes the piece that begins there.
                 let to = if part.xi[0] < part.xi[1] { line.axis(part.xi[1]) } else { from };
-                shape.near(part, &line, [&from, &to], pose, within_mm, |feature, pair, gap_mm| {
+                shape.near(part, &line, [&from, &to], (pose, &corners), within_mm, |feature, pair, gap_mm| {
                     add(index, feature, pair, gap_mm);
                 });
                 from = to;
             }
         }
+    }
+
+    /// Index of the part that begins where the part `index` of the same finger's surface on another mesh begins.
+    pub(crate) fn counterpart(&self, other: &Surface, index: usize) -> usize {
+        let of = &other.parts[index];
+        let away_mm = |part: &Part| match (part.touched, of.touched) {
+            (TouchedPart::Plate(a), TouchedPart::Plate(b)) if part.touches == of.touches => (a - b).abs(),
+            (a, b) if a == b => 0.0,
+            _ => f64::INFINITY,
+        };
+        let parts = self.parts.iter().map(away_mm).enumerate();
+        parts.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(index, |(index, _)| index)
     }
 
     /// Surface of the front of a meshed finger whose rods have the given radius, mm (0: no rods).

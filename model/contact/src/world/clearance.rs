@@ -18,6 +18,13 @@ struct Round {
     radius_mm: f64,
 }
 
+impl Round {
+    /// Largest distance of a point of the part from its first end, mm.
+    fn extent_mm(&self) -> f64 {
+        (self.ends[1] - self.ends[0]).norm() + self.radius_mm
+    }
+}
+
 impl World<'_> {
     /// Smallest distance between the fronts of the first two fingers, mm; 0 or less if they touch, infinite for a single finger.
     pub fn between_fingers_mm(&self) -> f64 {
@@ -25,8 +32,14 @@ impl World<'_> {
             return f64::INFINITY;
         }
         let [left, right] = [0, 1].map(|finger| self.front(finger));
-        let of_pair = |a: &Round, b: &Round| distance_mm(a.ends, b.ends) - a.radius_mm - b.radius_mm;
-        left.iter().flat_map(|a| right.iter().map(move |b| of_pair(a, b))).fold(f64::INFINITY, f64::min)
+        let mut least_mm = f64::INFINITY;
+        for a in &left {
+            // Pieces that are farther apart than the smallest distance so far need no exact distance.
+            let is_near = |b: &&Round| (a.ends[0] - b.ends[0]).norm() - a.extent_mm() - b.extent_mm() < least_mm;
+            let of_pair = |b: &Round| distance_mm(a.ends, b.ends) - a.radius_mm - b.radius_mm;
+            least_mm = right.iter().filter(is_near).map(of_pair).fold(least_mm, f64::min);
+        }
+        least_mm
     }
 
     /// Whether the object would overlap a clamped part of the finger at the given placement of the finger.

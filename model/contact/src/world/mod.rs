@@ -60,7 +60,7 @@ pub struct World<'m> {
 
 /// Everything that changes during a grasp.
 #[derive(Debug, Clone)]
-struct Moment {
+pub(crate) struct Moment {
     state: State,
     /// State before the last solved increment; slips are counted from it.
     before: State,
@@ -130,6 +130,16 @@ impl<'m> World<'m> {
     /// As for [`advance`](Self::advance).
     pub fn pass(&mut self, to: &Drive) -> Result<(), GraspFailure> {
         self.attempt(|world| world.move_to(to))
+    }
+
+    /// Everything that changes during a grasp, at present.
+    pub(crate) fn moment(&self) -> Moment {
+        self.now.clone()
+    }
+
+    /// Returns to an earlier moment.
+    pub(crate) fn restore(&mut self, moment: Moment) {
+        self.now = moment;
     }
 
     fn attempt(&mut self, moves: impl FnOnce(&mut Self) -> Result<(), GraspFailure>) -> Result<(), GraspFailure> {
