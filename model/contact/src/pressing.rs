@@ -1,7 +1,7 @@
 //! An object pressed onto a finger: a sequence of quasi-static equilibria with Coulomb friction.
 //!
-//! The object is rigid and does not rotate. The object touches only the front plate and the plate's rods; contact of the finger with itself is not
-//! modelled. A "hand" (the imposed motion or force) moves the object to a prescribed position, or pulls the object along a line. An object that is
+//! The object is rigid and does not rotate. It starts outside the finger or between two ribs, and touches the walls that face it; contact of the finger
+//! with itself is not modelled. A "hand" (the imposed motion or force) moves the object to a prescribed position, or pulls the object along a line. An object that is
 //! moved into the clamped end of the plate stops there. Every step is an equilibrium of one finger and a held object. The hand moves in short
 //! increments, because friction depends on the whole path.
 
@@ -75,7 +75,7 @@ impl Pressed {
 const WAY: f64 = 1.0 / 75.0;
 /// With friction, the hand moves by at most this share of the front plate's length. The error of the friction history is proportional to the increment.
 const WAY_WITH_FRICTION: f64 = 1.0 / 300.0;
-/// In one increment, the hand also moves by at most this share of the disc-shaped object's radius (0 for a polygon) plus half the plate's thickness.
+/// In one increment, the hand also moves by at most this share of the disc-shaped object's radius (0 for a polygon) plus half the smallest thickness of a wall.
 /// No contact is then overlooked.
 const WAY_OF_RADII: f64 = 0.5;
 /// Length scale of displacements for tolerances, as a share of the front plate's length.
@@ -83,7 +83,7 @@ const SIZE: f64 = 1.0 / 8.0;
 /// Number of bisection steps that find the position at which the clamp stops a held object.
 const HALVINGS: usize = 40;
 
-/// A finger with an object in front of its front plate.
+/// A finger with an object outside it or between its ribs.
 pub struct Pressing<'m> {
     /// Finger and object, in a frame whose x axis is the line along which the object is pressed.
     world: World<'m>,
@@ -109,15 +109,18 @@ impl<'m> Pressing<'m> {
         let description = mesh.finger().description();
         let length_mm = mesh.finger().plate_length_mm(Plate::Front);
         let turn_rad = -along.y.atan2(along.x);
-        let radii_mm = shape.corners().1 + 0.5 * description.front.thickness_mm;
+        let disc_mm = shape.corners().1;
         let way_mm = if friction > 0.0 { WAY_WITH_FRICTION } else { WAY } * length_mm;
         let drive = still(placed(turn_rad, start), 0.0);
         let object = [0.0, 0.0, turn_rad];
         let world = World::new(&[mesh], rod_radius_mm, (shape, friction), object, drive, None);
         let world = world.map_err(|error| match error {
-            WorldError::Overlap { overlap_mm, .. } => ContactError::Overlap { overlap_mm },
+            WorldError::Overlap { part, overlap_mm, .. } => ContactError::Overlap { part, overlap_mm },
             WorldError::Finger(error) => error,
         })?;
+        let ribs = description.ribs.strip.filter(|_| world.is_inside(0));
+        let walls = [Some(description.front), Some(description.back), ribs].into_iter().flatten();
+        let radii_mm = disc_mm + 0.5 * walls.map(|wall| wall.thickness_mm).fold(f64::INFINITY, f64::min);
         Ok(Pressing {
             world: world.holding(SIZE * length_mm),
             way_mm: way_mm.min(WAY_OF_RADII * radii_mm),
@@ -187,7 +190,7 @@ impl<'m> Pressing<'m> {
                 self.world.meet(&still(self.placement(), force_n)).and_then(|()| self.world.rest())
             }
         };
-        if gone.is_err() {
+        if gone.is_err() || self.world.reached(0).is_some() {
             self.world.restore(before);
             return None;
         }
@@ -231,6 +234,9 @@ impl<'m> Pressing<'m> {
             }
         };
         self.has_touched |= self.world.contacts().iter().any(|contact| contact.touch.is_some());
+        if let Some(part) = self.world.reached(0) {
+            return Err(ContactError::Unmodelled { part });
+        }
         match (gone, to) {
             (Ok(()), _) => {
                 self.last = to;
@@ -248,11 +254,12 @@ impl<'m> Pressing<'m> {
     fn placement_towards(&self, at: Vector) -> Placement {
         let (from, [x, y, _]) = (self.placement(), self.world.object());
         let to = Placement { origin: placed(from.angle_rad, at).origin + Vector::new(x, y), ..from };
-        if !self.world.meets_clamp(0, &to) {
-            return to;
-        }
         let between = |share: f64| Placement { origin: from.origin.lerp(&to.origin, share), ..from };
-        let (mut clear, mut part) = (0.0, 1.0);
+        // An object that is stopped may be far from the hand's position, which may even be clear of the clamp on the other side.
+        let checks = ((to.origin - from.origin).norm() / self.way_mm).ceil().max(1.0);
+        let is_stopped = |check: &usize| self.world.meets_clamp(0, &between(*check as f64 / checks));
+        let Some(stop) = (1..=checks as usize).find(is_stopped) else { return to };
+        let (mut clear, mut part) = ((stop - 1) as f64 / checks, 1.0 / checks);
         for _ in 0..HALVINGS {
             part *= 0.5;
             if !self.world.meets_clamp(0, &between(clear + part)) {
