@@ -1,8 +1,9 @@
 //! Overlap of an object with walls of a finger, whatever the side from which the object meets them.
 
-use crate::TouchedPart;
 use crate::outline::{PoseInFinger, Shape};
 use crate::region::Boundary;
+use crate::{TouchedPart, Wall};
+use finray_model::finger::{Finger, Plate};
 use finray_model::frame::FrameMotion;
 use finray_model::{Mesh, Vector};
 
@@ -23,13 +24,21 @@ pub(crate) fn deepest<'b>(
         let mut s_mm = member.from_mm;
         for ends in member.line(mesh).nodes.windows(2) {
             let length_mm = (mesh.frame().position(ends[1]) - mesh.frame().position(ends[0])).norm();
-            let half_mm = member.half_mm(mesh.finger(), s_mm + 0.5 * length_mm);
+            let half_mm = half_mm(member, mesh.finger(), s_mm + 0.5 * length_mm);
             let (distance_mm, share) = distance_mm(shape, [at(ends[0]), at(ends[1])]);
             add(TouchedPart::On(member.wall, s_mm + share * length_mm), half_mm - distance_mm);
             s_mm += length_mm;
         }
     }
     deepest
+}
+
+/// Half the thickness of a member, mm, but for the back plate at most that of the front plate: a thicker back plate reaches through the front plate's
+/// surface at the tip.
+fn half_mm(member: &Boundary, finger: &Finger, s_mm: f64) -> f64 {
+    let own_mm = member.half_mm(finger, s_mm);
+    let front_mm = 0.5 * finger.thickness_mm(Plate::Front, 0.0);
+    if member.wall == Wall::Back { own_mm.min(front_mm) } else { own_mm }
 }
 
 /// Distance of a line segment from an object, mm, and the share of the segment's length at which it is smallest. The distance is negative if the

@@ -176,11 +176,6 @@ fn discs(mesh: &Mesh, rod_radius_mm: f64, region: Region) -> Vec<Part> {
             parts.push(end(Wall::Front, Plate::Front, 0.0, finger.clamped_nodes()[1]));
             parts.push(end(Wall::Front, Plate::Front, length_mm, finger.tip()));
         }
-        // The thicker plate, or the rod, rounds the tip.
-        let tip = parts.iter_mut().find(|part| part.carrier.mounts()[0] == Some(key_mount(mesh, finger.tip())));
-        if let Some(tip) = tip.filter(|_| !finger.tapers(Plate::Back)) {
-            tip.radius_mm = tip.radius_mm.max(half_mm(Plate::Back));
-        }
         parts.push(end(Wall::Back, Plate::Back, 0.0, finger.clamped_nodes()[0]));
     }
     parts

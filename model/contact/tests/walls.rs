@@ -46,7 +46,7 @@ fn fingers() -> [Finger; 2] {
 fn the_back_plate_is_the_front_plate_of_the_mirror_image() {
     let square = Shape::polygon(&[[-6.0, -6.0], [6.0, -6.0], [6.0, 6.0], [-6.0, 6.0]].map(Vector::from));
     let turn = nalgebra::Rotation2::new(0.3).into_inner();
-    for (finger, s_mm) in fingers().into_iter().flat_map(|finger| [(finger.clone(), 81.0), (finger, 140.0)]) {
+    for (finger, s_mm) in fingers().into_iter().flat_map(|finger| [(finger.clone(), 81.0), (finger, 144.0)]) {
         for (shape, friction) in [(Shape::disc(12.0), 0.0), (Shape::disc(12.0), 0.3), (square.mapped(turn), 0.0)] {
             let image = mirrored(&finger);
             let ways = path(&image, Plate::Front, s_mm, shape.reach_mm(image.inward(Plate::Front), 0.0), [1.0, 6.0]);
@@ -61,7 +61,7 @@ fn the_back_plate_is_the_front_plate_of_the_mirror_image() {
             assert!((force - expected).norm() < SAME * expected.norm(), "{s_mm}: {force:?} for {expected:?}");
             assert_eq!(ours.touches.len(), theirs.touches.len());
             for touch in &ours.touches {
-                assert!(matches!(touch.part, TouchedPart::On(Wall::Back, _)) || s_mm > 139.0, "{:?}", touch.part);
+                assert!(matches!(touch.part, TouchedPart::On(Wall::Back, _)) || s_mm > 143.0, "{:?}", touch.part);
             }
             assert!(ours.imbalance().expect("contact") < SAME, "{:?}", ours.imbalance());
         }
@@ -150,6 +150,24 @@ fn an_object_across_a_wall_is_refused() {
     let ways = [Vector::new(60.0, 0.0), Vector::new(61.0, 0.0)];
     let wide = pressed(&mesh, 1.5, (wide, 0.0), ways).map(|_| ()).expect_err("an overlap");
     assert!(matches!(wide, ContactError::Overlap { .. }), "{wide:?}");
+}
+
+/// A back plate that is thicker than the front plate reaches through the surface of the front plate at the tip. An object on the front plate does not
+/// touch it there.
+#[test]
+fn a_thick_back_plate_is_not_touched_from_the_front() {
+    let text =
+        finray_fixtures::PAPER_SCENE.replace("[finger.back]\nthickness_mm = 1.5", "[finger.back]\nthickness_mm = 4.0");
+    let finger = finger_of(&text);
+    let mesh = Mesh::with_elements_per_member(&finger, 2);
+    let (along, inward) = (finger.front_tangent(), finger.inward(Plate::Front));
+    let corners = [[-15.0, 0.0], [15.0, 0.0], [15.0, -10.0], [-15.0, -10.0]];
+    let shape = Shape::polygon(&corners.map(|[x, y]| along * x + inward * y));
+    let at = finger.plate_point(Plate::Front, 145.0) - inward * 0.75;
+    let found = pressed(&mesh, 0.0, (shape, 0.0), [at, at + inward * 2.0]).expect("an equilibrium");
+    assert!(!found.touches.is_empty());
+    let is_front = |touch: &Touch| matches!(touch.part, TouchedPart::On(Wall::Front, _));
+    assert!(found.touches.iter().all(is_front), "{:?}", found.touches);
 }
 
 /// Contact with hinged ribs and with a tapered back plate is not modelled: an object that reaches them is refused, and an object that does not is not.

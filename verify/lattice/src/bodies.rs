@@ -41,9 +41,9 @@ enum PlateSpan {
     Segment { ends: [Anchor; 2], from_mm: f64, to_mm: f64 },
 }
 
-/// A straight piece of the front plate's middle line that moves with one body.
+/// A straight piece of a plate's middle line that moves with one body.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FrontPiece {
+pub struct PlatePiece {
     /// Body that carries the piece.
     pub body: BodyIndex,
     /// Vectors from the body's centre to the two ends of the piece, undeformed, mm; the end nearer to the base comes first.
@@ -188,14 +188,14 @@ impl Assembly {
         chain.windows(2).map(|pair| [pair[0], pair[1]]).collect()
     }
 
-    /// Pieces of the front plate's middle line from base to tip, one per body. Two pieces meet at the middle of a segment.
-    pub fn front_pieces(&self) -> Vec<FrontPiece> {
-        let mut pieces: Vec<FrontPiece> = Vec::new();
+    /// Pieces of a plate's middle line from base to tip, one per body. Two pieces meet at the middle of a segment.
+    pub fn plate_pieces(&self, plate: Plate) -> Vec<PlatePiece> {
+        let mut pieces: Vec<PlatePiece> = Vec::new();
         let mut add = |from: Anchor, by: Vector, from_mm: f64| match pieces.last_mut() {
             Some(last) if last.body == from.body => last.ends[1] = from.arm + by,
-            _ => pieces.push(FrontPiece { body: from.body, ends: [from.arm, from.arm + by], from_mm }),
+            _ => pieces.push(PlatePiece { body: from.body, ends: [from.arm, from.arm + by], from_mm }),
         };
-        for &(_, piece) in &self.plates[0] {
+        for &(_, piece) in &self.plates[usize::from(plate == Plate::Back)] {
             match piece {
                 PlateSpan::Arm { anchor, at_mm } => add(anchor, Vector::zeros(), at_mm),
                 PlateSpan::Segment { ends: [from, to], from_mm, to_mm } => {

@@ -1,6 +1,6 @@
 //! An object pressed onto the lattice in the physics engine rapier, to verify presses that were computed on beams.
 //!
-//! The object is a rigid body that does not rotate. The object touches only the [`skin`](crate::skin) of the front plate; the finger does not touch
+//! The object is a rigid body that does not rotate. The object touches only the [`skin`](crate::skin) of the plates; the finger does not touch
 //! itself. A "hand" moves the object to a prescribed position, or pulls the object with a force. A stiff spring keeps a pulled object on the line
 //! along which it is pulled.
 //!
@@ -19,7 +19,7 @@ use finray_contact::path::PreparedObject;
 use finray_contact::pressing::{Pressed, Push};
 use finray_contact::{ContactError, Touch, TouchedPart, Wall};
 use finray_model::Vector;
-use finray_model::finger::{Part, Plate};
+use finray_model::finger::{Part, Plate, PlatePosition};
 use finray_model::mesh::Load;
 use rapier2d::parry::transformation::hertel_mehlhorn;
 use rapier2d::prelude::{
@@ -312,9 +312,9 @@ impl<'l> EnginePressing<'l> {
                     let touch = Touch {
                         part: match part {
                             Skin::Rod(node) => TouchedPart::Rod(node),
-                            Skin::Plate { from_mm, from_arm } => TouchedPart::On(
-                                Wall::Front,
-                                from_mm + (arm - from_arm).dot(&self.lattice.finger().front_tangent()),
+                            Skin::Plate { from: PlatePosition { plate, s_mm }, from_arm } => TouchedPart::On(
+                                if plate == Plate::Front { Wall::Front } else { Wall::Back },
+                                s_mm + (arm - from_arm).dot(&self.lattice.finger().tangent(plate)),
                             ),
                         },
                         clamped: rest.fixed,
@@ -327,8 +327,8 @@ impl<'l> EnginePressing<'l> {
                 }
             }
         }
-        let place_mm = |(_, touch): &(BodyIndex, Touch)| touch.part.place(self.lattice.finger()).1;
-        touches.sort_by(|a, b| place_mm(a).total_cmp(&place_mm(b)));
+        let place = |(_, touch): &(BodyIndex, Touch)| touch.part.place(self.lattice.finger());
+        touches.sort_by(|a, b| place(a).partial_cmp(&place(b)).unwrap_or(std::cmp::Ordering::Equal));
         touches
     }
 }

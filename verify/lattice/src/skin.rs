@@ -1,4 +1,4 @@
-//! Contact surface of a lattice in rapier: a disc at every rod of the front plate, and capsules between the rods.
+//! Contact surface of a lattice in rapier: a disc at every rod of the front plate, and capsules along both plates.
 
 use super::bodies::BodyLoad;
 use super::energy::{BodyMotion, Energy};
@@ -15,9 +15,9 @@ use rapier2d::prelude::{CoefficientCombineRule, ColliderBuilder, Group, Interact
 #[derive(Clone, Copy)]
 pub(crate) enum Skin {
     Rod(NodeId),
-    /// A piece of plate. The fields give the start of the piece, as position along the plate (mm) and as vector from the body's centre (mm).
+    /// A piece of a plate. The fields give the start of the piece, as position on the plate and as vector from the body's centre (mm).
     Plate {
-        from_mm: f64,
+        from: PlatePosition,
         from_arm: Vector,
     },
 }
@@ -43,7 +43,7 @@ pub(crate) fn require_one_thickness(lattice: &Lattice) -> Result<(), LatticeErro
     if lattice.finger().tapers(Plate::Front) { Err(ContactError::Tapered.into()) } else { Ok(()) }
 }
 
-/// Adds the contact surface to the rapier world: a disc at every rod of the front plate, and capsules between the rods.
+/// Adds the contact surface to the rapier world: a disc at every rod of the front plate, and capsules along both plates.
 pub(crate) fn add_skin(
     lattice: &Lattice,
     rod_radius_mm: f64,
@@ -59,11 +59,13 @@ pub(crate) fn add_skin(
             skin.push((anchor.body, Skin::Rod(node), ball));
         }
     }
-    let half_mm = 0.5 * finger.description().front.thickness_mm;
-    for piece in assembly.front_pieces() {
-        let [from, to] = piece.ends.map(rapier);
-        let part = Skin::Plate { from_mm: piece.from_mm, from_arm: piece.ends[0] };
-        skin.push((piece.body, part, ColliderBuilder::capsule_from_endpoints(from, to, half_mm)));
+    for plate in [Plate::Front, Plate::Back] {
+        for piece in assembly.plate_pieces(plate) {
+            let half_mm = 0.5 * finger.thickness_mm(plate, piece.from_mm);
+            let [from, to] = piece.ends.map(rapier);
+            let part = Skin::Plate { from: PlatePosition { plate, s_mm: piece.from_mm }, from_arm: piece.ends[0] };
+            skin.push((piece.body, part, ColliderBuilder::capsule_from_endpoints(from, to, half_mm)));
+        }
     }
     let world = &mut dynamics.world;
     skin.into_iter()
