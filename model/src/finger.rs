@@ -221,7 +221,7 @@ impl Finger {
 
     /// Unit normal of an undeformed plate, towards the other plate.
     pub fn inward(&self, part: Plate) -> Vector {
-        let along = (self.tip - self.base(part)).normalize();
+        let along = self.tangent(part);
         match part {
             Plate::Front => Vector::new(along.y, -along.x),
             Plate::Back => Vector::new(-along.y, along.x),
@@ -305,9 +305,22 @@ impl Finger {
         self.plate_positions_mm(Plate::Front).get(from_base).copied()
     }
 
+    /// Position of a key node on its plate; the tip counts as a node of the front plate.
+    pub fn plate_position(&self, node: NodeId) -> PlatePosition {
+        match self.front_position_mm(node) {
+            Some(s_mm) => s_mm.into(),
+            None => PlatePosition { plate: Plate::Back, s_mm: self.level_mm(Plate::Back, node.0 - 1) },
+        }
+    }
+
+    /// Unit vector along an undeformed plate towards the tip.
+    pub fn tangent(&self, plate: Plate) -> Vector {
+        (self.tip - self.base(plate)).normalize()
+    }
+
     /// Unit vector along the undeformed front plate towards the tip.
     pub fn front_tangent(&self) -> Vector {
-        (self.tip - self.base(Plate::Front)).normalize()
+        self.tangent(Plate::Front)
     }
 
     /// Unit vector at the angle `angle_deg` from the inward normal of the undeformed front plate; degrees, positive towards the tip.
@@ -344,6 +357,36 @@ pub enum Plate {
     Front,
     /// The plate that faces away from the contact (negative y).
     Back,
+}
+
+/// A position on the middle line of a plate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlatePosition {
+    /// The plate.
+    pub plate: Plate,
+    /// Distance from the plate's base along the undeformed plate, mm.
+    pub s_mm: f64,
+}
+
+/// A position on the front plate, mm from its base.
+impl From<f64> for PlatePosition {
+    fn from(s_mm: f64) -> PlatePosition {
+        PlatePosition { plate: Plate::Front, s_mm }
+    }
+}
+
+/// Writes the distance from the base in mm, after `back:` on the back plate.
+impl fmt::Display for PlatePosition {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let plate = if self.plate == Plate::Back { "back:" } else { "" };
+        write!(f, "{plate}{}", self.s_mm)
+    }
+}
+
+impl fmt::Display for Plate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(if *self == Plate::Back { "back" } else { "front" })
+    }
 }
 
 impl Plate {

@@ -17,7 +17,7 @@ pub use load::{Load, LoadError};
 pub use shape::{FingerShape, NodeMotion};
 
 use crate::Vector;
-use crate::finger::{Finger, MarkerPoints, NodeId, Part, Plate};
+use crate::finger::{Finger, MarkerPoints, NodeId, Part, PlatePosition};
 use crate::frame::{BeamEnd, FrameLoad, FrameMotion, NodeIndex, PlaneFrame};
 use build::{hinge_node, line_lengths};
 use prepared::Prepared;
@@ -50,9 +50,9 @@ pub struct Line {
     pub members: std::ops::Range<usize>,
 }
 
-/// A segment of the front plate that can carry a load.
+/// A segment of a plate that can carry a load.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum FrontSpan {
+enum PlateSpan {
     /// A rigid arm with the position of its node along the plate, mm from the base.
     Arm { end: BeamEnd, node_mm: f64 },
     /// An elastic element, with its start and end along the plate, mm from the base.
@@ -67,8 +67,8 @@ pub struct Mesh {
     lines: Vec<Line>,
     /// Groups of lines that are computed together in SIMD lanes; see [`Mesh::alike_lines`].
     alike: Vec<Vec<usize>>,
-    /// Segments of the front plate from base to tip, each with the position of the end nearer to the tip, mm from the base.
-    front: Vec<(f64, FrontSpan)>,
+    /// Segments of front and back plate from base to tip, each with the position of the end nearer to the tip, mm from the base.
+    plates: [Vec<(f64, PlateSpan)>; 2],
     /// Number of elements of each line (member of the finger); the last entry is for the base line.
     elements: Vec<usize>,
     /// Number of nodes, including those that are counted but not built.
@@ -171,42 +171,44 @@ impl Mesh {
     }
 
     /// Rotation of the front plate's normal at a load, rad. The result is the mean over points of a plate segment of length `over_mm` with the load
-    /// at its middle. Points beyond an end of the plate are moved to that end. If the length is zero or the load is on the back plate, returns the
-    /// rotation at the load alone.
+    /// at its middle. Points beyond an end of the plate are moved to that end. If the length is zero, returns the rotation at the load alone.
     ///
     /// # Errors
     /// [`LoadError`] as for [`frame_load`](Mesh::frame_load).
     pub(crate) fn normal_turn(&self, motion: &FrameMotion, load: &Load, over_mm: f64) -> Result<f64, LoadError> {
         let at = |load: &Load| Ok(self.frame.rotation_at(motion, &self.frame_load(load)?));
-        let middle_mm = match *load {
-            Load::Front { s_mm, .. } => Some(s_mm),
-            Load::Node { node, .. } => self.finger.front_position_mm(node),
+        let rotation = at(load)?;
+        if over_mm <= 0.0 {
+            return Ok(rotation);
+        }
+        let PlatePosition { plate, s_mm: middle_mm } = match *load {
+            Load::Plate { at, .. } => at,
+            Load::Node { node, .. } => self.finger.plate_position(node),
         };
-        let Some(middle_mm) = middle_mm.filter(|_| over_mm > 0.0) else { return at(load) };
-        let length_mm = self.finger.plate_length_mm(Plate::Front);
+        let length_mm = self.finger.plate_length_mm(plate);
         let mut sum = 0.0;
         for i in 0..NORMALS {
             let share = (i as f64 + 0.5) / NORMALS as f64 - 0.5;
             let s_mm = (middle_mm + share * over_mm).clamp(f64::EPSILON * length_mm, length_mm);
-            sum += at(&Load::at_position(s_mm, Vector::zeros()))?;
+            sum += at(&Load::at_position(PlatePosition { plate, s_mm }, Vector::zeros()))?;
         }
         Ok(sum / NORMALS as f64)
     }
 
-    /// Position of a point on the middle line of the deformed front plate, mm, finger frame. `s_mm` is the point's distance from the base along the
-    /// undeformed plate.
+    /// Position of a point on the middle line of a deformed plate, mm, finger frame.
     ///
     /// # Errors
-    /// [`LoadError`] if `s_mm` is not on the front plate.
-    pub fn front_point(&self, motion: &FrameMotion, s_mm: f64) -> Result<Vector, LoadError> {
-        let load = self.frame_load(&Load::at_position(s_mm, Vector::zeros()))?;
-        Ok(self.finger.plate_point(Plate::Front, s_mm) + self.frame.displacement_at(motion, &load))
+    /// [`LoadError`] if the position is not on its plate.
+    pub fn plate_point(&self, motion: &FrameMotion, at: impl Into<PlatePosition>) -> Result<Vector, LoadError> {
+        let at = at.into();
+        let load = self.frame_load(&Load::at_position(at, Vector::zeros()))?;
+        Ok(self.finger.plate_point(at.plate, at.s_mm) + self.frame.displacement_at(motion, &load))
     }
 
     /// Converts a load on the finger to a load on the frame.
     ///
     /// # Errors
-    /// [`LoadError`] for a node that does not exist or is clamped, or for a position off the front plate.
+    /// [`LoadError`] for a node that does not exist or is clamped, or for a position off its plate.
     pub fn frame_load(&self, load: &Load) -> Result<FrameLoad, LoadError> {
         match *load {
             Load::Node { node, force, moment_nmm } => {
@@ -219,18 +221,18 @@ impl Mesh {
                     Ok(FrameLoad::Node { node: self.frame_node(node), force, moment_nmm })
                 }
             }
-            Load::Front { s_mm, force } => {
-                let length_mm = self.finger.plate_length_mm(Plate::Front);
-                let piece = (s_mm > 0.0).then(|| self.front.iter().find(|(end, _)| s_mm <= *end)).flatten();
-                let Some((_, piece)) = piece else {
-                    return Err(LoadError::PositionOffPlate { s_mm, length_mm });
+            Load::Plate { at: at @ PlatePosition { plate, s_mm }, force } => {
+                let length_mm = self.finger.plate_length_mm(plate);
+                let spans = &self.plates[plate.index()];
+                let Some((_, span)) = (s_mm > 0.0).then(|| spans.iter().find(|(end, _)| s_mm <= *end)).flatten() else {
+                    return Err(LoadError::PositionOffPlate { at, length_mm });
                 };
-                Ok(match *piece {
-                    FrontSpan::Arm { end, node_mm } => {
-                        let arm = self.finger.front_tangent() * (s_mm - node_mm);
+                Ok(match *span {
+                    PlateSpan::Arm { end, node_mm } => {
+                        let arm = self.finger.tangent(plate) * (s_mm - node_mm);
                         FrameLoad::Arm { end: BeamEnd { arm, ..end }, force }
                     }
-                    FrontSpan::Element { member, from_mm, to_mm } => {
+                    PlateSpan::Element { member, from_mm, to_mm } => {
                         FrameLoad::Interior { member, xi: (s_mm - from_mm) / (to_mm - from_mm), force }
                     }
                 })

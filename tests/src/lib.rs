@@ -19,7 +19,7 @@ pub use chance::{
 };
 pub use comparison::{KINEMATICS, largest, motions_apart, shapes_apart};
 pub use figures::{Figure, record_figures, recorded_figures, state_of_code, today};
-pub use fingers::{ELEMENTS, finger_of, paper, paper_scene_with};
+pub use fingers::{ELEMENTS, finger_of, mirrored, paper, paper_scene_with};
 pub use loads::{at_node, at_nodes, at_position, contact_node, force_for_deflection, under_pad};
 pub use measurements::{noisy, seen};
 pub use results::{assert_recorded, results_file};

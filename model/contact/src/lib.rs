@@ -18,8 +18,9 @@
 //! ```
 //!
 //! # Model
-//! A finger is the co-rotational frame of [`finray_model`]. Its surface is that of the front plate, half a thickness from the axis of the plate's
-//! elements, with a disc at every rod; [`surface`] divides it into parts. The axis of an element is a cubic without kinks at its ends. Contacts are
+//! A finger is the co-rotational frame of [`finray_model`]. An object is outside the finger, or in one of the cells between plates and ribs, and stays
+//! there. It touches the sides of the walls ([`Wall`]) that face it: surfaces half a thickness from the axis of the wall's elements, with a disc at
+//! every rod of the front plate; [`surface`] divides them into parts. The axis of an element is a cubic without kinks at its ends. Contacts are
 //! unilateral with Coulomb friction. Corners and discs of an object meet the curved surface itself; straight sides meet it at two points an element.
 //!
 //! Physics engines step through time until everything rests; here each state of rest is solved for directly. Contact forces act on few nodes of the mesh. The
@@ -34,20 +35,22 @@ pub mod carrier;
 mod newton;
 mod number;
 pub mod outline;
+mod overlap;
 pub mod pair;
 pub mod part;
 pub mod path;
 pub mod press;
 pub mod pressing;
+mod region;
 mod scene;
 mod status;
-pub mod surface;
+mod surface;
 mod tangent_system;
 mod world;
 
 pub use world::{Account, Drive, GraspFailure, ObjectContact, TouchedBody, World, WorldError};
 
-use finray_model::finger::Finger;
+use finray_model::finger::{Finger, Plate};
 use finray_model::{NodeId, Vector};
 
 /// Reason why contact forces cannot be computed.
@@ -61,10 +64,24 @@ pub enum ContactError {
     #[error(transparent)]
     Statics(#[from] finray_model::statics::StaticsError),
     /// The object overlaps the finger at the start.
-    #[error("the object overlaps the undeformed finger by {overlap_mm:.3} mm at the start")]
+    #[error(
+        "the object overlaps the undeformed finger by {overlap_mm:.3} mm at the start{}",
+        part.map_or(String::new(), |part| format!(", at {part}"))
+    )]
     Overlap {
+        /// Overlapped part of the finger, if it is known.
+        part: Option<TouchedPart>,
         /// Depth of the overlap, mm.
         overlap_mm: f64,
+    },
+    /// The object reaches a wall of the finger on which contact is not modelled.
+    #[error(
+        "the object reaches {part}: contact is modelled with plates of constant thickness, and with ribs that deform and are joined rigidly to both \
+            plates without brackets"
+    )]
+    Unmodelled {
+        /// The part of the finger that the object reaches.
+        part: TouchedPart,
     },
     /// The finger does not hold the object against the applied force.
     #[error(
@@ -82,21 +99,57 @@ pub enum ContactError {
     },
 }
 
+/// A wall of a finger, through which no object passes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Wall {
+    /// The front plate.
+    Front,
+    /// The back plate.
+    Back,
+    /// A rib; ribs are numbered from 0 at the base.
+    Rib(usize),
+    /// The straight line between the bases of both plates, which never moves.
+    Base,
+}
+
+impl Wall {
+    /// The plate; `None` for ribs and base.
+    pub fn plate(self) -> Option<Plate> {
+        match self {
+            Wall::Front => Some(Plate::Front),
+            Wall::Back => Some(Plate::Back),
+            Wall::Rib(_) | Wall::Base => None,
+        }
+    }
+}
+
 /// The part of the finger that an object touches.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum TouchedPart {
     /// Rod at a key node of the front plate.
     Rod(NodeId),
-    /// Front plate, at this position from its base, mm.
-    Plate(f64),
+    /// A wall, at this position along the wall, mm: from the base of a plate, or from the back plate.
+    On(Wall, f64),
 }
 
 impl TouchedPart {
-    /// Position along the front plate, mm from its base.
-    pub fn position_mm(&self, finger: &Finger) -> f64 {
+    /// The wall, and the position along the wall, mm.
+    pub fn place(&self, finger: &Finger) -> (Wall, f64) {
         match *self {
-            TouchedPart::Rod(node) => finger.front_position_mm(node).unwrap_or_default(),
-            TouchedPart::Plate(position_mm) => position_mm,
+            TouchedPart::Rod(node) => (Wall::Front, finger.front_position_mm(node).unwrap_or_default()),
+            TouchedPart::On(wall, position_mm) => (wall, position_mm),
+        }
+    }
+}
+
+impl std::fmt::Display for TouchedPart {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        match self {
+            TouchedPart::Rod(node) => write!(f, "the rod of node {node}"),
+            TouchedPart::On(Wall::Front, s_mm) => write!(f, "{s_mm:.1} mm of the front plate"),
+            TouchedPart::On(Wall::Back, s_mm) => write!(f, "{s_mm:.1} mm of the back plate"),
+            TouchedPart::On(Wall::Rib(rib), s_mm) => write!(f, "rib {}, {s_mm:.1} mm from the back plate", rib + 1),
+            TouchedPart::On(Wall::Base, _) => write!(f, "the base"),
         }
     }
 }

@@ -29,8 +29,11 @@ const ROUND: f64 = 1e-3;
 const ROUND_MM: f64 = 1e-6;
 /// Largest Newton step of a node or the object: translation as a share of the object's size, and rotation, rad. A longer step is scaled down.
 const LONGEST: [f64; 2] = [0.3, 0.2];
-/// The iteration counts as converged only if a Newton step moves every node and the object by at most this share of the object's size.
-const CONVERGED: f64 = 1e-11;
+/// The iteration counts as converged only if a Newton step moves every node and the object by at most this share of the object's size. The error after
+/// a step is proportional to the square of the step, and is thus of the order of rounding.
+const CONVERGED: f64 = 1e-7;
+/// Limit in place of [`CONVERGED`] from the Newton step `LAGGING` on, where convergence is linear.
+const CONVERGED_LAGGING: f64 = 1e-11;
 /// A solution with an overlap above this share of the object's size is rejected, because a contact pair was overlooked.
 const OVERLAP: f64 = 1e-6;
 
@@ -74,7 +77,8 @@ impl Scene<'_> {
             }
             let is_same = passed.last().is_some_and(|(last, _)| *last == grips);
             let is_settled = is_same && statuses.values().all(|status| !status.is_pulled);
-            if share == 1.0 && largest_mm <= CONVERGED * self.size_mm && is_settled {
+            let converged = if step < LAGGING { CONVERGED } else { CONVERGED_LAGGING };
+            if share == 1.0 && largest_mm <= converged * self.size_mm && is_settled {
                 return (moved_mm <= farthest_mm && self.is_equilibrium(&mut state, before, around)).then_some(state);
             }
             let goes_round = |(grips_then, then_mm): &(Vec<Option<Grip>>, f64)| {

@@ -136,6 +136,14 @@ impl Shape {
         self.corners.iter().zip(ends).map(|(a, b)| [*a, *b]).filter(|_| self.corners.len() > 1)
     }
 
+    /// Whether a point (mm) is inside a polygon.
+    pub(crate) fn contains(&self, point: Vector) -> bool {
+        let is_crossed = |[a, b]: &[Vector; 2]| {
+            (a.y > point.y) != (b.y > point.y) && point.x < a.x + (b.x - a.x) * (point.y - a.y) / (b.y - a.y)
+        };
+        self.sides().filter(is_crossed).count() % 2 == 1
+    }
+
     /// Triangles of a polygon as indices of its corners, counter-clockwise; none for a disc.
     pub fn triangles(&self) -> Vec<[u32; 3]> {
         triangles(&self.corners).unwrap_or_default()
@@ -154,13 +162,14 @@ impl Shape {
     }
 
     /// Features of the object that are closer to a part than `within_mm`, each with the geometry of the contact and the gap, mm. `line` is the part's
-    /// line in the finger's frame, with the points `ends` at the part's start and end; `object` is the object's pose in the finger's frame.
+    /// line in the finger's frame, with the points `ends` at the part's start and end; `pose` is the object's pose in the finger's frame, and `corners`
+    /// are its corners there, mm.
     pub(crate) fn near(
         &self,
         part: &Part,
         line: &Deformed<f64>,
         ends: [&AxisPoint<f64>; 2],
-        pose: &PoseInFinger,
+        (pose, corners): (&PoseInFinger, &[Vector]),
         within_mm: f64,
         mut add: impl FnMut(Feature, Pair, f64),
     ) {
@@ -175,9 +184,8 @@ impl Shape {
             }
         };
         if part.touches == Touches::Corners {
-            for (i, corner) in self.corners.iter().enumerate() {
-                let at = pose.point(*corner);
-                let Some((xi, height_mm)) = foot(line, part, ends, at) else { continue };
+            for (i, (corner, at)) in self.corners.iter().zip(corners).enumerate() {
+                let Some((xi, height_mm)) = foot(line, part, ends, *at) else { continue };
                 if height_mm > -part.radius_mm - within_mm {
                     let gap_mm = height_mm - part.radius_mm - self.disc_mm;
                     add(Feature::Corner(i), Meeting::PieceAndCorner { corner: *corner }, xi, gap_mm);
@@ -196,7 +204,11 @@ impl Shape {
             beyond[i][1] = way < 0.0;
             beyond[(i + 1) % count][0] = way > length;
             let height = (at - a).dot(&outward);
-            if (0.0..=length).contains(&way) && height > -BEHIND_MM {
+            // The far side of a thin finger faces away from the object.
+            let faces = |axis: &AxisPoint<f64>| {
+                part.side * axis.tangent.perp(&(into_finger * outward)) < 0.0 || part.touches == Touches::All
+            };
+            if (0.0..=length).contains(&way) && height > -BEHIND_MM && faces(from) {
                 let gap_mm = height - part.radius_mm;
                 add(Feature::Side(i), Meeting::BallAndSide { on_side: a, outward }, part.xi[0], gap_mm);
             }
@@ -283,6 +295,11 @@ impl PoseInFinger {
     pub(crate) fn new(finger: &Placement, [x, y, angle]: [f64; 3]) -> PoseInFinger {
         let axes = finger.axes().transpose() * Rotation2::new(angle).into_inner();
         PoseInFinger { origin: finger.inwards(Vector::new(x, y)), axes }
+    }
+
+    /// Maps a point of the finger's frame to the object's frame, mm.
+    pub(crate) fn inwards(&self, point: Vector) -> Vector {
+        self.axes.transpose() * (point - self.origin)
     }
 
     /// Maps a point of the object to the finger's frame, mm.

@@ -1,12 +1,12 @@
 //! An object pressed onto a finger: a sequence of quasi-static equilibria with Coulomb friction.
 //!
-//! The object is rigid and does not rotate. The object touches only the front plate and the plate's rods; contact of the finger with itself is not
-//! modelled. A "hand" (the imposed motion or force) moves the object to a prescribed position, or pulls the object along a line. An object that is
+//! The object is rigid and does not rotate. It starts outside the finger or between two ribs, and touches the walls that face it; contact of the finger
+//! with itself is not modelled. A "hand" (the imposed motion or force) moves the object to a prescribed position, or pulls the object along a line. An object that is
 //! moved into the clamped end of the plate stops there. Every step is an equilibrium of one finger and a held object. The hand moves in short
 //! increments, because friction depends on the whole path.
 
 use crate::outline::Shape;
-use crate::world::{Drive, GraspFailure, World, WorldError};
+use crate::world::{Drive, GraspFailure, Moment, World, WorldError};
 use crate::{ContactError, Touch};
 use finray_model::finger::Plate;
 use finray_model::gripper::Placement;
@@ -75,7 +75,7 @@ impl Pressed {
 const WAY: f64 = 1.0 / 75.0;
 /// With friction, the hand moves by at most this share of the front plate's length. The error of the friction history is proportional to the increment.
 const WAY_WITH_FRICTION: f64 = 1.0 / 300.0;
-/// In one increment, the hand also moves by at most this share of the disc-shaped object's radius (0 for a polygon) plus half the plate's thickness.
+/// In one increment, the hand also moves by at most this share of the disc-shaped object's radius (0 for a polygon) plus half the smallest thickness of a wall.
 /// No contact is then overlooked.
 const WAY_OF_RADII: f64 = 0.5;
 /// Length scale of displacements for tolerances, as a share of the front plate's length.
@@ -83,7 +83,7 @@ const SIZE: f64 = 1.0 / 8.0;
 /// Number of bisection steps that find the position at which the clamp stops a held object.
 const HALVINGS: usize = 40;
 
-/// A finger with an object in front of its front plate.
+/// A finger with an object outside it or between its ribs.
 pub struct Pressing<'m> {
     /// Finger and object, in a frame whose x axis is the line along which the object is pressed.
     world: World<'m>,
@@ -109,16 +109,18 @@ impl<'m> Pressing<'m> {
         let description = mesh.finger().description();
         let length_mm = mesh.finger().plate_length_mm(Plate::Front);
         let turn_rad = -along.y.atan2(along.x);
-        let radii_mm = shape.corners().1 + 0.5 * description.front.thickness_mm;
+        let disc_mm = shape.corners().1;
         let way_mm = if friction > 0.0 { WAY_WITH_FRICTION } else { WAY } * length_mm;
-        let drive =
-            Drive { placements: vec![placed(turn_rad, start)], weight: Vector::zeros(), gripper: Vector::zeros() };
+        let drive = still(placed(turn_rad, start), 0.0);
         let object = [0.0, 0.0, turn_rad];
         let world = World::new(&[mesh], rod_radius_mm, (shape, friction), object, drive, None);
         let world = world.map_err(|error| match error {
-            WorldError::Overlap { overlap_mm, .. } => ContactError::Overlap { overlap_mm },
+            WorldError::Overlap { part, overlap_mm, .. } => ContactError::Overlap { part, overlap_mm },
             WorldError::Finger(error) => error,
         })?;
+        let ribs = description.ribs.strip.filter(|_| world.is_inside(0));
+        let walls = [Some(description.front), Some(description.back), ribs].into_iter().flatten();
+        let radii_mm = disc_mm + 0.5 * walls.map(|wall| wall.thickness_mm).fold(f64::INFINITY, f64::min);
         Ok(Pressing {
             world: world.holding(SIZE * length_mm),
             way_mm: way_mm.min(WAY_OF_RADII * radii_mm),
@@ -147,20 +149,54 @@ impl<'m> Pressing<'m> {
     /// As for [`pass`](Self::pass).
     pub fn push(&mut self, push: Push) -> Result<Pressed, ContactError> {
         self.pass(push)?;
+        Ok(self.pressed(push))
+    }
+
+    /// Finger and object at rest after the hand's last motion.
+    fn pressed(&self, push: Push) -> Pressed {
         let outwards = self.placement().axes().transpose();
         let touches: Vec<Touch> = self.world.contacts().iter().filter_map(|contact| contact.touch).collect();
         let contact: Vector = touches.iter().map(|touch| touch.force).sum();
         let in_world = self.placement().axes() * contact;
         let along_n = if let Push::With(force_n) = push { force_n } else { in_world.x };
         let (base_force, base_moment_nmm) = self.world.on_base(0);
-        Ok(Pressed {
+        Pressed {
             shape: self.world.finger_shape(0),
             object: self.object(),
             hand_force: outwards * Vector::new(along_n, in_world.y),
             touches,
             base_force,
             base_moment_nmm,
-        })
+        }
+    }
+
+    /// Finger and object at present, from which [`push_near`](Self::push_near) starts on a finer mesh.
+    pub(crate) fn moment(&self) -> Moment {
+        self.world.moment()
+    }
+
+    /// Brings finger and object to rest near `there`, an equilibrium under the same push on `coarse`, a mesh with half as many elements per member.
+    /// `None` if no equilibrium is found there; nothing has changed then. Without friction, the equilibrium does not depend on the path.
+    pub(crate) fn push_near(&mut self, coarse: &Pressing, there: &Moment, push: Push) -> Option<Pressed> {
+        let before = self.moment();
+        self.world.take_from(&coarse.world, there);
+        let gone = match push {
+            Push::To(at) => {
+                self.world.hold([true; 3]);
+                self.world.meet(&still(self.placement_towards(at), 0.0))
+            }
+            Push::With(force_n) => {
+                self.world.hold([false, true, true]);
+                self.world.meet(&still(self.placement(), force_n)).and_then(|()| self.world.rest())
+            }
+        };
+        if gone.is_err() || self.world.reached(0).is_some() {
+            self.world.restore(before);
+            return None;
+        }
+        self.last = push;
+        self.has_touched |= coarse.has_touched;
+        Some(self.pressed(push))
     }
 
     /// Number of increments (not rounded) in which the hand moves to another position or changes its pull.
@@ -186,23 +222,21 @@ impl<'m> Pressing<'m> {
 
     /// Moves the hand by one increment.
     fn go(&mut self, to: Push, is_last: bool) -> Result<(), ContactError> {
-        let drive = |placement: Placement, pull_n: f64| Drive {
-            placements: vec![placement],
-            weight: Vector::new(pull_n, 0.0),
-            gripper: Vector::zeros(),
-        };
         let gone = match to {
             Push::To(at) => {
                 self.world.hold([true; 3]);
-                self.world.pass(&drive(self.placement_towards(at), 0.0))
+                self.world.pass(&still(self.placement_towards(at), 0.0))
             }
             Push::With(force_n) => {
                 self.world.hold([false, true, true]);
-                let drive = drive(self.placement(), force_n);
+                let drive = still(self.placement(), force_n);
                 if is_last { self.world.advance(&drive) } else { self.world.pass(&drive) }
             }
         };
         self.has_touched |= self.world.contacts().iter().any(|contact| contact.touch.is_some());
+        if let Some(part) = self.world.reached(0) {
+            return Err(ContactError::Unmodelled { part });
+        }
         match (gone, to) {
             (Ok(()), _) => {
                 self.last = to;
@@ -220,11 +254,12 @@ impl<'m> Pressing<'m> {
     fn placement_towards(&self, at: Vector) -> Placement {
         let (from, [x, y, _]) = (self.placement(), self.world.object());
         let to = Placement { origin: placed(from.angle_rad, at).origin + Vector::new(x, y), ..from };
-        if !self.world.meets_clamp(0, &to) {
-            return to;
-        }
         let between = |share: f64| Placement { origin: from.origin.lerp(&to.origin, share), ..from };
-        let (mut clear, mut part) = (0.0, 1.0);
+        // An object that is stopped may be far from the hand's position, which may even be clear of the clamp on the other side.
+        let checks = ((to.origin - from.origin).norm() / self.way_mm).ceil().max(1.0);
+        let is_stopped = |check: &usize| self.world.meets_clamp(0, &between(*check as f64 / checks));
+        let Some(stop) = (1..=checks as usize).find(is_stopped) else { return to };
+        let (mut clear, mut part) = ((stop - 1) as f64 / checks, 1.0 / checks);
         for _ in 0..HALVINGS {
             part *= 0.5;
             if !self.world.meets_clamp(0, &between(clear + part)) {
@@ -233,6 +268,11 @@ impl<'m> Pressing<'m> {
         }
         between(clear)
     }
+}
+
+/// A finger at rest at a placement, and an object that is pulled along the x axis of the world, N.
+fn still(placement: Placement, pull_n: f64) -> Drive {
+    Drive { placements: vec![placement], weight: Vector::new(pull_n, 0.0), gripper: Vector::zeros() }
 }
 
 /// Placement of a finger, rotated by `angle_rad`, in which `point` (mm, finger frame) lies at the origin.

@@ -2,6 +2,7 @@
 
 use crate::ContactError;
 use crate::outline::{Feature, Shape};
+use crate::region::Region;
 use crate::surface::Surface;
 use finray_model::frame::FrameMotion;
 use finray_model::gripper::Placement;
@@ -26,19 +27,20 @@ pub(crate) struct PlacedFinger<'m> {
     pub mesh: &'m Mesh,
     /// Equilibrium equations.
     pub ladder: Ladder<'m>,
-    /// Contact surface of the finger's front.
+    /// Contact surface of the finger in the object's region.
     pub surface: Surface,
     /// Stiffness of the undeformed finger at its middle, N/mm.
     pub stiffness: f64,
 }
 
 impl<'m> PlacedFinger<'m> {
-    /// A finger whose rods have the given radius, mm.
-    pub fn new(mesh: &'m Mesh, rod_radius_mm: f64) -> Result<PlacedFinger<'m>, ContactError> {
+    /// A finger whose rods have the given radius, mm. A point of the object (mm, finger frame) selects the region in which the object is.
+    pub fn new(mesh: &'m Mesh, rod_radius_mm: f64, point: Vector) -> Result<PlacedFinger<'m>, ContactError> {
+        let region = Region::of(mesh.finger(), point);
         Ok(PlacedFinger {
             mesh,
             ladder: Ladder::new(mesh, Kinematics::Corotational),
-            surface: Surface::new(mesh, rod_radius_mm)?,
+            surface: Surface::new(mesh, rod_radius_mm, region)?,
             stiffness: middle_stiffness(mesh)?,
         })
     }

@@ -1,12 +1,13 @@
 //! Contact pairs within a search distance. Each contact pair consists of a feature of the object and either a part of a finger or the support. In a
 //! Newton step, each contact pair is open, sticking or slipping.
 
-use crate::TouchedPart;
 use crate::carrier::Carrier;
 use crate::outline::{Feature, PoseInFinger};
 use crate::pair::{Meeting, Pair, PairPose, Tangent, Touching};
 use crate::part::{Part, Touches};
+use crate::region::Region;
 use crate::scene::{Key, Scene, State, Surroundings};
+use crate::{TouchedPart, Wall};
 use finray_model::Vector;
 use finray_model::gripper::Placement;
 use std::collections::BTreeMap;
@@ -107,6 +108,9 @@ impl Scene<'_> {
                     ContactPair { key, part, pair, touching }
                 });
             });
+            if standing.surface.region == Region::Outside {
+                keep_nearer_plate(&mut pairs, finger, state);
+            }
         }
         if std::ptr::eq(at, state) {
             let lost: Vec<ContactPair> =
@@ -181,13 +185,17 @@ impl Scene<'_> {
         forces
     }
 
-    /// Distance along the plate between the starts of two parts of one finger, mm; 0 between two pairs of the support.
+    /// Distance along a wall between the starts of two parts of one finger, mm; infinite between two walls, and 0 between two pairs of the support.
     fn along_plate_mm(&self, a: Key, b: Key) -> f64 {
-        let at_mm = |(finger, part, _): Key| {
+        let place = |(finger, part, _): Key| {
             let standing = self.fingers.get(finger);
-            standing.map_or(0.0, |standing| standing.surface.parts[part].touched.position_mm(standing.mesh.finger()))
+            standing.map(|standing| standing.surface.parts[part].touched.place(standing.mesh.finger()))
         };
-        (at_mm(a) - at_mm(b)).abs()
+        match (place(a), place(b)) {
+            (Some((a, _)), Some((b, _))) if a != b => f64::INFINITY,
+            (Some((_, a_mm)), Some((_, b_mm))) => (a_mm - b_mm).abs(),
+            _ => 0.0,
+        }
     }
 
     /// Length of a piece of a finger's plate, mm; 0 for a disc and for the support.
@@ -260,10 +268,36 @@ impl Scene<'_> {
 /// The touched part of the finger.
 pub(crate) fn touched(part: &Part, pair: &Pair) -> TouchedPart {
     match part.touched {
-        TouchedPart::Plate(from_mm) if part.xi[0] < part.xi[1] => {
-            TouchedPart::Plate(from_mm + part.length_mm * (pair.xi - part.xi[0]) / (part.xi[1] - part.xi[0]))
+        TouchedPart::On(wall, from_mm) if part.xi[0] < part.xi[1] => {
+            TouchedPart::On(wall, from_mm + part.length_mm * (pair.xi - part.xi[0]) / (part.xi[1] - part.xi[0]))
         }
         touched => touched,
+    }
+}
+
+/// Removes unloaded pairs in which a corner outside the finger would overlap one plate, but is nearer to the middle line of the other plate. Near the
+/// tip, a corner that touches one plate is within the search distance of the other plate's far side.
+fn keep_nearer_plate(pairs: &mut Vec<ContactPair>, finger: usize, state: &State) {
+    let wall = |pair: &ContactPair| match pair.part.map(|part| part.touched) {
+        Some(TouchedPart::On(wall @ (Wall::Front | Wall::Back), _)) if pair.key.0 == finger => Some(wall),
+        _ => None,
+    };
+    let is_corner = |pair: &ContactPair| matches!(pair.pair.meeting, Meeting::PieceAndCorner { .. });
+    let off_axis_mm = |pair: &ContactPair| (pair.touching.gap_mm + pair.pair.radius_mm + pair.pair.disc_mm).abs();
+    let is_far = |pair: &ContactPair| {
+        let is_loaded = state.forces.get(&pair.key).is_some_and(|forces| *forces != [0.0; 2]);
+        let is_candidate = pair.touching.gap_mm < 0.0 && is_corner(pair) && wall(pair).is_some() && !is_loaded;
+        let is_nearer = |other: &ContactPair| {
+            other.key.2 == pair.key.2
+                && is_corner(other)
+                && wall(other).is_some_and(|other| Some(other) != wall(pair))
+                && off_axis_mm(other) < off_axis_mm(pair)
+        };
+        is_candidate && pairs.iter().any(is_nearer)
+    };
+    let far: Vec<Key> = pairs.iter().filter(|pair| is_far(pair)).map(|pair| pair.key).collect();
+    if !far.is_empty() {
+        pairs.retain(|pair| !far.contains(&pair.key));
     }
 }
 
@@ -275,7 +309,7 @@ fn beside_deepest(
     statuses: &BTreeMap<Key, ContactStatus>,
 ) -> Vec<Key> {
     let closes = |pair: &&ContactPair| {
-        let is_piece = pair.part.is_some_and(|part| matches!(part.touched, TouchedPart::Plate(_)));
+        let is_piece = pair.part.is_some_and(|part| matches!(part.touched, TouchedPart::On(..)));
         is_piece && forces[&pair.key] == [0.0; 2] && statuses[&pair.key].grip.is_some()
     };
     let closing: Vec<&ContactPair> = pairs.iter().filter(closes).collect();

@@ -1,11 +1,12 @@
-//! Parts of a finger that can touch an object: discs of the rods, and pieces of the plate's surface.
+//! Parts of a finger that can touch an object: discs of the rods, and pieces of the surfaces of walls.
 
 use crate::carrier::{Carrier, Mount};
 use crate::outline::{Feature, PoseInFinger, Shape};
 use crate::pair::Pair;
 use crate::part::{Part, Touches};
-use crate::{ContactError, TouchedPart};
-use finray_model::finger::{Part as FingerPart, Plate};
+use crate::region::{Boundary, Region};
+use crate::{ContactError, TouchedPart, Wall};
+use finray_model::finger::Plate;
 use finray_model::frame::FrameMotion;
 use finray_model::{Mesh, NodeId, Vector};
 use std::ops::Range;
@@ -16,18 +17,22 @@ const PIECES: usize = 4;
 /// it in an ill-conditioned way.
 const PIECES_A_POINT: usize = 2;
 
-/// Surface of a finger's front: discs of the rods and of the ends of the plate, then pieces of the plate from base to tip.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Surface {
+/// Surface of a finger that faces a region: discs of the rods and of the ends of the plates, then pieces of the walls.
+#[derive(Debug, Clone)]
+pub(crate) struct Surface {
     /// Parts of the surface.
     pub parts: Vec<Part>,
     /// Consecutive parts on the same line.
     pub runs: Vec<Run>,
+    /// The region that contains the object.
+    pub region: Region,
+    /// Members that bound the region, but on which contact is not modelled.
+    pub unmodelled: Vec<Boundary>,
 }
 
 /// Consecutive parts of a surface that one line carries.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Run {
+#[derive(Debug, Clone)]
+pub(crate) struct Run {
     /// The line.
     pub carrier: Carrier,
     /// Indices of the parts.
@@ -83,6 +88,7 @@ impl Surface {
         is_relevant: impl Fn(&Carrier) -> bool,
         mut add: impl FnMut(usize, Feature, Pair, f64),
     ) {
+        let corners: Vec<Vector> = shape.corners().0.iter().map(|corner| pose.point(*corner)).collect();
         for run in self.runs.iter().filter(|run| is_relevant(&run.carrier)) {
             let nodes = run.carrier.coordinates(motion);
             if run.away_mm(&nodes, pose.origin) > shape.size_mm() + within_mm {
@@ -94,7 +100,7 @@ impl Surface {
                 let part = &self.parts[index];
                 // A point between two pieces precedes the piece that begins there.
                 let to = if part.xi[0] < part.xi[1] { line.axis(part.xi[1]) } else { from };
-                shape.near(part, &line, [&from, &to], pose, within_mm, |feature, pair, gap_mm| {
+                shape.near(part, &line, [&from, &to], (pose, &corners), within_mm, |feature, pair, gap_mm| {
                     add(index, feature, pair, gap_mm);
                 });
                 from = to;
@@ -102,55 +108,104 @@ impl Surface {
         }
     }
 
-    /// Surface of the front of a meshed finger whose rods have the given radius, mm (0: no rods).
+    /// Index of the part that begins where the part `index` of the same finger's surface on another mesh begins.
+    pub(crate) fn counterpart(&self, other: &Surface, index: usize) -> usize {
+        let of = &other.parts[index];
+        let away_mm = |part: &Part| match (part.touched, of.touched) {
+            (TouchedPart::On(a, a_mm), TouchedPart::On(b, b_mm)) if a == b && part.touches == of.touches => {
+                (a_mm - b_mm).abs()
+            }
+            (a, b) if a == b => 0.0,
+            _ => f64::INFINITY,
+        };
+        let parts = self.parts.iter().map(away_mm).enumerate();
+        parts.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(index, |(index, _)| index)
+    }
+
+    /// The sides of a finger's walls that face a region, on a finger whose rods have the given radius, mm (0: no rods). A wall on which contact is not
+    /// modelled has no part.
     ///
     /// # Errors
     /// [`ContactError::Tapered`] if the front plate tapers, because its surface is then not parallel to its middle line.
-    pub fn new(mesh: &Mesh, rod_radius_mm: f64) -> Result<Surface, ContactError> {
+    pub(crate) fn new(mesh: &Mesh, rod_radius_mm: f64, region: Region) -> Result<Surface, ContactError> {
         let finger = mesh.finger();
         if finger.tapers(Plate::Front) {
             return Err(ContactError::Tapered);
         }
-        let half_mm = 0.5 * finger.description().front.thickness_mm;
-        let nodes: Vec<NodeId> =
-            finger.plate_nodes(Plate::Front).into_iter().filter(|node| finger.junction(*node) == *node).collect();
-        let disc = |node: NodeId, radius_mm: f64, touched: TouchedPart| {
-            let mount = Some(key_mount(mesh, node));
-            let carrier = Carrier::Rigid { mount, from: Vector::zeros(), along: Vector::zeros() };
-            Part { carrier, xi: [0.0; 2], radius_mm, side: 1.0, touches: Touches::All, touched, length_mm: 0.0 }
-        };
-        let mut parts = Vec::new();
-        if rod_radius_mm > half_mm {
-            parts.extend(nodes.iter().map(|node| disc(*node, rod_radius_mm, TouchedPart::Rod(*node))));
-        } else {
-            let ends = [nodes.first(), nodes.last()].into_iter().flatten();
-            let end = |node: &NodeId| {
-                disc(*node, half_mm, TouchedPart::Plate(finger.front_position_mm(*node).unwrap_or(0.0)))
-            };
-            parts.extend(ends.map(end));
+        let boundaries = region.boundaries(mesh);
+        let mut parts = discs(mesh, rod_radius_mm, region);
+        for boundary in boundaries.iter().filter(|boundary| boundary.is_modelled(finger)) {
+            add_member(mesh, boundary, &mut parts);
         }
-        for (member, line) in mesh.lines().iter().filter(|line| line.part == FingerPart::Front).enumerate() {
-            add_member(mesh, (member, line.members.clone()), half_mm, &mut parts);
+        if region.meets_base() {
+            parts.push(base(mesh, region));
         }
         let mut runs: Vec<Run> = Vec::new();
         for run in parts.chunk_by(|a, b| a.carrier == b.carrier) {
             runs.push(Run::new(run, runs.last().map_or(0, |last| last.parts.end)));
         }
-        Ok(Surface { parts, runs })
+        let unmodelled = boundaries.into_iter().filter(|boundary| !boundary.is_modelled(finger)).collect();
+        Ok(Surface { parts, runs, region, unmodelled })
     }
 }
 
-/// Adds the pieces of one plate member: of its arms and of its elements, from base to tip.
-fn add_member(mesh: &Mesh, (member, elements): (usize, Range<usize>), half_mm: f64, parts: &mut Vec<Part>) {
-    let (finger, frame) = (mesh.finger(), mesh.frame());
-    let mut from_mm = finger.plate_positions_mm(Plate::Front)[member];
+/// Rods, or the rounded ends of the plates without rods.
+fn discs(mesh: &Mesh, rod_radius_mm: f64, region: Region) -> Vec<Part> {
+    let finger = mesh.finger();
+    let half_mm = |plate: Plate| 0.5 * finger.thickness_mm(plate, 0.0);
+    let disc = |node: NodeId, radius_mm: f64, touched: TouchedPart| {
+        let mount = Some(key_mount(mesh, node));
+        let carrier = Carrier::Rigid { mount, from: Vector::zeros(), along: Vector::zeros() };
+        Part { carrier, xi: [0.0; 2], radius_mm, side: 1.0, touches: Touches::All, touched, length_mm: 0.0 }
+    };
+    let nodes = finger.plate_nodes(Plate::Front);
+    let levels = match region {
+        Region::Outside => &nodes[..],
+        Region::Cell(cell) => &nodes[cell..=cell + 1],
+    };
+    let mut parts = Vec::new();
+    if rod_radius_mm > half_mm(Plate::Front) {
+        let rods = levels.iter().filter(|node| finger.junction(**node) == **node);
+        parts.extend(rods.map(|node| disc(*node, rod_radius_mm, TouchedPart::Rod(*node))));
+    }
+    if region == Region::Outside {
+        let end =
+            |wall: Wall, plate: Plate, s_mm: f64, node: NodeId| disc(node, half_mm(plate), TouchedPart::On(wall, s_mm));
+        if parts.is_empty() {
+            let length_mm = finger.plate_length_mm(Plate::Front);
+            parts.push(end(Wall::Front, Plate::Front, 0.0, finger.clamped_nodes()[1]));
+            parts.push(end(Wall::Front, Plate::Front, length_mm, finger.tip()));
+        }
+        parts.push(end(Wall::Back, Plate::Back, 0.0, finger.clamped_nodes()[0]));
+    }
+    parts
+}
+
+/// The base: the straight line between the clamped ends of the plates.
+fn base(mesh: &Mesh, region: Region) -> Part {
+    let finger = mesh.finger();
+    let radius_mm = 0.5 * finger.thickness_mm(Plate::Front, 0.0);
+    let [back, front] = [Plate::Back, Plate::Front].map(|plate| finger.base(plate));
+    let side = if region == Region::Outside { 1.0 } else { -1.0 };
+    let node = finger.clamped_nodes()[0];
+    // The surface, not the middle line, is between the clamped ends.
+    let from = Vector::new(side * radius_mm, 0.0);
+    let carrier = Carrier::Rigid { mount: Some(key_mount(mesh, node)), from, along: front - back };
+    let (touched, length_mm) = (TouchedPart::On(Wall::Base, 0.0), (front - back).norm());
+    Part { carrier, xi: [0.0, 1.0], radius_mm, side, touches: Touches::Corners, touched, length_mm }
+}
+
+/// Adds the pieces of one member: of its arms and of its elements, in the order of its nodes.
+fn add_member(mesh: &Mesh, boundary: &Boundary, parts: &mut Vec<Part>) {
+    let frame = mesh.frame();
+    let (mut from_mm, side) = (boundary.from_mm, boundary.side);
+    let radius_mm = boundary.half_mm(mesh.finger(), from_mm);
     let mut add = |carrier: Carrier, length_mm: f64, pieces: usize| {
         for piece in 0..pieces {
             let xi = [piece, piece + 1].map(|i| i as f64 / pieces as f64);
-            let touched = TouchedPart::Plate(from_mm);
+            let touched = TouchedPart::On(boundary.wall, from_mm);
             let length_mm = length_mm / pieces as f64;
-            let flat =
-                Part { carrier, xi, radius_mm: half_mm, side: 1.0, touches: Touches::Corners, touched, length_mm };
+            let flat = Part { carrier, xi, radius_mm, side, touches: Touches::Corners, touched, length_mm };
             if piece % PIECES_A_POINT == 0 {
                 parts.push(Part { xi: [xi[0]; 2], touches: Touches::Sides, length_mm: 0.0, ..flat });
             }
@@ -163,16 +218,13 @@ fn add_member(mesh: &Mesh, (member, elements): (usize, Range<usize>), half_mm: f
         from,
         along: to - from,
     };
-    let (Some(first), Some(last)) =
-        (frame.members()[elements.clone()].first(), frame.members()[elements.clone()].last())
-    else {
-        return;
-    };
+    let elements = &frame.members()[boundary.line(mesh).members.clone()];
+    let (Some(first), Some(last)) = (elements.first(), elements.last()) else { return };
     let [start, end] = [first.ends[0], last.ends[1]];
     if start.arm != Vector::zeros() {
         add(arm(start.node, Vector::zeros(), start.arm), start.arm.norm(), 1);
     }
-    for element in &frame.members()[elements] {
+    for element in elements {
         let [a, b] = element.ends;
         let beam = Carrier::Beam {
             mounts: [mount(mesh, a.node), mount(mesh, b.node)],

@@ -3,3 +3,4 @@
 mod pair;
 mod press;
 mod pressing;
+mod walls;

@@ -1,61 +1,27 @@
 //! Pressed objects: equilibria compared with statics, and with an independent contact solution with frame elements.
 
-use finray_contact::outline::Shape;
+use super::press::object_of;
+use finray_contact::path::PreparedObject;
 use finray_contact::pressing::{Pressed, Pressing, Push};
-use finray_model::finger::Plate;
-use finray_model::{Finger, Mesh, Vector};
+use finray_model::Mesh;
+use finray_model::scene::ROD_RADIUS_MM;
 use finray_tests::paper;
 
-const ROD_RADIUS_MM: f64 = 1.5;
+const SMOOTH: &str = "shape = \"disc\"\nradius_mm = 20\nat_mm = 74\ntravel_mm = 1";
+const ROUGH: &str = "shape = \"disc\"\nradius_mm = 15\nfriction = 0.3\nat_mm = 76.5\ndirection_deg = 30\ntravel_mm = 1";
+const FLAT: &str = "shape = \"disc\"\nradius_mm = 1000\nat_mm = 80\ntravel_mm = 1";
 
-/// A disc above a position on the front plate, pressed at an angle from its inward normal.
-struct Disc {
-    radius_mm: f64,
-    friction: f64,
-    at_mm: f64,
-    direction_deg: f64,
+fn at(object: &PreparedObject, travel_mm: f64) -> Push {
+    Push::To(object.start + object.along * travel_mm)
 }
 
-impl Disc {
-    fn along(&self, finger: &Finger) -> Vector {
-        finger.direction(self.direction_deg)
-    }
-
-    /// Position, mm, at which the disc first touches the line that is tangent to the rods.
-    fn start(&self, finger: &Finger) -> Vector {
-        let along = self.along(finger);
-        let way_mm = (self.radius_mm + ROD_RADIUS_MM) / along.dot(&finger.direction(0.0));
-        finger.plate_point(Plate::Front, self.at_mm) - along * way_mm
-    }
-
-    fn pressing<'m>(&self, mesh: &'m Mesh) -> Pressing<'m> {
-        let (start, along) = (self.start(mesh.finger()), self.along(mesh.finger()));
-        Pressing::new(mesh, ROD_RADIUS_MM, (Shape::disc(self.radius_mm), self.friction), start, along)
-            .expect("the disc starts outside the finger")
-    }
-
-    fn at(&self, finger: &Finger, travel_mm: f64) -> Push {
-        Push::To(self.start(finger) + self.along(finger) * travel_mm)
-    }
-
-    /// Presses the disc to each travel (mm) in turn, and returns the equilibria.
-    fn pressed(&self, mesh: &Mesh, travels_mm: &[f64]) -> Vec<Pressed> {
-        let mut pressing = self.pressing(mesh);
-        let push = |travel_mm: &f64| pressing.push(self.at(mesh.finger(), *travel_mm)).expect("an equilibrium");
-        travels_mm.iter().map(push).collect()
-    }
-
-    /// Total contact force along the disc's motion after each travel, N.
-    fn totals_n(&self, mesh: &Mesh, travels_mm: &[f64]) -> Vec<f64> {
-        let along = self.along(mesh.finger());
-        self.pressed(mesh, travels_mm).iter().map(|pressed| pressed.contact_force().dot(&along)).collect()
-    }
+/// Presses an object to each travel (mm) in turn, and returns the equilibria.
+fn pressed(object: &PreparedObject, mesh: &Mesh, travels_mm: &[f64]) -> Vec<Pressed> {
+    let rigid = (object.outline.clone(), object.friction);
+    let mut pressing = Pressing::new(mesh, ROD_RADIUS_MM, rigid, object.start, object.along).expect("no overlap");
+    travels_mm.iter().map(|travel_mm| pressing.push(at(object, *travel_mm)).expect("an equilibrium")).collect()
 }
 
-const SMOOTH: Disc = Disc { radius_mm: 20.0, friction: 0.0, at_mm: 74.0, direction_deg: 0.0 };
-const ROUGH: Disc = Disc { radius_mm: 15.0, friction: 0.3, at_mm: 76.5, direction_deg: 30.0 };
-
-const FLAT: Disc = Disc { radius_mm: 1000.0, friction: 0.0, at_mm: 80.0, direction_deg: 0.0 };
 /// The disc slides in monotonic travel. At a contact that slides during the whole last step, friction is the coefficient times the normal force. The
 /// total forces agree with those of an independent quasi-static frame with Coulomb contact, for any number of steps.
 #[test]
@@ -63,25 +29,30 @@ fn friction_stands_where_the_way_left_it() {
     let mesh = Mesh::with_elements_per_member(&paper(), 4);
     let travels_mm = [1.9985, 3.9961, 5.9933, 7.9908, 9.9848];
     let frame_n = [0.18420, 0.47842, 0.77880, 1.08321, 1.72973];
-    let totals_n = ROUGH.totals_n(&mesh, &travels_mm);
+    let rough = object_of(ROUGH);
+    let totals_n = |travels_mm: &[f64]| -> Vec<f64> {
+        let steps = pressed(&rough, &mesh, travels_mm);
+        steps.iter().map(|pressed| pressed.contact_force().dot(&rough.along)).collect()
+    };
+    let once = totals_n(&travels_mm[4..])[0];
+    let totals_n = totals_n(&travels_mm);
     for (ours, frame) in totals_n.iter().zip(frame_n) {
         assert!((ours - frame).abs() < 0.01 * frame_n[4], "{totals_n:?}");
     }
-    let once = ROUGH.totals_n(&mesh, &travels_mm[4..])[0];
     assert!((once / totals_n[4] - 1.0).abs() < 1e-3, "{once} and {totals_n:?}");
-    let start = &ROUGH.pressed(&mesh, &[1.0, 2.0])[1];
+    let start = &pressed(&rough, &mesh, &[1.0, 2.0])[1];
     let [touch] = start.touches[..] else { panic!("one contact: {:?}", start.touches) };
     let (normal_n, friction_n) = (touch.force.dot(&touch.normal), touch.force.perp(&touch.normal).abs());
-    assert!((friction_n / normal_n - ROUGH.friction).abs() < 1e-9, "{friction_n} N of {normal_n} N");
+    assert!((friction_n / normal_n - rough.friction).abs() < 1e-9, "{friction_n} N of {normal_n} N");
 }
 
 /// The object was once held by a spring, and stopped up to 5 % before its prescribed position.
 #[test]
 fn the_object_is_where_it_was_told_to_be() {
     let mesh = Mesh::with_elements_per_member(&paper(), 2);
-    for disc in [SMOOTH, ROUGH] {
-        let Push::To(told) = disc.at(mesh.finger(), 12.0) else { unreachable!() };
-        let object = disc.pressed(&mesh, &[6.0, 12.0])[1].object;
+    for disc in [SMOOTH, ROUGH].map(object_of) {
+        let object = pressed(&disc, &mesh, &[6.0, 12.0])[1].object;
+        let told = disc.start + disc.along * 12.0;
         assert!((object - told).norm() < 1e-9, "{object:?} for {told:?}");
     }
 }
@@ -91,9 +62,9 @@ fn the_object_is_where_it_was_told_to_be() {
 #[test]
 fn nearly_flat_objects_have_equilibria() {
     let mesh = Mesh::with_elements_per_member(&paper(), 4);
-    for (radius_mm, travel_mm) in [(1000.0, 3.0), (300.0, 10.0)] {
-        let disc = Disc { radius_mm, ..FLAT };
-        let pressed = &disc.pressed(&mesh, &[0.5 * travel_mm, travel_mm])[1];
+    for (radius_mm, travel_mm) in [(1000, 3.0), (300, 10.0)] {
+        let disc = object_of(&FLAT.replace("1000", &radius_mm.to_string()));
+        let pressed = &pressed(&disc, &mesh, &[0.5 * travel_mm, travel_mm])[1];
         assert!(pressed.touches.len() > 2, "{:?}", pressed.touches);
         assert!(pressed.imbalance().expect("contact") < 1e-7, "{:?}", pressed.imbalance());
     }
@@ -104,9 +75,9 @@ fn nearly_flat_objects_have_equilibria() {
 #[test]
 fn the_clamped_end_stops_the_object() {
     let mesh = Mesh::with_elements_per_member(&paper(), 2);
-    let Push::To(start) = FLAT.at(mesh.finger(), 0.0) else { unreachable!() };
-    let way_mm = (FLAT.pressed(&mesh, &[5.0])[0].object - start).norm();
-    let reach_mm = FLAT.radius_mm + ROD_RADIUS_MM;
-    let expected_mm = reach_mm - (reach_mm * reach_mm - FLAT.at_mm * FLAT.at_mm).sqrt();
+    let flat = object_of(FLAT);
+    let way_mm = (pressed(&flat, &mesh, &[5.0])[0].object - flat.start).norm();
+    let (reach_mm, at_mm) = (1000.0 + ROD_RADIUS_MM, 80.0_f64);
+    let expected_mm = reach_mm - (reach_mm * reach_mm - at_mm * at_mm).sqrt();
     assert!((way_mm - expected_mm).abs() < 1e-6, "{way_mm} for {expected_mm}");
 }

@@ -2,7 +2,7 @@
 
 use super::prepared::Prepared;
 use super::zones::element_start;
-use super::{FrontSpan, Line, Mesh};
+use super::{Line, Mesh, PlateSpan};
 use crate::finger::{Finger, Joints, NodeId, Part, Plate};
 use crate::frame::{BeamEnd, NodeIndex, PlaneFrame, Section};
 
@@ -35,7 +35,7 @@ impl Mesh {
             frame,
             lines: Vec::new(),
             alike: Vec::new(),
-            front: Vec::new(),
+            plates: [Vec::new(), Vec::new()],
             node_count: finger.key_node_count() + elements.iter().map(|n| n - 1).sum::<usize>(),
             elements: elements.clone(),
             prepared: Prepared::default(),
@@ -58,7 +58,7 @@ impl Mesh {
         let arms_mm = self.finger.member_arms_mm(plate, member);
         let (nodes, positions) = (self.finger.plate_nodes(plate), self.finger.plate_positions_mm(plate));
         let (nodes, positions) = ([nodes[member], nodes[member + 1]], [positions[member], positions[member + 1]]);
-        let along = (self.finger.plate_point(plate, 1.0) - self.finger.base(plate)).normalize();
+        let along = self.finger.tangent(plate);
         let [from, to] = nodes.map(|node| self.frame_node(node));
         if positions[0] == positions[1] {
             let at = self.frame.members().len();
@@ -75,18 +75,16 @@ impl Mesh {
             (0..elements).map(|i| self.finger.plate_section(plate, position(i), position(i + 1))).collect();
         let first_member = self.frame.members().len();
         self.add_line(plate.into(), ends, &sections);
-        if plate == Plate::Front {
-            if arms_mm[0] > 0.0 {
-                self.front.push((free[0], FrontSpan::Arm { end: ends[0], node_mm: positions[0] }));
-            }
-            for i in 0..elements {
-                let member = first_member + i;
-                let piece = FrontSpan::Element { member, from_mm: position(i), to_mm: position(i + 1) };
-                self.front.push((position(i + 1), piece));
-            }
-            if arms_mm[1] > 0.0 {
-                self.front.push((positions[1], FrontSpan::Arm { end: ends[1], node_mm: positions[1] }));
-            }
+        let spans = &mut self.plates[plate.index()];
+        if arms_mm[0] > 0.0 {
+            spans.push((free[0], PlateSpan::Arm { end: ends[0], node_mm: positions[0] }));
+        }
+        spans.extend((0..elements).map(|i| {
+            let (member, from_mm, to_mm) = (first_member + i, position(i), position(i + 1));
+            (to_mm, PlateSpan::Element { member, from_mm, to_mm })
+        }));
+        if arms_mm[1] > 0.0 {
+            spans.push((positions[1], PlateSpan::Arm { end: ends[1], node_mm: positions[1] }));
         }
     }
 

@@ -38,7 +38,7 @@ impl MeshLevels {
 impl Mesh {
     /// Shape of this mesh that interpolates the shape of a mesh with half as many elements per member. Between the ends of each coarse element, the
     /// axis of the beam is a cubic curve.
-    pub(crate) fn interpolate(&self, coarse: &Mesh, shape: &FrameMotion) -> FrameMotion {
+    pub fn interpolate(&self, coarse: &Mesh, shape: &FrameMotion) -> FrameMotion {
         let mut fine = FrameMotion::at_rest(&self.frame);
         // Key nodes and joints have the same numbers in both meshes.
         let inner = |lines: &[Line]| lines.iter().map(|line| line.nodes[1..line.nodes.len() - 1].len()).sum::<usize>();

@@ -1,7 +1,7 @@
 //! Loads on a finger.
 
 use crate::Vector;
-use crate::finger::NodeId;
+use crate::finger::{NodeId, PlatePosition};
 
 /// A dead load on a finger, finger frame. A dead load keeps its direction while the finger deforms.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,10 +15,10 @@ pub enum Load {
         /// Moment, N mm, positive from x to y.
         moment_nmm: f64,
     },
-    /// A force (N) at a position on the front plate.
-    Front {
-        /// Position along the plate from the front base, mm.
-        s_mm: f64,
+    /// A force (N) at a position on a plate.
+    Plate {
+        /// Position on the plate.
+        at: PlatePosition,
         /// Force, N.
         force: Vector,
     },
@@ -30,9 +30,9 @@ impl Load {
         Load::Node { node, force, moment_nmm: 0.0 }
     }
 
-    /// A force (N) at a position along the front plate, mm from the base.
-    pub fn at_position(s_mm: f64, force: Vector) -> Load {
-        Load::Front { s_mm, force }
+    /// A force (N) at a position on a plate; a number is a position on the front plate, mm from the base.
+    pub fn at_position(at: impl Into<PlatePosition>, force: Vector) -> Load {
+        Load::Plate { at: at.into(), force }
     }
 }
 
@@ -53,14 +53,16 @@ pub enum LoadError {
         /// The requested node.
         node: NodeId,
     },
-    /// The position lies outside the free length of the front plate.
+    /// The position lies outside the free length of its plate.
     #[error(
-        "the position s = {s_mm} mm is not on the front plate, which reaches from 0 (clamped) to {length_mm} mm (tip)"
+        "the position s = {} mm is not on the {} plate, which reaches from 0 (clamped) to {length_mm} mm (tip)",
+        at.s_mm,
+        at.plate
     )]
     PositionOffPlate {
-        /// The requested position, mm from the base.
-        s_mm: f64,
-        /// Length of the front plate, mm.
+        /// The requested position.
+        at: PlatePosition,
+        /// Length of the plate, mm.
         length_mm: f64,
     },
 }

@@ -197,7 +197,7 @@ pub fn check_contacts(finger: &Finger, contacts: &[Contact]) -> Result<(), Sensi
             ContactPosition::At(s_mm) => {
                 let length_mm = finger.plate_length_mm(Plate::Front);
                 if !(s_mm > 0.0 && s_mm <= length_mm) {
-                    return Err(LoadError::PositionOffPlate { s_mm, length_mm }.into());
+                    return Err(LoadError::PositionOffPlate { at: s_mm.into(), length_mm }.into());
                 }
             }
         }

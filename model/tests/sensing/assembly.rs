@@ -333,7 +333,7 @@ fn touching(mounted: &Mounted, s_mm: f64, force_n: f64) -> (Load, Isometry2<f64>
     for _ in 0..20 {
         let loads = [load, preload].map(|load| mesh.frame_load(&load).expect("on the plate"));
         let motion = statics.equilibrium(&loads).expect("carried").motion;
-        let point = |off_mm: f64| mesh.front_point(&motion, s_mm + off_mm).expect("on the plate");
+        let point = |off_mm: f64| mesh.plate_point(&motion, s_mm + off_mm).expect("on the plate");
         let [before, at, after] = [-0.5, 0.0, 0.5].map(point);
         let tangent = (after - before).normalize();
         let inward = finger.direction(0.0);

@@ -1,10 +1,11 @@
 //! Properties of every finger in equilibrium.
 
+use finray_model::finger::{Plate, PlatePosition};
 use finray_model::frame::{FrameLoad, FrameMotion};
 use finray_model::statics::{Statics, elastic_energy, reaction, solve};
 use finray_model::{Finger, Kinematics, Load, Mesh, Vector};
 use finray_tests::{
-    KINEMATICS, built_finger, built_finger_with_zones, cases, contact_node, force_for_deflection, largest,
+    KINEMATICS, built_finger, built_finger_with_zones, cases, contact_node, force_for_deflection, largest, mirrored,
     motions_apart, shapes_apart,
 };
 use proptest::prelude::*;
@@ -198,6 +199,30 @@ proptest! {
             let apart = shapes_apart(&fine, &coarse);
             prop_assert!(apart <= FINE_ROUNDING, "{elements} elements: {apart}");
         }
+    }
+
+    /// A force on the back plate bends a finger as the mirrored force on the front plate bends the finger's mirror image. The displaced point of the
+    /// plate under the force is mirrored, too.
+    #[test]
+    fn forces_on_the_back_plate_mirror_those_on_the_front_plate(finger in built_finger(), at in 0.03..1.0, angle in -90.0..90.0, share in 0.001..0.03) {
+        let image = mirrored(&finger);
+        let flip = |vector: Vector| Vector::new(vector.x, -vector.y);
+        let s_mm = at * finger.plate_length_mm(Plate::Back);
+        let force = force_for_deflection(&image, contact_node(&image, at), angle, share);
+        let positions = [PlatePosition { plate: Plate::Back, s_mm }, s_mm.into()];
+        let [ours, theirs] = [(&finger, positions[0], flip(force)), (&image, positions[1], force)].map(|(finger, at, force)| {
+            let mesh = Mesh::with_elements_per_member(finger, 2);
+            let load = mesh.frame_load(&Load::at_position(at, force)).expect("on the plate");
+            let found = Statics::ladder(&mesh, Kinematics::Corotational).equilibrium(&[load]).ok()?;
+            let point = mesh.plate_point(&found.motion, at).expect("on the plate");
+            Some((mesh.shape(&found.motion), point))
+        });
+        let (Some(ours), Some(theirs)) = (ours, theirs) else { return Err(TestCaseError::reject("no equilibrium")) };
+        let scale = theirs.0.largest_displacement_mm();
+        for (ours, theirs) in ours.0.motions().iter().zip(theirs.0.motions().iter().rev()) {
+            prop_assert!((ours.displacement - flip(theirs.displacement)).norm() <= SAME_EQUILIBRIUM * scale);
+        }
+        prop_assert!((ours.1 - flip(theirs.1)).norm() <= SAME_EQUILIBRIUM * scale);
     }
 
     /// The tangent is the derivative of the residual. Tested with arms, hinges, rigid links and loads between nodes. The tangent is compared with

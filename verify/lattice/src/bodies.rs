@@ -2,7 +2,7 @@
 
 use super::LatticeError;
 use super::springs::{Anchor, AxialSprings, BodyIndex, Segment, Spring};
-use finray_model::finger::{Joints, Part, Plate, Zone};
+use finray_model::finger::{Joints, Part, Plate, PlatePosition, Zone};
 use finray_model::frame::Section;
 use finray_model::mesh::{Load, LoadError};
 use finray_model::{Finger, NodeId, Vector};
@@ -32,18 +32,18 @@ pub struct BodyLoad {
     pub moment_nmm: f64,
 }
 
-/// A piece of the front plate that can carry a load.
+/// A piece of a plate that can carry a load.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum FrontSpan {
+enum PlateSpan {
     /// A rigid arm that is fixed to a rod. The arm's anchor is at the position `at_mm` along the plate.
     Arm { anchor: Anchor, at_mm: f64 },
     /// A segment between two bodies, from `from_mm` to `to_mm` along the plate.
     Segment { ends: [Anchor; 2], from_mm: f64, to_mm: f64 },
 }
 
-/// A straight piece of the front plate's middle line that moves with one body.
+/// A straight piece of a plate's middle line that moves with one body.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FrontPiece {
+pub struct PlatePiece {
     /// Body that carries the piece.
     pub body: BodyIndex,
     /// Vectors from the body's centre to the two ends of the piece, undeformed, mm; the end nearer to the base comes first.
@@ -61,8 +61,8 @@ pub struct Assembly {
     pub springs: Vec<Spring>,
     /// Body and arm of each key node, in the order of the nodes.
     pub key_nodes: Vec<Anchor>,
-    /// Pieces of the front plate from base to tip, each with the position along the plate at which the piece ends, mm.
-    front: Vec<(f64, FrontSpan)>,
+    /// Pieces of front and back plate from base to tip, each with the position along the plate at which the piece ends, mm.
+    plates: [Vec<(f64, PlateSpan)>; 2],
     /// Properties of the segments' axial springs.
     axial: AxialSprings,
 }
@@ -116,7 +116,7 @@ impl Assembly {
         let Some(section) = finger.section(plate.into()) else { return };
         let zones: Vec<&Zone> =
             finger.description().zones.iter().filter(|zone| zone.part == Part::from(plate)).collect();
-        let along = (finger.plate_point(plate, 1.0) - finger.base(plate)).normalize();
+        let along = finger.tangent(plate);
         let positions = finger.plate_positions_mm(plate);
         for (member, (nodes, positions)) in finger.plate_nodes(plate).windows(2).zip(positions.windows(2)).enumerate() {
             if positions[0] == positions[1] {
@@ -130,9 +130,8 @@ impl Assembly {
             let free_mm = [positions[0] + arms_mm[0], positions[1] - arms_mm[1]];
             let borders = borders_mm(free_mm, &zones, target_mm);
             let anchors = self.divide([from, to], &borders);
-            if plate == Plate::Front {
-                self.front.push((free_mm[0], FrontSpan::Arm { anchor: from, at_mm: free_mm[0] }));
-            }
+            let spans = &mut self.plates[usize::from(plate == Plate::Back)];
+            spans.push((free_mm[0], PlateSpan::Arm { anchor: from, at_mm: free_mm[0] }));
             for (&ends, border) in anchors.iter().zip(borders.windows(2)) {
                 let (from_mm, to_mm) = (border[0], border[1]);
                 let section = tapered(finger, plate, section, 0.5 * (from_mm + to_mm));
@@ -140,13 +139,9 @@ impl Assembly {
                 let segment =
                     Segment { ends, pinned: [false; 2], direction: along, length_mm: to_mm - from_mm, section };
                 self.springs.extend(segment.springs(self.axial));
-                if plate == Plate::Front {
-                    self.front.push((to_mm, FrontSpan::Segment { ends, from_mm, to_mm }));
-                }
+                spans.push((to_mm, PlateSpan::Segment { ends, from_mm, to_mm }));
             }
-            if plate == Plate::Front {
-                self.front.push((positions[1], FrontSpan::Arm { anchor: to, at_mm: free_mm[1] }));
-            }
+            spans.push((positions[1], PlateSpan::Arm { anchor: to, at_mm: free_mm[1] }));
         }
     }
 
@@ -193,17 +188,17 @@ impl Assembly {
         chain.windows(2).map(|pair| [pair[0], pair[1]]).collect()
     }
 
-    /// Pieces of the front plate's middle line from base to tip, one per body. Two pieces meet at the middle of a segment.
-    pub fn front_pieces(&self) -> Vec<FrontPiece> {
-        let mut pieces: Vec<FrontPiece> = Vec::new();
+    /// Pieces of a plate's middle line from base to tip, one per body. Two pieces meet at the middle of a segment.
+    pub fn plate_pieces(&self, plate: Plate) -> Vec<PlatePiece> {
+        let mut pieces: Vec<PlatePiece> = Vec::new();
         let mut add = |from: Anchor, by: Vector, from_mm: f64| match pieces.last_mut() {
             Some(last) if last.body == from.body => last.ends[1] = from.arm + by,
-            _ => pieces.push(FrontPiece { body: from.body, ends: [from.arm, from.arm + by], from_mm }),
+            _ => pieces.push(PlatePiece { body: from.body, ends: [from.arm, from.arm + by], from_mm }),
         };
-        for &(_, piece) in &self.front {
+        for &(_, piece) in &self.plates[usize::from(plate == Plate::Back)] {
             match piece {
-                FrontSpan::Arm { anchor, at_mm } => add(anchor, Vector::zeros(), at_mm),
-                FrontSpan::Segment { ends: [from, to], from_mm, to_mm } => {
+                PlateSpan::Arm { anchor, at_mm } => add(anchor, Vector::zeros(), at_mm),
+                PlateSpan::Segment { ends: [from, to], from_mm, to_mm } => {
                     let at = |anchor: Anchor| self.bodies[anchor.body].position + anchor.arm;
                     let half = 0.5 * (at(to) - at(from));
                     add(from, half, from_mm);
@@ -222,7 +217,7 @@ impl Assembly {
     /// along the plate acts on the wrong end of one segment. The error of the shares changes only the axial strain of the loaded segment.
     ///
     /// # Errors
-    /// [`LoadError`] if a node does not exist or is clamped, or if a position is not on the front plate.
+    /// [`LoadError`] if a node does not exist or is clamped, or if a position is not on its plate.
     pub fn body_loads(&self, finger: &Finger, load: &Load) -> Result<Vec<BodyLoad>, LoadError> {
         match *load {
             Load::Node { node, force, moment_nmm } => {
@@ -236,11 +231,12 @@ impl Assembly {
                 let Anchor { body, arm } = self.key_nodes[node.0 - 1];
                 Ok(vec![BodyLoad { body, force, share: 1.0, lever: arm, moment_nmm }])
             }
-            Load::Front { s_mm, force } => {
-                let length_mm = finger.plate_length_mm(Plate::Front);
-                let piece = (s_mm > 0.0).then(|| self.front.iter().find(|(end, _)| s_mm <= *end)).flatten();
-                let Some((_, piece)) = piece else { return Err(LoadError::PositionOffPlate { s_mm, length_mm }) };
-                let along = finger.front_tangent();
+            Load::Plate { at: at @ PlatePosition { plate, s_mm }, force } => {
+                let length_mm = finger.plate_length_mm(plate);
+                let spans = &self.plates[usize::from(plate == Plate::Back)];
+                let piece = (s_mm > 0.0).then(|| spans.iter().find(|(end, _)| s_mm <= *end)).flatten();
+                let Some((_, piece)) = piece else { return Err(LoadError::PositionOffPlate { at, length_mm }) };
+                let along = finger.tangent(plate);
                 let on_body = |anchor: Anchor, share: f64, lever_mm: f64| BodyLoad {
                     body: anchor.body,
                     force,
@@ -249,8 +245,8 @@ impl Assembly {
                     moment_nmm: 0.0,
                 };
                 Ok(match *piece {
-                    FrontSpan::Arm { anchor, at_mm } => vec![on_body(anchor, 1.0, s_mm - at_mm)],
-                    FrontSpan::Segment { ends, from_mm, to_mm } => {
+                    PlateSpan::Arm { anchor, at_mm } => vec![on_body(anchor, 1.0, s_mm - at_mm)],
+                    PlateSpan::Segment { ends, from_mm, to_mm } => {
                         let length = to_mm - from_mm;
                         let x = (s_mm - from_mm) / length;
                         let second = x * x * (3.0 - 2.0 * x);

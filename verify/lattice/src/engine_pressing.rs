@@ -1,6 +1,6 @@
 //! An object pressed onto the lattice in the physics engine rapier, to verify presses that were computed on beams.
 //!
-//! The object is a rigid body that does not rotate. The object touches only the [`skin`](crate::skin) of the front plate; the finger does not touch
+//! The object is a rigid body that does not rotate. The object touches only the [`skin`](crate::skin) of the plates; the finger does not touch
 //! itself. A "hand" moves the object to a prescribed position, or pulls the object with a force. A stiff spring keeps a pulled object on the line
 //! along which it is pulled.
 //!
@@ -14,24 +14,18 @@ use crate::settling::{self, Dynamics, Settling, mass_for, own, rapier};
 use crate::skin::{Skin, add_skin, groups_of_object, require_one_thickness};
 use crate::springs::BodyIndex;
 use crate::{Lattice, LatticeError};
+use finray_contact::outline::Shape;
+use finray_contact::path::PreparedObject;
 use finray_contact::pressing::{Pressed, Push};
-use finray_contact::{ContactError, Touch, TouchedPart};
+use finray_contact::{ContactError, Touch, TouchedPart, Wall};
 use finray_model::Vector;
-use finray_model::finger::{Part, Plate};
+use finray_model::finger::{Part, Plate, PlatePosition};
 use finray_model::mesh::Load;
+use rapier2d::parry::transformation::hertel_mehlhorn;
 use rapier2d::prelude::{
     CoefficientCombineRule, ColliderBuilder, ColliderHandle, GenericJointBuilder, JointAxesMask, JointAxis, MotorModel,
-    Pose, RigidBodyBuilder, RigidBodyHandle, RigidBodyType, SharedShape, SolverContact,
+    Pose, RigidBodyBuilder, RigidBodyHandle, RigidBodyType, SharedShape, SolverContact, Vector as RapierVector,
 };
-
-/// The pressed object: a shape with friction.
-#[derive(Debug, Clone)]
-pub struct RigidObject {
-    /// Shape about the object's reference point, mm, finger frame.
-    pub shape: SharedShape,
-    /// Coefficient of Coulomb friction, dimensionless.
-    pub friction: f64,
-}
 
 /// A lattice with an object in front of its front plate, in the physics engine.
 pub struct EnginePressing<'l> {
@@ -79,8 +73,7 @@ const PROBE: f64 = 1e-3;
 const TINY_N: f64 = 1e-9;
 
 impl<'l> EnginePressing<'l> {
-    /// Places the object clear of the finger; the object's reference point is at `start` (mm, finger frame). The object will be pressed along the
-    /// unit vector `along`.
+    /// Places the object at its start, clear of the finger.
     ///
     /// # Errors
     /// [`ContactError::Overlap`] if the object overlaps the finger at the start, [`ContactError::Tapered`] if the front plate tapers,
@@ -88,10 +81,9 @@ impl<'l> EnginePressing<'l> {
     pub fn new(
         lattice: &'l Lattice,
         rod_radius_mm: f64,
-        object: &RigidObject,
-        start: Vector,
-        along: Vector,
+        object: &PreparedObject,
     ) -> Result<EnginePressing<'l>, LatticeError> {
+        let &PreparedObject { start, along, .. } = object;
         let assembly = lattice.assembly();
         require_one_thickness(lattice)?;
         let length_mm = lattice.finger().plate_length_mm(Plate::Front);
@@ -109,7 +101,7 @@ impl<'l> EnginePressing<'l> {
         // The object cannot rotate, so its moment of inertia has no effect.
         let body = dynamics.insert_moving(start, mass_for(stiffness), 1.0);
         dynamics.world.bodies[body].lock_rotations(true, true);
-        let collider = ColliderBuilder::new(object.shape.clone())
+        let collider = ColliderBuilder::new(engine_shape(&object.outline))
             .density(0.0)
             .friction(object.friction)
             .friction_combine_rule(CoefficientCombineRule::Min)
@@ -132,7 +124,7 @@ impl<'l> EnginePressing<'l> {
             .flat_map(|manifold| &manifold.points)
             .fold(0.0, |most: f64, point| most.max(-point.dist));
         if overlap_mm > OVERLAP * length_mm {
-            return Err(ContactError::Overlap { overlap_mm }.into());
+            return Err(ContactError::Overlap { part: None, overlap_mm }.into());
         }
         let way_mm = length_mm * if object.friction > 0.0 { WAY_WITH_FRICTION } else { WAY };
         let pace = (way_mm, way_mm * middle_stiffness);
@@ -320,8 +312,9 @@ impl<'l> EnginePressing<'l> {
                     let touch = Touch {
                         part: match part {
                             Skin::Rod(node) => TouchedPart::Rod(node),
-                            Skin::Plate { from_mm, from_arm } => TouchedPart::Plate(
-                                from_mm + (arm - from_arm).dot(&self.lattice.finger().front_tangent()),
+                            Skin::Plate { from: PlatePosition { plate, s_mm }, from_arm } => TouchedPart::On(
+                                if plate == Plate::Front { Wall::Front } else { Wall::Back },
+                                s_mm + (arm - from_arm).dot(&self.lattice.finger().tangent(plate)),
                             ),
                         },
                         clamped: rest.fixed,
@@ -334,10 +327,22 @@ impl<'l> EnginePressing<'l> {
                 }
             }
         }
-        let place_mm = |(_, touch): &(BodyIndex, Touch)| touch.part.position_mm(self.lattice.finger());
-        touches.sort_by(|a, b| place_mm(a).total_cmp(&place_mm(b)));
+        let place = |(_, touch): &(BodyIndex, Touch)| touch.part.place(self.lattice.finger());
+        touches.sort_by(|a, b| place(a).partial_cmp(&place(b)).unwrap_or(std::cmp::Ordering::Equal));
         touches
     }
+}
+
+/// The outline of an object for the physics engine; a non-convex outline is divided into convex pieces.
+fn engine_shape(outline: &Shape) -> SharedShape {
+    let (corners, disc_mm) = outline.corners();
+    if disc_mm > 0.0 {
+        return SharedShape::ball(disc_mm);
+    }
+    let vertices: Vec<RapierVector> = corners.iter().map(|corner| rapier(*corner)).collect();
+    let pieces = hertel_mehlhorn(&vertices, &outline.triangles()).into_iter().filter_map(SharedShape::convex_polyline);
+    let mut pieces: Vec<(Pose, SharedShape)> = pieces.map(|piece| (Pose::IDENTITY, piece)).collect();
+    if pieces.len() == 1 { pieces.swap_remove(0).1 } else { SharedShape::compound(pieces) }
 }
 
 /// Index of a solver contact within the points of its contact manifold.

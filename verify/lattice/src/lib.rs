@@ -65,6 +65,9 @@ pub enum LatticeError {
     /// Finger and object cannot be brought into contact, or the finger does not hold the object.
     #[error(transparent)]
     Contact(#[from] finray_contact::ContactError),
+    /// A contact force acts on a rib, where the lattice accepts no loads.
+    #[error("the object touches a rib, on which the lattice takes no loads")]
+    OffPlates,
     /// Newton's method found no stable equilibrium on the way to the full load.
     #[error("no stable equilibrium of the lattice was found beyond {:.4} % of the load", 100.0 * converged_fraction)]
     NoEquilibrium {

@@ -1,12 +1,12 @@
-//! Contact surface of a lattice in rapier: a disc at every rod of the front plate, and capsules between the rods.
+//! Contact surface of a lattice in rapier: a disc at every rod of the front plate, and capsules along both plates.
 
 use super::bodies::BodyLoad;
 use super::energy::{BodyMotion, Energy};
 use super::settling::{Dynamics, rapier};
 use super::springs::BodyIndex;
 use super::{Lattice, LatticeError};
-use finray_contact::{ContactError, Touch, TouchedPart};
-use finray_model::finger::{FingerPoint, Plate};
+use finray_contact::{ContactError, Touch, TouchedPart, Wall};
+use finray_model::finger::{FingerPoint, Plate, PlatePosition};
 use finray_model::mesh::{FingerShape, Load};
 use finray_model::{NodeId, Vector};
 use rapier2d::prelude::{CoefficientCombineRule, ColliderBuilder, Group, InteractionGroups, InteractionTestMode};
@@ -15,9 +15,9 @@ use rapier2d::prelude::{CoefficientCombineRule, ColliderBuilder, Group, Interact
 #[derive(Clone, Copy)]
 pub(crate) enum Skin {
     Rod(NodeId),
-    /// A piece of plate. The fields give the start of the piece, as position along the plate (mm) and as vector from the body's centre (mm).
+    /// A piece of a plate. The fields give the start of the piece, as position on the plate and as vector from the body's centre (mm).
     Plate {
-        from_mm: f64,
+        from: PlatePosition,
         from_arm: Vector,
     },
 }
@@ -43,7 +43,7 @@ pub(crate) fn require_one_thickness(lattice: &Lattice) -> Result<(), LatticeErro
     if lattice.finger().tapers(Plate::Front) { Err(ContactError::Tapered.into()) } else { Ok(()) }
 }
 
-/// Adds the contact surface to the rapier world: a disc at every rod of the front plate, and capsules between the rods.
+/// Adds the contact surface to the rapier world: a disc at every rod of the front plate, and capsules along both plates.
 pub(crate) fn add_skin(
     lattice: &Lattice,
     rod_radius_mm: f64,
@@ -59,11 +59,13 @@ pub(crate) fn add_skin(
             skin.push((anchor.body, Skin::Rod(node), ball));
         }
     }
-    let half_mm = 0.5 * finger.description().front.thickness_mm;
-    for piece in assembly.front_pieces() {
-        let [from, to] = piece.ends.map(rapier);
-        let part = Skin::Plate { from_mm: piece.from_mm, from_arm: piece.ends[0] };
-        skin.push((piece.body, part, ColliderBuilder::capsule_from_endpoints(from, to, half_mm)));
+    for plate in [Plate::Front, Plate::Back] {
+        for piece in assembly.plate_pieces(plate) {
+            let half_mm = 0.5 * finger.thickness_mm(plate, piece.from_mm);
+            let [from, to] = piece.ends.map(rapier);
+            let part = Skin::Plate { from: PlatePosition { plate, s_mm: piece.from_mm }, from_arm: piece.ends[0] };
+            skin.push((piece.body, part, ColliderBuilder::capsule_from_endpoints(from, to, half_mm)));
+        }
     }
     let world = &mut dynamics.world;
     skin.into_iter()
@@ -85,21 +87,28 @@ impl Lattice {
     /// Loads on the bodies from the contact forces of an object on a finger of the given deformed shape, which another solver has found.
     ///
     /// # Errors
-    /// [`LatticeError::Load`] if a touched position is not on the plate.
+    /// [`LatticeError::Load`] if a touched position is not on the plate, [`LatticeError::OffPlates`] if a rib is touched.
     pub fn contact_loads(&self, touches: &[Touch], shape: &FingerShape) -> Result<Vec<BodyLoad>, LatticeError> {
-        let half_mm = 0.5 * self.finger.description().front.thickness_mm;
-        let load = |touch: &Touch| match touch.part {
-            TouchedPart::Rod(node) => {
-                let arm = touch.point - shape.point(FingerPoint::Node(node));
-                Load::Node { node, force: touch.force, moment_nmm: arm.perp(&touch.force) }
-            }
-            TouchedPart::Plate(s_mm) => Load::at_position(s_mm, touch.force),
+        let half_mm =
+            |wall: Wall, s_mm: f64| wall.plate().map_or(0.0, |plate| 0.5 * self.finger.thickness_mm(plate, s_mm));
+        let load = |touch: &Touch| -> Result<Load, LatticeError> {
+            Ok(match touch.part {
+                TouchedPart::Rod(node) => {
+                    let arm = touch.point - shape.point(FingerPoint::Node(node));
+                    Load::Node { node, force: touch.force, moment_nmm: arm.perp(&touch.force) }
+                }
+                TouchedPart::On(wall, s_mm) => {
+                    let plate = wall.plate().ok_or(LatticeError::OffPlates)?;
+                    Load::at_position(PlatePosition { plate, s_mm }, touch.force)
+                }
+            })
         };
         let bending: Vec<&Touch> = touches.iter().filter(|touch| !touch.clamped).collect();
-        let mut loads = self.body_loads(&bending.iter().map(|touch| load(touch)).collect::<Vec<_>>())?;
+        let mut loads = self.body_loads(&bending.iter().map(|touch| load(touch)).collect::<Result<Vec<_>, _>>()?)?;
         // Friction acts on the surface, half a thickness from the axis on which the loads act.
-        for touch in bending.into_iter().filter(|touch| matches!(touch.part, TouchedPart::Plate(_))) {
-            let friction_nmm = -half_mm * touch.normal.perp(&touch.force);
+        for touch in bending {
+            let TouchedPart::On(wall, s_mm) = touch.part else { continue };
+            let friction_nmm = -half_mm(wall, s_mm) * touch.normal.perp(&touch.force);
             let of_touch = loads.iter_mut().find(|load| load.force == touch.force);
             of_touch.into_iter().for_each(|load| load.moment_nmm += friction_nmm);
         }

@@ -186,7 +186,7 @@ impl PushedFinger {
         let shape = mesh.shape(&motion);
         let exact = Observation::of_shape(mesh.finger(), &shape);
         let seen = with_noise(exact.clone(), push);
-        let on_plate = |s_mm: f64| mesh.front_point(&motion, s_mm).map(xy);
+        let on_plate = |s_mm: f64| mesh.plate_point(&motion, s_mm).map(xy);
         let displacements = |seen: &Observation| seen.markers.iter().filter_map(|it| it.displacement).map(xy).collect();
         Ok(Bent {
             lines: drawing::lines(mesh, Some(&motion)),

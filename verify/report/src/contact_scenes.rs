@@ -4,6 +4,7 @@ mod words;
 
 use super::drawings::{ACROSS_AXIS, ALONG_AXIS, lines_of, point, side_by_side, true_and_sensed};
 use crate::prelude::*;
+use finray_contact::Wall;
 use finray_contact::press::{ForceRow, SceneStep, SeenContact};
 use finray_model::sensing::ContactPosition;
 use finray_studies::experiments::contact_scene::samples::NoiseSamples;
@@ -192,9 +193,11 @@ fn courses(finger: &Finger, rows: &[ForceRow], half_mm: f64) -> Vec<Series> {
 }
 
 fn name_of(seen: &SeenContact) -> String {
-    match seen.contact.position {
+    match (seen.contact.position, seen.wall) {
         _ if seen.clamped => "clamp (not sensed)".to_owned(),
-        ContactPosition::Node(node) => format!("node {node}"),
-        ContactPosition::At(s_mm) => format!("plate at {s_mm:.1} mm"),
+        (ContactPosition::Node(node), _) => format!("node {node}"),
+        (ContactPosition::At(s_mm), Wall::Back) => format!("back plate at {s_mm:.1} mm"),
+        (ContactPosition::At(s_mm), Wall::Rib(rib)) => format!("rib {} at {s_mm:.1} mm", rib + 1),
+        (ContactPosition::At(s_mm), _) => format!("plate at {s_mm:.1} mm"),
     }
 }

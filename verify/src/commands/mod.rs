@@ -238,7 +238,8 @@ impl From<LatticeError> for Failure {
             LatticeError::Load(_)
             | LatticeError::LoadNotFinite
             | LatticeError::NoSegments
-            | LatticeError::TooFine { .. } => bad_input(error),
+            | LatticeError::TooFine { .. }
+            | LatticeError::OffPlates => bad_input(error),
             LatticeError::Contact(inner) => inner.into(),
             LatticeError::NotSettled { .. } | LatticeError::NoEquilibrium { .. } => not_computed(error),
         }

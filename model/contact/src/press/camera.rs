@@ -11,7 +11,7 @@
 use super::SeenContact;
 use super::contacts::{HalfSpan, member_mm};
 use crate::outline::Shape;
-use crate::{Touch, TouchedPart};
+use crate::{Touch, TouchedPart, Wall};
 use finray_model::finger::Plate;
 use finray_model::sensing::{Contact, ContactPosition, MeasuredContact};
 use finray_model::{Finger, Vector};
@@ -38,7 +38,7 @@ pub fn read_contact(
         ContactPosition::Node(node) => ContactPosition::Node(node),
         ContactPosition::At(s_mm) => {
             let length_mm = finger.plate_length_mm(Plate::Front);
-            let least_mm = NEAREST_TO_BASE * member_mm(finger, 0.0);
+            let least_mm = NEAREST_TO_BASE * member_mm(finger, (Wall::Front, 0.0));
             ContactPosition::At((s_mm + off.x - off.y).clamp(least_mm, length_mm))
         }
     };
@@ -75,6 +75,6 @@ pub fn baseline_mm(finger: &Finger, rod_radius_mm: f64, outline: &Shape, object:
     match (face, touch.part) {
         (Some((_, face)), _) => face.norm(),
         (None, TouchedPart::Rod(_)) => disc_mm + rod_radius_mm,
-        (None, TouchedPart::Plate(s_mm)) => member_mm(finger, s_mm),
+        (None, TouchedPart::On(wall, s_mm)) => member_mm(finger, (wall, s_mm)),
     }
 }

@@ -1,7 +1,7 @@
 //! Groups touches (points at which object and finger meet) into contacts, and determines each contact's position and direction from the surfaces
 //! alone.
 
-use crate::{Touch, TouchedPart};
+use crate::{Touch, TouchedPart, Wall};
 use finray_model::finger::Plate;
 use finray_model::sensing::{Contact, ContactPosition};
 use finray_model::{Finger, NodeId, Vector};
@@ -13,6 +13,8 @@ const TOGETHER: f64 = 0.25;
 /// A contact seen by the camera, with the true force that it carries.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SeenContact {
+    /// The touched wall; `contact` is a position on this wall.
+    pub wall: Wall,
     /// Position of the contact, and its direction from the object into the finger, without noise. Position and direction come from the surfaces
     /// alone, not from the forces. For several touches, the position is the middle of their interval, and the direction is the middle of their
     /// directions.
@@ -44,12 +46,16 @@ pub struct HalfSpan {
 }
 
 impl SeenContact {
-    /// Name in tables: the contact's node, `at` for a position between nodes, or `clamp`.
+    /// Name in tables: the contact's node, `at` for a position between nodes of the front plate, or `clamp`; elsewhere the wall and the position in mm,
+    /// for instance `back:60` and `rib3:12.5`.
     pub fn name(&self) -> String {
-        match self.contact.position {
+        let rounded = |s_mm: f64| (10.0 * s_mm).round() / 10.0;
+        match (self.contact.position, self.wall) {
             _ if self.clamped => "clamp".to_owned(),
-            ContactPosition::Node(node) => node.to_string(),
-            ContactPosition::At(_) => "at".to_owned(),
+            (ContactPosition::Node(node), _) => node.to_string(),
+            (ContactPosition::At(s_mm), Wall::Back) => format!("back:{}", rounded(s_mm)),
+            (ContactPosition::At(s_mm), Wall::Rib(rib)) => format!("rib{}:{}", rib + 1, rounded(s_mm)),
+            (ContactPosition::At(_), _) => "at".to_owned(),
         }
     }
 }
@@ -60,13 +66,14 @@ pub fn seen_contacts(finger: &Finger, touches: &[Touch], baseline_mm: impl Fn(&T
     let mut groups: Vec<&[Touch]> = Vec::new();
     let mut rest = touches;
     while let [first, ..] = rest {
-        let within_mm = TOGETHER * member_mm(finger, first.part.position_mm(finger));
+        let (wall, first_mm) = first.part.place(finger);
+        let within_mm = TOGETHER * member_mm(finger, (wall, first_mm));
         let mut rods = 0;
         let together = rest.iter().take_while(|touch| {
             rods += usize::from(matches!(touch.part, TouchedPart::Rod(node) if !is_rod(first, node)));
             let other_rod = if matches!(first.part, TouchedPart::Rod(_)) { rods > 0 } else { rods > 1 };
-            let apart_mm = touch.part.position_mm(finger) - first.part.position_mm(finger);
-            touch.clamped == first.clamped && apart_mm <= within_mm && !other_rod
+            let (other, at_mm) = touch.part.place(finger);
+            other == wall && touch.clamped == first.clamped && at_mm - first_mm <= within_mm && !other_rod
         });
         let (group, others) = rest.split_at(together.count());
         groups.push(group);
@@ -79,9 +86,15 @@ fn is_rod(touch: &Touch, node: NodeId) -> bool {
     touch.part == TouchedPart::Rod(node)
 }
 
-/// Length of the front plate's segment between two rods that contains a position, mm.
-pub(super) fn member_mm(finger: &Finger, position_mm: f64) -> f64 {
-    let positions = finger.plate_positions_mm(Plate::Front);
+/// Length of the plate's segment between two ribs that contains a position, mm; length of a rib or of the base.
+pub(super) fn member_mm(finger: &Finger, (wall, position_mm): (Wall, f64)) -> f64 {
+    let plate = match wall {
+        Wall::Rib(rib) => return finger.rib_length_mm(rib),
+        Wall::Base => return finger.description().base_width_mm,
+        Wall::Back => Plate::Back,
+        Wall::Front => Plate::Front,
+    };
+    let positions = finger.plate_positions_mm(plate);
     let member =
         positions.windows(2).find(|member| position_mm <= member[1]).unwrap_or(&positions[positions.len() - 2..]);
     member[1] - member[0]
@@ -90,7 +103,7 @@ pub(super) fn member_mm(finger: &Finger, position_mm: f64) -> f64 {
 fn seen(finger: &Finger, group: &[Touch], baseline_mm: &dyn Fn(&Touch) -> f64) -> SeenContact {
     let (first, last) = (&group[0], &group[group.len() - 1]);
     let rod = group.iter().find(|touch| matches!(touch.part, TouchedPart::Rod(_)));
-    let [from_mm, to_mm] = [first, last].map(|touch| touch.part.position_mm(finger));
+    let [(wall, from_mm), (_, to_mm)] = [first, last].map(|touch| touch.part.place(finger));
     let position = match (first.part, group.len()) {
         (TouchedPart::Rod(node), 1) => ContactPosition::Node(node),
         _ => ContactPosition::At(0.5 * (from_mm + to_mm)),
@@ -101,7 +114,8 @@ fn seen(finger: &Finger, group: &[Touch], baseline_mm: &dyn Fn(&Touch) -> f64) -
         HalfSpan { along_mm: 0.5 * (to_mm - from_mm), turn_rad: group.iter().map(turn).fold(0.0, f64::max) };
     let force: Vector = group.iter().map(|touch| touch.force).sum();
     SeenContact {
-        contact: Contact { position, angle_deg: angle_deg(finger, normal) },
+        wall,
+        contact: Contact { position, angle_deg: angle_deg(finger, wall, normal) },
         half_span,
         baseline_mm: baseline_mm(rod.unwrap_or(first)),
         clamped: first.clamped,
@@ -112,7 +126,9 @@ fn seen(finger: &Finger, group: &[Touch], baseline_mm: &dyn Fn(&Touch) -> f64) -
     }
 }
 
-/// Angle of a direction from the undeformed inward normal, degrees, positive towards the tip.
-pub fn angle_deg(finger: &Finger, direction: Vector) -> f64 {
-    direction.dot(&finger.front_tangent()).atan2(direction.dot(&finger.direction(0.0))).to_degrees()
+/// Angle of a direction from the undeformed inward normal of the touched plate, degrees, positive towards the tip; for ribs and base, of the front
+/// plate.
+fn angle_deg(finger: &Finger, wall: Wall, direction: Vector) -> f64 {
+    let plate = wall.plate().unwrap_or(Plate::Front);
+    direction.dot(&finger.tangent(plate)).atan2(direction.dot(&finger.inward(plate))).to_degrees()
 }

@@ -12,20 +12,19 @@ mod rows;
 mod run;
 
 pub use camera::{baseline_mm, read_contact};
-pub use contacts::{HalfSpan, SeenContact, angle_deg, seen_contacts};
-pub use outline_estimator::OutlineEstimator;
+pub use contacts::{HalfSpan, SeenContact, seen_contacts};
+pub use outline_estimator::{NotSensed, OutlineEstimator};
 pub use refined::{Refinement, TOTAL_TOLERANCE, TotalChange};
 pub use rows::{ForceRow, contacts_sensed, force_rows};
 pub use run::{BALANCE_TOLERANCE, Press};
 
 use crate::path::{PreparedObject, PressError};
 use crate::pressing::Pressed;
-use finray_model::finger::Plate;
+use finray_model::finger::PlatePosition;
 use finray_model::measurement::{MarkerErrors, Measurement};
 use finray_model::observation::Observation;
 use finray_model::scene::{ContactDescription, ObjectDescription};
 use finray_model::sensing::{ContactPosition, MeasuredContact};
-use finray_model::sensor::Refusal;
 use finray_model::statics::StaticsError;
 use finray_model::validity::Validity;
 use finray_model::{Finger, Load, Scene, Vector};
@@ -86,20 +85,24 @@ impl SceneStep {
         0.0 + felt.map(|seen| seen.force.dot(&self.along)).sum::<f64>()
     }
 
-    /// Validity of the beam model under the true contact forces.
+    /// Validity of the beam model under the true contact forces; `None` if the object presses on a rib, which carries no stated loads.
     ///
     /// # Errors
     /// [`StaticsError`] if the beams have no equilibrium under these forces.
-    pub fn validity(&self, finger: &Finger) -> Result<Validity, StaticsError> {
-        let length_mm = finger.plate_length_mm(Plate::Front);
+    pub fn validity(&self, finger: &Finger) -> Result<Option<Validity>, StaticsError> {
         // A contact on a clamped part does not bend the finger.
-        let bending = self.contacts.iter().filter(|seen| !seen.clamped);
-        let loads = bending.filter_map(|seen| match seen.contact.position {
-            ContactPosition::Node(node) => Some(Load::at_node(node, seen.force)),
-            ContactPosition::At(s_mm) if s_mm > 0.0 => Some(Load::at_position(s_mm.min(length_mm), seen.force)),
-            ContactPosition::At(_) => None,
+        let bending: Vec<&SeenContact> = self.contacts.iter().filter(|seen| !seen.clamped).collect();
+        if bending.iter().any(|seen| seen.wall.plate().is_none()) {
+            return Ok(None);
+        }
+        let loads = bending.into_iter().filter_map(|seen| match (seen.contact.position, seen.wall.plate()?) {
+            (ContactPosition::Node(node), _) => Some(Load::at_node(node, seen.force)),
+            (ContactPosition::At(s_mm), plate) => {
+                let s_mm = s_mm.min(finger.plate_length_mm(plate));
+                (s_mm > 0.0).then(|| Load::at_position(PlatePosition { plate, s_mm }, seen.force))
+            }
         });
-        Validity::under(finger, loads)
+        Validity::under(finger, loads).map(Some)
     }
 }
 
@@ -194,13 +197,13 @@ impl ContactScene {
     /// `None` if no contact deforms the finger.
     ///
     /// # Errors
-    /// [`Refusal`] if the forces are not identifiable.
+    /// [`NotSensed`] if the object touches more than the front plate, or if the forces are not identifiable.
     pub fn sense(
         &self,
         step: &SceneStep,
         noise_mm: f64,
         mut standard_normal: impl FnMut() -> f64,
-    ) -> Result<Option<SensedStep>, Refusal> {
+    ) -> Result<Option<SensedStep>, NotSensed> {
         let felt: Vec<SeenContact> = step.contacts.iter().filter(|contact| !contact.clamped).copied().collect();
         if felt.is_empty() {
             return Ok(None);

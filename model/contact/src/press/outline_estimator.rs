@@ -2,12 +2,27 @@
 
 use super::LEAST_STATED_MM;
 use super::{SeenContact, SensedContact, SensedForce, SensedStep, read_contact};
+use crate::Wall;
 use finray_model::estimators::EstimatorId;
 use finray_model::estimators::network::Networks;
 use finray_model::observation::Observation;
 use finray_model::sensing::MeasuredContact;
 use finray_model::sensor::{Refusal, Sensor, SensorContacts, SensorOptions};
 use finray_model::{Scene, Vector};
+
+/// Reason why no force is sensed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NotSensed {
+    /// The object touches a wall other than the front plate.
+    #[error("forces are sensed only if the object touches nothing but the front plate: it touches {name}")]
+    Elsewhere {
+        /// Name of the contact in tables.
+        name: String,
+    },
+    /// The sensor refuses to estimate a force.
+    #[error(transparent)]
+    Refused(#[from] Refusal),
+}
 
 /// Prior knowledge for sensing forces at contacts that a camera sees.
 #[derive(Debug, Clone, Copy)]
@@ -32,14 +47,17 @@ impl OutlineEstimator<'_> {
     /// the forces along the unit vector `along`.
     ///
     /// # Errors
-    /// [`Refusal`] if the forces are not identifiable.
+    /// [`NotSensed`] if a contact is not on the front plate, or if the forces are not identifiable.
     pub fn sense(
         &self,
         felt: &[SeenContact],
         seen: &Observation,
         along: Vector,
         mut standard_normal: impl FnMut() -> f64,
-    ) -> Result<SensedStep, Refusal> {
+    ) -> Result<SensedStep, NotSensed> {
+        if let Some(elsewhere) = felt.iter().find(|seen| seen.wall != Wall::Front) {
+            return Err(NotSensed::Elsewhere { name: elsewhere.name() });
+        }
         let finger = &self.scene.finger;
         let read = |contact: &SeenContact| read_contact(finger, contact, self.outline_noise_mm, &mut standard_normal);
         let mut read: Vec<MeasuredContact> = felt.iter().map(read).collect();

@@ -3,7 +3,9 @@
 use super::{ContactScene, SceneStep};
 use crate::ContactError;
 use crate::pressing::{Pressing, Push};
+use crate::world::Moment;
 use finray_model::Mesh;
+use std::cell::OnceCell;
 
 /// Largest relative difference of a total contact force between a sufficiently fine mesh and a mesh half as fine.
 pub const TOTAL_TOLERANCE: f64 = 1e-3;
@@ -52,8 +54,13 @@ impl TotalChange {
     }
 }
 
-/// Steps up to the end or to an error, together with the error if there is one.
-type Pressed = (Vec<SceneStep>, Option<ContactError>);
+/// Steps on one mesh up to the end or to an error, each with the finger and the object in equilibrium.
+struct Pressed<'m> {
+    steps: Vec<SceneStep>,
+    pressing: Option<Pressing<'m>>,
+    at_rest: Vec<Moment>,
+    stopped: Option<ContactError>,
+}
 
 impl ContactScene {
     /// Runs the scene and passes every step to `each`. Without a requested fineness, elements are halved until no total changes by more than
@@ -64,51 +71,73 @@ impl ContactScene {
     /// before the failed step.
     pub fn run(&self, mut each: impl FnMut(SceneStep)) -> Result<Refinement, ContactError> {
         let members = self.finger().rib_count() + 1;
-        let mut elements = self.elements.unwrap_or_else(|| FIRST_ELEMENTS.div_ceil(members));
-        let (mut steps, mut stopped) = self.press(elements);
-        let (mut change, mut finer) = (None, 2 * elements);
-        while self.elements.is_none() && finer * members <= MOST_ELEMENTS {
-            let (their_steps, their_end) = self.press(finer);
-            let their_change = TotalChange::largest(&steps, &their_steps);
+        let first = self.elements.unwrap_or_else(|| FIRST_ELEMENTS.div_ceil(members));
+        let levels = match self.elements {
+            Some(_) => 1,
+            None => 1 + (1..).take_while(|level| (first << level) * members <= MOST_ELEMENTS).count(),
+        };
+        let meshes: Vec<OnceCell<Mesh>> = vec![OnceCell::new(); levels];
+        let mesh =
+            |level: usize| meshes[level].get_or_init(|| Mesh::with_elements_per_member(self.finger(), first << level));
+        let mut found = self.press(mesh(0), None);
+        let (mut elements, mut change) = (first, None);
+        for level in 1..levels {
+            let is_half = elements == first << (level - 1);
+            let finer = self.press(mesh(level), is_half.then_some(&found));
+            let their_change = TotalChange::largest(&found.steps, &finer.steps);
             // Near a change of contacts, a step can fail on one mesh and succeed on the other mesh.
-            if their_steps.len() >= steps.len() {
-                (steps, stopped, elements, change) = (their_steps, their_end, finer, their_change);
+            if finer.steps.len() >= found.steps.len() {
+                (found, elements, change) = (finer, first << level, their_change);
             }
             if their_change.is_none_or(|change| change.share <= TOTAL_TOLERANCE) {
                 break;
             }
-            finer *= 2;
         }
-        steps.into_iter().for_each(&mut each);
-        stopped.map_or(Ok(Refinement { elements, change }), Err)
+        found.steps.into_iter().for_each(&mut each);
+        found.stopped.map_or(Ok(Refinement { elements, change }), Err)
     }
 
-    fn press(&self, elements: usize) -> Pressed {
-        let mut steps = Vec::new();
-        let outcome = self.press_each(elements, &mut steps);
-        (steps, outcome.err())
+    /// Presses the object on one mesh. `coarse` is the same press on a mesh with half as many elements per member; without friction, each of its
+    /// equilibria is the start for the equilibrium on this mesh.
+    fn press<'m>(&self, mesh: &'m Mesh, coarse: Option<&Pressed>) -> Pressed<'m> {
+        let mut pressed = Pressed { steps: Vec::new(), pressing: None, at_rest: Vec::new(), stopped: None };
+        pressed.stopped = self.press_each(mesh, coarse, &mut pressed).err();
+        pressed
     }
 
-    fn press_each(&self, elements: usize, pressed: &mut Vec<SceneStep>) -> Result<(), ContactError> {
-        let mesh = Mesh::with_elements_per_member(self.finger(), elements);
+    fn press_each<'m>(
+        &self,
+        mesh: &'m Mesh,
+        coarse: Option<&Pressed>,
+        pressed: &mut Pressed<'m>,
+    ) -> Result<(), ContactError> {
         let object = (self.object.outline.clone(), self.object.friction);
         let (start, rod_radius_mm) = (self.object.start, self.scene.contact.rod_radius_mm);
-        let mut pressing = Pressing::new(&mesh, rod_radius_mm, object, start, self.object.along)?;
+        let pressing = pressed.pressing.insert(Pressing::new(mesh, rod_radius_mm, object, start, self.object.along)?);
+        let near = coarse.filter(|_| self.object.friction == 0.0);
+        let near = near.and_then(|coarse| Some((coarse.pressing.as_ref()?, &coarse.at_rest)));
         let (mut travel_mm, mut last) = (0.0, start);
-        for step in &self.object.steps {
-            for &corner in &step.corners {
-                pressing.pass(Push::To(corner))?;
-                travel_mm += (corner - last).norm();
-                last = corner;
+        for (index, step) in self.object.steps.iter().enumerate() {
+            let near = near.and_then(|(coarse, at_rest)| Some((coarse, at_rest.get(index)?)));
+            let found = match near.and_then(|(coarse, there)| pressing.push_near(coarse, there, step.end)) {
+                Some(found) => found,
+                None => {
+                    step.corners.iter().try_for_each(|corner| pressing.pass(Push::To(*corner)))?;
+                    pressing.push(step.end)?
+                }
+            };
+            for at in step.corners.iter().chain([&found.object]) {
+                travel_mm += (at - last).norm();
+                last = *at;
             }
-            let found = pressing.push(step.end)?;
-            travel_mm += (found.object - last).norm();
-            last = found.object;
             let baseline_mm =
                 |touch: &_| super::baseline_mm(self.finger(), rod_radius_mm, &self.object.outline, found.object, touch);
             let contacts = super::seen_contacts(self.finger(), &found.touches, baseline_mm);
             let stopped_mm = if let Push::To(told) = step.end { (told - found.object).norm() } else { 0.0 };
-            pressed.push(SceneStep { travel_mm, stopped_mm, along: step.along, contacts, pressed: found });
+            pressed.steps.push(SceneStep { travel_mm, stopped_mm, along: step.along, contacts, pressed: found });
+            if self.elements.is_none() {
+                pressed.at_rest.push(pressing.moment());
+            }
         }
         Ok(())
     }

@@ -10,11 +10,12 @@ pub struct ForceRow {
     pub step: usize,
     /// Length of the object's path, mm.
     pub travel_mm: f64,
-    /// Name of the contact: a node, `at` for a position between nodes, `clamp` if the force does not deform the finger, or `total`.
+    /// Name of the contact, as [`SeenContact::name`] gives it, or `total`.
     pub contact: String,
-    /// Position along the front plate, mm from the base of the plate; `None` for the total.
+    /// Position along the touched plate, mm from its base, or along a rib, mm from the back plate; `None` for the total.
     pub s_mm: Option<f64>,
-    /// Direction of the contact normal, degrees from the undeformed inward normal, positive towards the tip; `None` for the total.
+    /// Direction of the contact normal, degrees from the undeformed inward normal of the touched plate (for a rib, of the front plate), positive towards
+    /// the tip; `None` for the total.
     pub angle_deg: Option<f64>,
     /// True force along the normal, N; for the total, along the object's motion, without forces on the clamp.
     pub force_n: f64,

@@ -1,6 +1,6 @@
 //! A press as `finray press` runs it: forces sensed at each step, with notes and warnings in words.
 
-use super::{ContactScene, ForceRow, Refinement, SceneStep, TOTAL_TOLERANCE, TotalChange, force_rows};
+use super::{ContactScene, ForceRow, NotSensed, Refinement, SceneStep, TOTAL_TOLERANCE, TotalChange, force_rows};
 use crate::ContactError;
 use finray_model::Scene;
 use finray_model::statics::StaticsError;
@@ -57,7 +57,7 @@ impl Press {
 }
 
 /// Notes and warnings about a step; `refusal` is the reason why its forces were not sensed.
-fn notes(number: usize, step: &SceneStep, refusal: Option<&finray_model::sensor::Refusal>) -> Vec<String> {
+fn notes(number: usize, step: &SceneStep, refusal: Option<&NotSensed>) -> Vec<String> {
     let refused = refusal.map(|refusal| format!("note: step {number}: {refusal}"));
     let imbalance = step.pressed.imbalance().filter(|imbalance| *imbalance > BALANCE_TOLERANCE);
     let imbalance = imbalance.map(|imbalance| {
@@ -96,7 +96,8 @@ impl PressValidity {
     fn examine(&mut self, scene: &Scene, step: &SceneStep) {
         self.steps += 1;
         match step.validity(&scene.finger) {
-            Ok(validity) => {
+            Ok(None) => {}
+            Ok(Some(validity)) => {
                 let strain = validity.largest_strain(&scene.strain_limits);
                 let share = strain.map_or(0.0, |at| at.strain / scene.strain_limits.of(at.member.part));
                 if self.worst.as_ref().is_none_or(|(most, ..)| share >= *most) {

@@ -3,8 +3,10 @@
 use super::World;
 use crate::carrier::Carrier;
 use crate::outline::PoseInFinger;
+use crate::overlap::{crossing, to_segment};
 use crate::part::{Part, Touches};
 use crate::surface::Run;
+use crate::{TouchedPart, Wall};
 use finray_model::Vector;
 use finray_model::finger::{FingerPoint, Plate};
 use finray_model::gripper::Placement;
@@ -18,6 +20,13 @@ struct Round {
     radius_mm: f64,
 }
 
+impl Round {
+    /// Largest distance of a point of the part from its first end, mm.
+    fn extent_mm(&self) -> f64 {
+        (self.ends[1] - self.ends[0]).norm() + self.radius_mm
+    }
+}
+
 impl World<'_> {
     /// Smallest distance between the fronts of the first two fingers, mm; 0 or less if they touch, infinite for a single finger.
     pub fn between_fingers_mm(&self) -> f64 {
@@ -25,8 +34,14 @@ impl World<'_> {
             return f64::INFINITY;
         }
         let [left, right] = [0, 1].map(|finger| self.front(finger));
-        let of_pair = |a: &Round, b: &Round| distance_mm(a.ends, b.ends) - a.radius_mm - b.radius_mm;
-        left.iter().flat_map(|a| right.iter().map(move |b| of_pair(a, b))).fold(f64::INFINITY, f64::min)
+        let mut least_mm = f64::INFINITY;
+        for a in &left {
+            // Pieces that are farther apart than the smallest distance so far need no exact distance.
+            let is_near = |b: &&Round| (a.ends[0] - b.ends[0]).norm() - a.extent_mm() - b.extent_mm() < least_mm;
+            let of_pair = |b: &Round| distance_mm(a.ends, b.ends) - a.radius_mm - b.radius_mm;
+            least_mm = right.iter().filter(is_near).map(of_pair).fold(least_mm, f64::min);
+        }
+        least_mm
     }
 
     /// Whether the object would overlap a clamped part of the finger at the given placement of the finger.
@@ -62,7 +77,8 @@ impl World<'_> {
             let line = run.carrier.deformed(&run.carrier.coordinates(&self.now.state.motions[finger]));
             let parts = standing.surface.parts[run.parts.clone()].iter();
             let ends = |part: &Part| part.xi.map(|xi| placement.outwards(line.axis(xi).point));
-            let rounds = parts.filter(|part| part.touches != Touches::Sides);
+            let is_front = |part: &&Part| !matches!(part.touched, TouchedPart::On(Wall::Back | Wall::Base, _));
+            let rounds = parts.filter(|part| part.touches != Touches::Sides).filter(is_front);
             rounds.map(|part| Round { ends: ends(part), radius_mm: part.radius_mm }).collect::<Vec<_>>()
         };
         standing.surface.runs.iter().flat_map(round).collect()
@@ -71,17 +87,9 @@ impl World<'_> {
 
 /// Distance between two line segments, mm; 0 if they cross.
 fn distance_mm(a: [Vector; 2], b: [Vector; 2]) -> f64 {
-    let sides = |[from, to]: [Vector; 2], others: [Vector; 2]| others.map(|other| (to - from).perp(&(other - from)));
-    let parts = |[first, second]: [f64; 2]| first * second < 0.0;
-    if parts(sides(a, b)) && parts(sides(b, a)) {
+    if crossing(a, b).is_some() {
         return 0.0;
     }
-    let to_line = |[from, to]: [Vector; 2], point: Vector| {
-        let along = to - from;
-        let share = (point - from).dot(&along) / along.norm_squared();
-        // A segment of zero length is treated as a point.
-        let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 };
-        (point - from - along * share).norm()
-    };
-    [to_line(a, b[0]), to_line(a, b[1]), to_line(b, a[0]), to_line(b, a[1])].into_iter().fold(f64::INFINITY, f64::min)
+    let ends = [to_segment(a, b[0]), to_segment(a, b[1]), to_segment(b, a[0]), to_segment(b, a[1])];
+    ends.into_iter().map(|(distance_mm, _)| distance_mm).fold(f64::INFINITY, f64::min)
 }

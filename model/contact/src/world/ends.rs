@@ -1,6 +1,6 @@
 //! Reasons why a grasp fails, and the description of a contact for callers.
 
-use crate::{ContactError, Touch};
+use crate::{ContactError, Touch, TouchedPart};
 use finray_model::Vector;
 
 /// Reason why a grasp cannot begin.
@@ -11,6 +11,8 @@ pub enum WorldError {
     Overlap {
         /// Finger or support that the object overlaps.
         what: TouchedBody,
+        /// Overlapped part of the finger; `None` for the support.
+        part: Option<TouchedPart>,
         /// Depth of the overlap, mm.
         overlap_mm: f64,
     },

@@ -9,10 +9,11 @@ mod observed;
 pub use account::Account;
 pub use ends::{GraspFailure, ObjectContact, TouchedBody, WorldError};
 
-use crate::ContactError;
-use crate::outline::Shape;
+use crate::outline::{PoseInFinger, Shape};
+use crate::region::{Boundary, Region, boundaries};
 use crate::scene::{PlacedFinger, Scene, State, Surroundings};
-use crate::status::ContactPair;
+use crate::status::{ContactPair, touched};
+use crate::{ContactError, TouchedPart, overlap};
 use account::Acting;
 use finray_model::frame::FrameMotion;
 use finray_model::gripper::Placement;
@@ -60,7 +61,7 @@ pub struct World<'m> {
 
 /// Everything that changes during a grasp.
 #[derive(Debug, Clone)]
-struct Moment {
+pub(crate) struct Moment {
     state: State,
     /// State before the last solved increment; slips are counted from it.
     before: State,
@@ -82,8 +83,13 @@ impl<'m> World<'m> {
         drive: Drive,
         support: Option<(Vector, Vector)>,
     ) -> Result<World<'m>, WorldError> {
-        let fingers: Vec<PlacedFinger> =
-            meshes.iter().map(|mesh| PlacedFinger::new(mesh, rod_radius_mm)).collect::<Result<_, ContactError>>()?;
+        let pose = |placement: &Placement| PoseInFinger::new(placement, object);
+        let placed = meshes.iter().zip(&drive.placements);
+        let fingers: Vec<PlacedFinger> = placed
+            .map(|(mesh, placement)| {
+                PlacedFinger::new(mesh, rod_radius_mm, pose(placement).point(shape.corners().0[0]))
+            })
+            .collect::<Result<_, ContactError>>()?;
         let stiffness = fingers.iter().map(|finger| finger.stiffness).fold(f64::INFINITY, f64::min);
         let motions = meshes.iter().map(|mesh| FrameMotion::at_rest(mesh.frame())).collect();
         let state = State { placements: drive.placements.clone(), motions, object, forces: Default::default() };
@@ -93,13 +99,38 @@ impl<'m> World<'m> {
         let now = Moment { before: state.clone(), state, drive, acting, account };
         let mut world = World { scene, support, now };
         world.now.acting = world.acting(&world.surroundings(), &[]);
-        let overlaps = world.near_pairs().into_iter().map(|pair| (-pair.touching.gap_mm, pair));
-        match overlaps.max_by(|a, b| a.0.total_cmp(&b.0)) {
-            Some((overlap_mm, pair)) if overlap_mm > AT_REST * size_mm => {
-                Err(WorldError::Overlap { what: world.partner(&pair), overlap_mm })
+        let of_pair = |pair: ContactPair| {
+            (world.partner(&pair), pair.part.map(|part| touched(&part, &pair.pair)), -pair.touching.gap_mm)
+        };
+        let of_walls = |finger: usize| {
+            let (part, overlap_mm) = world.overlap(finger, &boundaries(meshes[finger]))?;
+            Some((TouchedBody::Finger(finger), Some(part), overlap_mm))
+        };
+        let overlaps = world.near_pairs().into_iter().map(of_pair).chain((0..meshes.len()).filter_map(of_walls));
+        match overlaps.max_by(|a, b| a.2.total_cmp(&b.2)) {
+            Some((what, part, overlap_mm)) if overlap_mm > AT_REST * size_mm => {
+                Err(WorldError::Overlap { what, part, overlap_mm })
             }
             _ => Ok(world),
         }
+    }
+
+    /// Deepest overlap of the object with members of a deformed finger: the touched part, and the depth, mm.
+    fn overlap(&self, finger: usize, members: &[Boundary]) -> Option<(TouchedPart, f64)> {
+        let pose = PoseInFinger::new(&self.now.state.placements[finger], self.now.state.object);
+        let standing = (self.scene.fingers[finger].mesh, &self.now.state.motions[finger]);
+        overlap::deepest(standing, (&self.scene.shape, &pose), members.iter())
+    }
+
+    /// The wall of a finger that the object reaches although contact with this wall is not modelled.
+    pub(crate) fn reached(&self, finger: usize) -> Option<TouchedPart> {
+        let overlap = self.overlap(finger, &self.scene.fingers[finger].surface.unmodelled);
+        overlap.filter(|(_, overlap_mm)| *overlap_mm > AT_REST * self.scene.size_mm).map(|(part, _)| part)
+    }
+
+    /// Whether the object lies between the walls of a finger.
+    pub fn is_inside(&self, finger: usize) -> bool {
+        self.scene.fingers[finger].surface.region != Region::Outside
     }
 
     /// Lets a hand hold the object against all motion. `size_mm` then replaces the object's size as the length scale. The size of a held object does
@@ -130,6 +161,16 @@ impl<'m> World<'m> {
     /// As for [`advance`](Self::advance).
     pub fn pass(&mut self, to: &Drive) -> Result<(), GraspFailure> {
         self.attempt(|world| world.move_to(to))
+    }
+
+    /// Everything that changes during a grasp, at present.
+    pub(crate) fn moment(&self) -> Moment {
+        self.now.clone()
+    }
+
+    /// Returns to an earlier moment.
+    pub(crate) fn restore(&mut self, moment: Moment) {
+        self.now = moment;
     }
 
     fn attempt(&mut self, moves: impl FnOnce(&mut Self) -> Result<(), GraspFailure>) -> Result<(), GraspFailure> {

@@ -1,7 +1,8 @@
 //! Moves fingers and object from one placement of the bases to the next: increments solved by Newton's method, snaps, and coming to rest.
 
 use super::{Drive, GraspFailure, Moment, World};
-use crate::scene::{PlacedFinger, Surroundings};
+use crate::scene::{Key, PlacedFinger, State, Surroundings};
+use finray_model::frame::FrameMotion;
 use finray_model::gripper::Placement;
 
 /// A snap (a jump to another equilibrium) is assumed if no increment of at least this share of a step is solved.
@@ -78,6 +79,35 @@ impl World<'_> {
         Ok(())
     }
 
+    /// Takes `there`, an equilibrium of the same fingers and object on meshes with half as many elements per member, as the present state.
+    pub(crate) fn take_from(&mut self, coarse: &World, there: &Moment) {
+        let fingers = || self.scene.fingers.iter().zip(&coarse.scene.fingers);
+        let motion = |((fine, coarse), motion): ((&PlacedFinger, &PlacedFinger), &FrameMotion)| {
+            fine.mesh.interpolate(coarse.mesh, motion)
+        };
+        let motions = fingers().zip(&there.state.motions).map(motion).collect();
+        let part = |&(finger, part, feature): &Key| {
+            let counterpart =
+                |(fine, coarse): (&PlacedFinger, &PlacedFinger)| fine.surface.counterpart(&coarse.surface, part);
+            (finger, fingers().nth(finger).map_or(part, counterpart), feature)
+        };
+        let forces = there.state.forces.iter().map(|(key, forces)| (part(key), *forces)).collect();
+        let mut state = State { motions, forces, ..there.state.clone() };
+        self.now.drive = there.drive.clone();
+        self.now.account = there.account;
+        state.forces = self.scene.inherited(&state, &self.scene.near_pairs(&state, &state, &self.surroundings()));
+        (self.now.state, self.now.before) = (state.clone(), state);
+        self.now.acting = self.acting(&self.surroundings(), &self.near_pairs());
+    }
+
+    /// Solves for an equilibrium near the present state, whatever the energy of the way there.
+    pub(crate) fn meet(&mut self, to: &Drive) -> Result<(), GraspFailure> {
+        match self.step(to, MOVING_DRAG, f64::INFINITY) {
+            StepOutcome::Solved => Ok(()),
+            StepOutcome::Leaps | StepOutcome::Unsolved => Err(self.failure()),
+        }
+    }
+
     /// Solves an increment, and accepts it if its energy imbalance is at most `most_missing_nmm`.
     fn step(&mut self, to: &Drive, drag: f64, most_missing_nmm: f64) -> StepOutcome {
         let finger_drag = if drag > MOVING_DRAG { drag * self.scene.stiffness } else { 0.0 };
@@ -121,7 +151,7 @@ impl World<'_> {
     }
 
     /// Brings everything to rest: at once if the equilibrium is near, else by increments with decreasing numerical resistance.
-    pub(super) fn rest(&mut self) -> Result<(), GraspFailure> {
+    pub(crate) fn rest(&mut self) -> Result<(), GraspFailure> {
         let drive = self.now.drive.clone();
         for _ in 0..NEAR_STEPS {
             let held = self.now.state.clone();

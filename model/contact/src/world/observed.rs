@@ -103,9 +103,9 @@ impl World<'_> {
             .collect();
         let place = |contact: &ObjectContact| match (contact.partner, contact.touch) {
             (TouchedBody::Finger(finger), Some(touch)) => {
-                (finger, touch.part.position_mm(self.scene.fingers[finger].mesh.finger()))
+                (finger, Some(touch.part.place(self.scene.fingers[finger].mesh.finger())))
             }
-            _ => (usize::MAX, 0.0),
+            _ => (usize::MAX, None),
         };
         contacts.sort_by(|a, b| place(a).partial_cmp(&place(b)).unwrap_or(std::cmp::Ordering::Equal));
         contacts

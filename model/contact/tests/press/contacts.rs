@@ -2,7 +2,7 @@
 
 use super::{COARSE, last, prepared, scene, steps};
 use finray_contact::press::{ContactScene, HalfSpan, SeenContact, read_contact, seen_contacts};
-use finray_contact::{Touch, TouchedPart};
+use finray_contact::{Touch, TouchedPart, Wall};
 use finray_model::finger::Plate;
 use finray_model::scene::ObjectDescription;
 use finray_model::sensing::{Contact, ContactPosition};
@@ -19,7 +19,7 @@ fn contacts_are_seen_alike_whatever_they_carry() {
     let touch = |s_mm: f64, angle_deg: f64, force_n: f64| {
         let normal = finger.direction(angle_deg);
         let point = finger.plate_point(Plate::Front, s_mm);
-        let (part, force) = (TouchedPart::Plate(s_mm), normal * force_n);
+        let (part, force) = (TouchedPart::On(Wall::Front, s_mm), normal * force_n);
         Touch { part, clamped: false, point, normal, force, overlap_mm: 0.0 }
     };
     let seen = |forces_n: [f64; 2]| {
@@ -83,9 +83,9 @@ fn two_rods_are_two_contacts() {
     // Nodes 9 and 8 are at 75 and 78 mm.
     let touches = [
         touch(TouchedPart::Rod(NodeId(9)), 0.0, 3.0),
-        touch(TouchedPart::Plate(75.2), 90.0, 4.0),
+        touch(TouchedPart::On(Wall::Front, 75.2), 90.0, 4.0),
         touch(TouchedPart::Rod(NodeId(8)), -10.0, 1.0),
-        touch(TouchedPart::Plate(100.0), 0.0, 1.0),
+        touch(TouchedPart::On(Wall::Front, 100.0), 0.0, 1.0),
     ];
     let seen = seen_contacts(&finger, &touches, |_| 10.0);
     let positions: Vec<ContactPosition> = seen.iter().map(|seen| seen.contact.position).collect();

@@ -57,7 +57,7 @@ impl Touching {
         let turn_deg = mesh.normal_turn(motion, &Load::at_position(s_mm, Vector::zeros()), 0.0)?.to_degrees();
         let [inward, tipward] =
             [0.0, 90.0].map(|deg| nuisances.base.rotation * mesh.finger().direction(deg + turn_deg));
-        let point = nuisances.base * Point2::from(mesh.front_point(motion, s_mm)?);
+        let point = nuisances.base * Point2::from(mesh.plate_point(motion, s_mm)?);
         let apart = point.coords - self.object.point_facing(inward, nuisances.object);
         // Distance from the plate's middle line to the surface of plate and pad.
         let reach_mm = 0.5 * mesh.finger().thickness_mm(Plate::Front, s_mm) + pad_mm;

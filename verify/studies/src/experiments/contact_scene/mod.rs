@@ -4,7 +4,6 @@
 //! `verified`).
 
 pub mod checks;
-mod engine;
 pub mod file;
 pub mod objects;
 pub mod samples;
@@ -12,8 +11,6 @@ pub mod study;
 mod verified;
 
 pub use verified::{EngineDifference, VerifiedStep};
-
-pub(crate) use engine::engine_shape;
 
 /// Number of plate segments between two rods in the verification by rapier. With this number, the paper's finger under 5 N is within 0.1 % of
 /// converged beams.

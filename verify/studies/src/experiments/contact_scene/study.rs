@@ -7,9 +7,8 @@ use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use finray_contact::ContactError;
 use finray_contact::path::PressError;
-use finray_contact::press::{ContactScene, ForceRow, SceneStep, SensedStep, force_rows};
+use finray_contact::press::{ContactScene, ForceRow, NotSensed, SceneStep, SensedStep, force_rows};
 use finray_model::scene::ObjectMotion;
-use finray_model::sensor::Refusal;
 
 /// Number of noise samples per step in a full study. With this number, all steps of a scene together have some hundreds to a thousand samples.
 pub const SAMPLES: usize = 50;
@@ -22,9 +21,9 @@ pub struct StudiedStep {
     /// Equilibrium of finger and object, with true forces.
     pub step: SceneStep,
     /// Forces sensed without noise; `None` if no contact deforms the finger.
-    pub clean: Result<Option<SensedStep>, Refusal>,
+    pub clean: Result<Option<SensedStep>, NotSensed>,
     /// Forces sensed from one noise sample; `None` if no contact deforms the finger.
-    pub noisy: Result<Option<SensedStep>, Refusal>,
+    pub noisy: Result<Option<SensedStep>, NotSensed>,
     /// Forces sensed from many noise samples; `None` without samples, or if no contact deforms the finger.
     pub samples: Option<NoiseSamples>,
 }
@@ -169,7 +168,7 @@ impl SceneStudy {
         let verified = verify(scene, &pressed, FINENESS)?;
         let limits = &scene.scene().strain_limits;
         let strains = steps.iter().filter_map(|studied| {
-            let validity = studied.step.validity(scene.finger()).ok()?;
+            let validity = studied.step.validity(scene.finger()).ok().flatten()?;
             let strain = validity.largest_strain(limits)?;
             Some(StrainOfScene { strain: strain.strain, limit: limits.of(strain.member.part) })
         });

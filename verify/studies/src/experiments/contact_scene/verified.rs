@@ -1,16 +1,15 @@
 //! Verification of a scene's steps by the lattice: by its equilibrium under the computed contact forces, and by the physics engine rapier, which finds
 //! contacts and forces on its own.
 
-use super::engine_shape;
 use crate::lattice::accuracy::difference;
 use crate::prelude::*;
 use finray_contact::path::HandStep;
 use finray_contact::press::{ContactScene, SceneStep};
 use finray_contact::pressing::Push;
-use finray_lattice::engine_pressing::{EnginePressing, RigidObject};
+use finray_lattice::engine_pressing::EnginePressing;
 
 /// Verification of a step of a contact scene. `engine` is `None` if rapier does not come to rest; `equilibrium` is `None` if the lattice has no
-/// equilibrium.
+/// equilibrium, or a rib is touched, where the lattice takes no loads.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VerifiedStep {
     /// Difference of shape and contact forces between the step and the state of rest that rapier reaches from the lattice's equilibrium.
@@ -39,13 +38,12 @@ pub(super) fn verify(
 ) -> Result<Vec<VerifiedStep>, LatticeError> {
     let lattice = Lattice::new(scene.finger(), fineness)?;
     let object = scene.object();
-    let rigid = RigidObject { shape: engine_shape(&object.outline), friction: object.friction };
     let rod_radius_mm = scene.scene().contact.rod_radius_mm;
-    let mut engine = EnginePressing::new(&lattice, rod_radius_mm, &rigid, object.start, object.along)?;
+    let mut engine = EnginePressing::new(&lattice, rod_radius_mm, object)?;
     let verify = |(SceneStep { pressed: found, .. }, step): (&SceneStep, &HandStep)| {
         let push = if let Push::To(_) = step.end { Push::To(found.object) } else { step.end };
-        let loads = lattice.contact_loads(&found.touches, &found.shape)?;
-        let Ok(motions) = lattice.motions_under(&loads) else {
+        let loads = lattice.contact_loads(&found.touches, &found.shape);
+        let Ok(motions) = loads.and_then(|loads| lattice.motions_under(&loads)) else {
             return Ok(VerifiedStep { engine: None, equilibrium: None });
         };
         let equilibrium = Some(difference(&lattice.shape(&motions), &found.shape));

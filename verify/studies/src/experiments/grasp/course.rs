@@ -127,7 +127,7 @@ impl<'s, 'm> Course<'s, 'm> {
             drive,
             scene.support(),
         )?;
-        if let Some(finger) = scene.finger_across(world.placements()) {
+        if let Some(finger) = (0..2).find(|finger| world.is_inside(*finger)) {
             return Err(GraspError::AcrossFinger { finger: finger_name(finger) });
         }
         if let Err(obstacle) = scene.require_clear(&world) {

@@ -23,7 +23,6 @@ pub use outlook::{LoopFigures, loop_figures};
 pub use sensed::{Eyes, FingerStep, NotSensed, SeenFinger};
 pub use summary::{SensedSummary, Summary};
 
-use crate::experiments::contact_scene::engine_shape;
 use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use course::Course;
@@ -34,9 +33,6 @@ use finray_model::estimators::network::Networks;
 use finray_model::keys::{GRASP, GRIPPER, OBJECT, SceneTable};
 use finray_model::scene::{GraspDescription, ObjectMotion};
 use image::RgbImage;
-use rapier2d::parry::query::intersection_test;
-use rapier2d::parry::shape::Triangle;
-use rapier2d::prelude::{Pose, Vector as EngineVector};
 use std::ops::ControlFlow;
 
 /// Number of elements of each member. Twice as many change the forces of the shipped grasps by less than 0.2 %.
@@ -72,7 +68,7 @@ pub enum GraspError {
         /// Depth below the support, mm.
         depth_mm: f64,
     },
-    /// The object is inside a finger, or overlaps a finger behind the front plate.
+    /// The object is inside a finger.
     #[error("the object overlaps the {finger} finger at the start: check centre_mm")]
     AcrossFinger {
         /// Name of the finger: left or right.
@@ -219,22 +215,6 @@ impl GraspScene {
         let closing = ((to_deg - from_deg).abs() / step_deg).ceil() as usize;
         let way = if self.grasp.path_mm.is_empty() { 0 } else { self.grasp.path_steps };
         closing * if self.grasp.opens { 2 } else { 1 } + way
-    }
-
-    /// Index of a finger that the object overlaps at the start. The finger counts as the triangle of its middle lines. Objects in front of the front
-    /// plate do not overlap.
-    fn finger_across(&self, placements: &[Placement]) -> Option<usize> {
-        let object = engine_shape(&self.shape);
-        let engine = |point: Vector| EngineVector::new(point.x, point.y);
-        let start = Pose::new(engine(self.centre_mm), self.object.rotation_deg.to_radians());
-        let length_mm = self.scene.finger.plate_length_mm(Plate::Front);
-        let corners = [(Plate::Front, 0.0), (Plate::Front, length_mm), (Plate::Back, 0.0)];
-        let corners = corners.map(|(plate, s_mm)| self.scene.finger.plate_point(plate, s_mm));
-        placements.iter().position(|placement| {
-            let [base, tip, back] = corners.map(|corner| engine(placement.outwards(corner)));
-            intersection_test(&Pose::IDENTITY, &Triangle::new(base, tip, back), &start, &*object.0)
-                .is_ok_and(|found| found.intersecting)
-        })
     }
 
     fn weight(&self) -> Vector {

@@ -10,7 +10,6 @@ use finray_contact::press::{
 };
 use finray_imaging::locate::Observer;
 use finray_imaging::render::{Disturbances, RenderRequest, render};
-use finray_model::sensor::Refusal;
 use image::RgbImage;
 use nalgebra::Rotation2;
 use std::borrow::Cow;
@@ -205,9 +204,9 @@ fn position(seen: &SeenFinger) -> Vector {
 /// Why no force was sensed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NotSensed {
-    /// The sensor refuses to estimate a force.
+    /// The forces are not sensed.
     #[error(transparent)]
-    Refused(#[from] Refusal),
+    Refused(#[from] finray_contact::press::NotSensed),
     /// The image does not show the finger.
     #[error("the image does not show the finger: {0}")]
     NotSeen(String),

@@ -4,7 +4,6 @@ use super::ExperimentError;
 use crate::experiments::table_two::FORCES_N;
 use crate::prelude::*;
 use crate::response::RespondingFinger;
-use finray_contact::press::angle_deg;
 use finray_model::scene::ROD_RADIUS_MM;
 
 /// Starting angle of the motor, degrees. At this angle, the sensor's axis is 12.4 degrees off the plate's normal (in the paper: at most 12.5).
@@ -65,7 +64,7 @@ pub fn closing(mesh: &Mesh, gripper: &Gripper, nodes: &[usize]) -> Result<Vec<Cl
                 weight: 1.0,
             };
             let displacements = Measurement::new(finger, markers.map(marker))?;
-            let axis_deg = angle_deg(finger, across(&placement));
+            let axis_deg = finger.angle_deg(across(&placement));
             steps.push(ClosedStep { turned_deg, axis_deg, true_n, displacements, gaps_mm });
         }
     }
@@ -99,7 +98,7 @@ impl Caps<'_> {
     /// equilibrium or the method does not converge.
     fn press(&mut self, placement: &Placement) -> Result<Option<Pressed>, LoadError> {
         let across = across(placement);
-        let angle_deg = angle_deg(self.finger, across);
+        let angle_deg = self.finger.angle_deg(across);
         let rows: Vec<usize> = self
             .nodes
             .iter()
