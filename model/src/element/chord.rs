@@ -6,7 +6,7 @@ use nalgebra::{SMatrix, Vector2, Vector3};
 use std::f64::consts::PI;
 
 /// Natural deformations: elongation of the chord (mm), and rotations of the first and second end relative to the chord (rad).
-pub(super) type Deformation<R = f64> = Vector3<R>;
+pub(crate) type Deformation<R = f64> = Vector3<R>;
 
 /// The chord of a beam in its current position.
 #[derive(Debug, Clone, Copy, PartialEq)]

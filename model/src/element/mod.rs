@@ -7,10 +7,13 @@ mod chord;
 mod diagram;
 mod interior;
 mod natural;
+mod previous;
 
 pub use chord::Chord;
 pub(crate) use chord::quarter_turn;
 pub use diagram::Station;
+pub(crate) use natural::Elastic;
+pub(crate) use previous::Previous;
 
 use crate::number::Number;
 use nalgebra::{SMatrix, SVector, Vector2};
@@ -71,6 +74,20 @@ pub struct Beam<R = f64> {
     pub sway_factor: R,
 }
 
+impl Beam {
+    /// The beam in the number type of `like`.
+    #[inline(always)]
+    pub(crate) fn in_numbers<R: Number>(&self, like: R) -> Beam<R> {
+        Beam {
+            direction: Vector2::new(like.constant(self.direction.x), like.constant(self.direction.y)),
+            length_mm: like.constant(self.length_mm),
+            axial_rigidity_n: like.constant(self.axial_rigidity_n),
+            bending_rigidity_nmm2: like.constant(self.bending_rigidity_nmm2),
+            sway_factor: like.constant(self.sway_factor),
+        }
+    }
+}
+
 impl<R: Number> Beam<R> {
     /// Energy, nodal forces and tangent stiffness for given motions of the two ends.
     ///
@@ -85,12 +102,29 @@ impl<R: Number> Beam<R> {
     /// Structural Analysis, sec. 5.6.
     #[inline(always)]
     pub fn response(&self, kinematics: Kinematics, motion: &[EndMotion<R>; 2]) -> Response<R> {
+        self.elastic(kinematics, motion, &mut Previous::at_rest(self), (false, false)).response
+    }
+
+    /// Same as [`response`](Beam::response). Stores the shape in `previous`. If the first of the two flags is true, the force that turns with the chord
+    /// is [extrapolated](Previous) from the previous shape; the second flag says whether the ends moved along straight lines since.
+    #[inline(always)]
+    pub(crate) fn elastic(
+        &self,
+        kinematics: Kinematics,
+        motion: &[EndMotion<R>; 2],
+        previous: &mut Previous<R>,
+        (extrapolates, straight): (bool, bool),
+    ) -> Elastic<R> {
         if kinematics == Kinematics::Linear {
             let chord = Chord::at_rest(self);
-            return self.response_on(&chord, &chord.linear_deformation(motion), false, false);
+            return self.response_on(&chord, &chord.linear_deformation(motion), (false, false), None);
         }
         let chord = Chord::deformed(self, motion);
         let bowing = kinematics == Kinematics::Corotational;
-        self.response_on(&chord, &chord.deformation(motion), bowing, true)
+        let shape = Previous { deformation: chord.deformation(motion), along: chord.along };
+        let forces =
+            if extrapolates { Some(previous.extrapolated_forces(self, bowing, &shape, straight)) } else { None };
+        *previous = shape;
+        self.response_on(&chord, &shape.deformation, (bowing, true), forces)
     }
 }

@@ -13,6 +13,18 @@ fn arch(bowing: bool) -> f64 {
     if bowing { 1.0 / 30.0 } else { 0.0 }
 }
 
+/// Derivatives of a beam's energy by its natural deformations: axial force (N), and moments at the first and second end (N mm).
+pub(super) type NaturalForces<R = f64> = Vector3<R>;
+
+/// Elastic response of a beam.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Elastic<R = f64> {
+    /// Energy, forces and tangent stiffness.
+    pub response: Response<R>,
+    /// Force on the second end whose rotation is part of the tangent stiffness, N.
+    pub turning_force: Vector2<R>,
+}
+
 impl<R: Number> Beam<R> {
     /// Reciprocal length, 1/mm, because multiplication by it is faster than division by the length.
     #[inline(always)]
@@ -62,7 +74,11 @@ impl<R: Number> Beam<R> {
     /// Energy U = EA L eps^2 / 2 + EI / (2 L) (k phi_a^2 + 2 k' phi_a phi_b + k phi_b^2), N mm, with k and k' of [`end_stiffness`](Beam::end_stiffness):
     /// 4 and 2 without shear deformation. The gradient of U consists of the axial force (N) and the end moments (N mm).
     #[inline(always)]
-    fn natural_forces(&self, (strain, [by_a, by_b]): (R, [R; 2]), deformation: &Deformation<R>) -> (R, Vector3<R>) {
+    pub(super) fn natural_forces(
+        &self,
+        (strain, [by_a, by_b]): (R, [R; 2]),
+        deformation: &Deformation<R>,
+    ) -> (R, Vector3<R>) {
         let (a, b) = (deformation[1], deformation[2]);
         let flexural = self.bending_rigidity_nmm2 * self.per_length();
         let force = strain * self.axial_rigidity_n;
@@ -89,22 +105,16 @@ impl<R: Number> Beam<R> {
         &self,
         chord: &Chord<R>,
         deformation: &Deformation<R>,
-        bowing: bool,
-        curved: bool,
-    ) -> Response<R> {
+        (bowing, curved): (bool, bool),
+        extrapolated: Option<NaturalForces<R>>,
+    ) -> Elastic<R> {
         let strain = self.axial_strain(bowing, deformation);
         let (energy, natural) = self.natural_forces(strain, deformation);
-        let (_, [by_a, by_b]) = strain;
-        let axial_stiffness = self.axial_rigidity_n * self.per_length();
-        let flexural = self.bending_rigidity_nmm2 * self.per_length();
-        let curvature = natural[0] * self.length_mm * arch(bowing);
-        let (axial_a, axial_b) = (by_a * axial_stiffness, by_b * axial_stiffness);
-        let ([near, far], [square, product]) = (self.end_stiffness(), self.slope_form());
-        let mixed = axial_a * by_b + flexural * far + curvature * product;
-        let bending = curvature * (square * 2.0) + flexural * near;
-        let (bending_a, bending_b) = (axial_a * by_a + bending, axial_b * by_b + bending);
+        let turning = if let Some(forces) = extrapolated { forces } else { natural };
+        let [axial_stiffness, axial_a, axial_b, bending_a, bending_b, mixed] =
+            self.natural_stiffness(bowing, strain.1, turning.x);
 
-        let (axial, a, b) = (natural.x, natural.y, natural.z);
+        let (axial, a, b) = (turning.x, turning.y, turning.z);
         let per_length = chord.per_length;
         let (axial_curvature, moment_curvature) =
             if curved { (axial * per_length, (a + b) * per_length * per_length) } else { (axial.zero(), axial.zero()) };
@@ -117,12 +127,8 @@ impl<R: Number> Beam<R> {
         let xx = e.x * e.x * axial_stiffness + e.x * 2.0 * n.x * along_across + n.x * n.x * across_across;
         let xy = e.x * e.y * axial_stiffness + (e.x * n.y + e.y * n.x) * along_across + n.x * n.y * across_across;
         let yy = e.y * e.y * axial_stiffness + e.y * 2.0 * n.y * along_across + n.y * n.y * across_across;
-        let with_rotation = |axial: R, bending: R| {
-            let bending = bending * per_length;
-            Vector2::new(e.x * axial - n.x * bending, e.y * axial - n.y * bending)
-        };
-        let with_a = with_rotation(axial_a, bending_a + mixed);
-        let with_b = with_rotation(axial_b, mixed + bending_b);
+        let with_a = chord.in_plane(axial_a, (bending_a + mixed) * per_length);
+        let with_b = chord.in_plane(axial_b, (mixed + bending_b) * per_length);
 
         #[rustfmt::skip]
         let tangent = SMatrix::<R, 6, 6>::new(
@@ -133,7 +139,25 @@ impl<R: Number> Beam<R> {
             -xy, -yy, with_a.y, xy, yy, with_b.y,
             -with_b.x, -with_b.y, mixed, with_b.x, with_b.y, bending_b,
         );
-        Response { energy, gradient: chord.nodal_forces(&natural), tangent }
+        Elastic {
+            response: Response { energy, gradient: chord.nodal_forces(&natural), tangent },
+            turning_force: chord.end_force(&turning),
+        }
+    }
+
+    /// Second derivatives of the energy U by the natural deformations: by elongation twice (N/mm), by elongation and each rotation (N), by each
+    /// rotation twice (N mm), and by both rotations (N mm). The arguments are the derivatives of the axial strain by the two rotations, mm, and the
+    /// axial force, N.
+    #[inline(always)]
+    pub(super) fn natural_stiffness(&self, bowing: bool, [by_a, by_b]: [R; 2], axial_force: R) -> [R; 6] {
+        let axial = self.axial_rigidity_n * self.per_length();
+        let flexural = self.bending_rigidity_nmm2 * self.per_length();
+        let curvature = axial_force * self.length_mm * arch(bowing);
+        let (axial_a, axial_b) = (by_a * axial, by_b * axial);
+        let ([near, far], [square, product]) = (self.end_stiffness(), self.slope_form());
+        let mixed = axial_a * by_b + flexural * far + curvature * product;
+        let bending = curvature * (square * 2.0) + flexural * near;
+        [axial, axial_a, axial_b, axial_a * by_a + bending, axial_b * by_b + bending, mixed]
     }
 
     /// Energy (N mm) and nodal forces (N, N mm) for small displacements: [`response`](Beam::response) without the tangent stiffness.
@@ -149,11 +173,21 @@ impl<R: Number> Beam<R> {
 impl<R: Number> Chord<R> {
     /// Nodal forces (N, N mm) that are equivalent to the three natural forces.
     #[inline(always)]
-    fn nodal_forces(&self, natural: &Vector3<R>) -> SVector<R, 6> {
-        let (axial, a, b) = (natural.x, natural.y, natural.z);
-        let transverse = (a + b) * self.per_length;
-        let x = self.along.x * axial - self.across.x * transverse;
-        let y = self.along.y * axial - self.across.y * transverse;
-        SVector::<R, 6>::new(-x, -y, a, x, y, b)
+    fn nodal_forces(&self, natural: &NaturalForces<R>) -> SVector<R, 6> {
+        let (force, a, b) = (self.end_force(natural), natural.y, natural.z);
+        SVector::<R, 6>::new(-force.x, -force.y, a, force.x, force.y, b)
+    }
+
+    /// Force on the second end, N.
+    #[inline(always)]
+    fn end_force(&self, natural: &NaturalForces<R>) -> Vector2<R> {
+        self.in_plane(natural.x, (natural.y + natural.z) * self.per_length)
+    }
+
+    /// The vector `forward` times `along` minus `sideways` times `across`.
+    #[inline(always)]
+    fn in_plane(&self, forward: R, sideways: R) -> Vector2<R> {
+        let (e, n) = (self.along, self.across);
+        Vector2::new(e.x * forward - n.x * sideways, e.y * forward - n.y * sideways)
     }
 }

@@ -1,6 +1,6 @@
 //! Dead loads on a frame, and the derivatives of their potentials with respect to the coordinates of the loaded nodes.
 
-use super::members::{carry_over_arms, swing, turned};
+use super::members::{carry_over_arms, end_forces, swing, turned};
 use super::{BeamEnd, FrameMotion, NodeIndex, PlaneFrame};
 use crate::Vector;
 use crate::element::{Beam, ElementVector, EndMotion, Kinematics, Response};
@@ -94,7 +94,8 @@ impl PlaneFrame {
     ) -> Response {
         let mut potential = Response { energy: 0.0, gradient: SVector::zeros(), tangent: SMatrix::zeros() };
         potential.gradient.fixed_rows_mut::<3>(0).copy_from_slice(&[-force.x, -force.y, -moment_nmm]);
-        carry_over_arms(&[end, end], [motion.rotations[end.rotation]; 2], &mut potential, linear);
+        let forces = end_forces(&potential);
+        carry_over_arms(&[end, end], [motion.rotations[end.rotation]; 2], &mut potential, forces, linear);
         potential
     }
 
@@ -126,7 +127,8 @@ impl PlaneFrame {
         let member = &self.members[member];
         let motions = member.end_motions(motion, linear);
         let mut response = of(&member.beam, &motions);
-        carry_over_arms(&member.ends, motions.map(|end| end.rotation), &mut response, linear);
+        let forces = end_forces(&response);
+        carry_over_arms(&member.ends, motions.map(|end| end.rotation), &mut response, forces, linear);
         response
     }
 

@@ -3,7 +3,7 @@
 use super::equations::{MEMBER_COORDINATES, NODE_COORDINATES};
 use super::{BeamEnd, FrameMotion, Member, NodeIndex, PlaneFrame};
 use crate::Vector;
-use crate::element::{Beam, EndMotion, Kinematics, Response, Station, quarter_turn};
+use crate::element::{Elastic, EndMotion, Kinematics, Previous, Response, Station, quarter_turn};
 use crate::number::{Number, sine_and_versine};
 use nalgebra::{SMatrix, SVector, Vector2};
 
@@ -78,16 +78,7 @@ impl Member {
     #[inline(always)]
     pub(crate) fn in_numbers<R: Number>(&self, like: R) -> Member<R> {
         let Member { beam, ends: [first, second] } = self;
-        Member {
-            beam: Beam {
-                direction: vector_of(beam.direction, like),
-                length_mm: like.constant(beam.length_mm),
-                axial_rigidity_n: like.constant(beam.axial_rigidity_n),
-                bending_rigidity_nmm2: like.constant(beam.bending_rigidity_nmm2),
-                sway_factor: like.constant(beam.sway_factor),
-            },
-            ends: [first.in_numbers(like), second.in_numbers(like)],
-        }
+        Member { beam: beam.in_numbers(like), ends: [first.in_numbers(like), second.in_numbers(like)] }
     }
 }
 
@@ -102,11 +93,31 @@ impl<R: Number> Member<R> {
     /// of the two nodes, including the rigid arms.
     #[inline(always)]
     pub(crate) fn response(&self, motion: &FrameMotion<R>, kinematics: Kinematics) -> Response<R> {
+        self.elastic(motion, kinematics, &mut Previous::at_rest(&self.beam), (false, false)).response
+    }
+
+    /// Same as [`response`](Member::response), with the arguments of [`Beam::elastic`].
+    #[inline(always)]
+    pub(crate) fn elastic(
+        &self,
+        motion: &FrameMotion<R>,
+        kinematics: Kinematics,
+        previous: &mut Previous<R>,
+        extrapolates: (bool, bool),
+    ) -> Elastic<R> {
         let linear = kinematics == Kinematics::Linear;
         let motions = self.end_motions(motion, linear);
-        let mut response = self.beam.response(kinematics, &motions);
-        carry_over_arms(&self.ends, [motions[0].rotation, motions[1].rotation], &mut response, linear);
-        response
+        let mut elastic = self.beam.elastic(kinematics, &motions, previous, extrapolates);
+        let force = elastic.turning_force;
+        let rotations = [motions[0].rotation, motions[1].rotation];
+        carry_over_arms(
+            &self.ends,
+            rotations,
+            &mut elastic.response,
+            [Vector2::new(-force.x, -force.y), force],
+            linear,
+        );
+        elastic
     }
 
     /// Vector from the first to the second node, mm: undeformed if `linear`, otherwise deformed by the motion.
@@ -178,16 +189,24 @@ impl PlaneFrame {
     }
 }
 
+/// Forces of a response on its two ends, N.
+#[inline(always)]
+pub(super) fn end_forces<R: Number>(response: &Response<R>) -> [Vector2<R>; 2] {
+    let gradient = &response.gradient;
+    [Vector2::new(gradient[0], gradient[1]), Vector2::new(gradient[3], gradient[4])]
+}
+
 /// Transforms energy derivatives from the ends of the elastic part to the nodes, by the chain rule through rigid arms. `rotations` are the rotations
 /// of the ends, rad.
 ///
-/// The end of an arm v moves on a circle. The second derivative with respect to the arm's rotation therefore gains the term -f . v. Here f is the
-/// gradient with respect to the displacement of the arm's end.
+/// The end of an arm v moves on a circle. The second derivative with respect to the arm's rotation therefore gains the term -f . v. Here f is one of
+/// the `turning_forces`: the gradient with respect to the displacement of the arm's end, or its extrapolation.
 #[inline(always)]
 pub(crate) fn carry_over_arms<R: Number>(
     ends: &[BeamEnd<R>; 2],
     rotations: [R; 2],
     response: &mut Response<R>,
+    turning_forces: [Vector2<R>; 2],
     linear: bool,
 ) {
     for (i, end) in ends.iter().enumerate() {
@@ -209,7 +228,7 @@ pub(crate) fn carry_over_arms<R: Number>(
             tangent[(k, theta)] += turning;
         }
         if !linear {
-            tangent[(theta, theta)] -= force_x * arm.x + force_y * arm.y;
+            tangent[(theta, theta)] -= turning_forces[i].x * arm.x + turning_forces[i].y * arm.y;
         }
     }
 }

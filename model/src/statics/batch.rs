@@ -178,6 +178,10 @@ impl<'a, R: Number> Batch<'a, R> {
                 self.of_lane.clone_from(&self.at_rest);
             }
             self.motion.set_lane(lane, &self.of_lane);
+            // The last linearisation was at rest.
+            for (previous, one) in self.balance.previous.iter_mut().zip(waiting.single.equations().previous()) {
+                previous.set_lane(lane, one);
+            }
             for (predicted, rotation) in self.predicted.iter_mut().zip(&self.of_lane.rotations) {
                 predicted.set_lane(lane, *rotation);
             }
@@ -188,6 +192,7 @@ impl<'a, R: Number> Batch<'a, R> {
     #[inline(always)]
     fn iterate(&mut self) {
         self.apply_loads();
+        self.balance.extrapolates = true;
         self.balance.factorise(&mut self.stiffness, &self.motion);
         self.balance.eliminate_gradient(&self.stiffness);
         self.scale = self.balance.energy * 2.0;

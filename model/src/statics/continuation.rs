@@ -6,7 +6,7 @@
 use super::limit::Approach;
 use super::load_path::{LoadPath, LoadTransition, ProportionalLoading, TrialTransition};
 use super::load_step::Rejected;
-use super::newton::{Equilibrium, Statics};
+use super::newton::{Equilibrium, Newton, Statics};
 use super::{EquilibriumEquations, StaticsError};
 use crate::Kinematics;
 use crate::frame::{FrameLoad, FrameMotion};
@@ -154,7 +154,9 @@ impl<E: EquilibriumEquations> Statics<E> {
             let taken = target - done;
             let tolerance = path.tolerance(target);
             let (loads, multiple) = path.at(target);
-            match self.load_step(&mut motion, loads, multiple, tolerance) {
+            // Near the end of the branch, only the exact tangent shows whether an equilibrium is stable.
+            let newton = if approach.is_none() { Newton::Mixed } else { Newton::Exact };
+            match self.load_step(&mut motion, loads, multiple, tolerance, newton) {
                 Ok(found) => {
                     done = target;
                     if done < 1.0 {

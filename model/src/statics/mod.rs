@@ -72,6 +72,12 @@ pub trait EquilibriumEquations {
     /// definite.
     fn linearise(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> bool;
 
+    /// Same as [`linearise`](EquilibriumEquations::linearise) at the motion that [`correct`](EquilibriumEquations::correct) returned last. The tangent
+    /// may differ from the tangent stiffness in terms that vanish with the correction.
+    fn relinearise(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> bool {
+        self.linearise(motion, loads, factor)
+    }
+
     /// Whether every pivot of the last factorisation lost at most three digits to cancellation. If the pivots keep their digits, another correction
     /// by the residual has no significant effect. `false` if the loss is unknown.
     fn keeps_digits(&self) -> bool {

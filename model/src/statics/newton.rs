@@ -20,6 +20,15 @@ pub struct Equilibrium {
     pub load_steps: usize,
 }
 
+/// Tangent of Newton's method in a load step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Newton {
+    /// The tangent stiffness at each motion.
+    Exact,
+    /// The tangent of [`relinearise`](EquilibriumEquations::relinearise), from the second iteration on.
+    Mixed,
+}
+
 /// Solver for one structure with one kind of kinematics. The solver stores all data that do not depend on the loads.
 #[derive(Debug, Clone)]
 pub struct Statics<E> {
@@ -100,12 +109,17 @@ impl<E: EquilibriumEquations> Statics<E> {
         loads: &[FrameLoad],
         multiple: f64,
         tolerance: f64,
+        newton: Newton,
     ) -> Result<Taken, Rejected> {
         let linear = self.equations.kinematics() == Kinematics::Linear;
         self.last_correction = f64::INFINITY;
         let mut step = LoadStep::new(linear, tolerance);
         loop {
-            if !self.equations.linearise(motion, loads, multiple) {
+            let positive = match newton {
+                Newton::Mixed if !step.is_first() => self.equations.relinearise(motion, loads, multiple),
+                _ => self.equations.linearise(motion, loads, multiple),
+            };
+            if !positive {
                 return Err(Rejected::NotPositiveDefinite);
             }
             let scale = 2.0 * self.equations.elastic_energy();

@@ -51,11 +51,6 @@ proptest! {
             for (a, b) in ladder.motion.rotations.iter().zip(&sparse.motion.rotations) {
                 prop_assert!((a - b).abs() <= AGREEMENT * largest.max(1.0));
             }
-            // The ladder solver corrects a linear solution by its residual only if digits were lost. With inner nodes, the ladder solver applies a
-            // retraction to Newton's corrections, and may need fewer iterations.
-            if elements == 1 && kinematics != Kinematics::Linear {
-                prop_assert_eq!(ladder.iterations, sparse.iterations, "the same Newton steps");
-            }
         }
     }
 }
@@ -118,6 +113,7 @@ fn agrees_on_the_papers_meshes() {
     let finger = paper();
     for nodes in [25, 684] {
         let mesh = Mesh::with_nodes(&finger, nodes).expect("the paper's meshes");
+        let mut iterations = [0, 0];
         for node in finger.contact_nodes() {
             let load = mesh.frame_load(&Load::at_node(node, finger.direction(-20.0) * 2.0)).expect("a contact node");
             for kinematics in KINEMATICS {
@@ -125,7 +121,13 @@ fn agrees_on_the_papers_meshes() {
                 let sparse = Statics::sparse(mesh.frame(), kinematics).equilibrium(&[load]).expect("2 N are carried");
                 let apart = motions_apart(&ladder.motion, &sparse.motion);
                 assert!(apart <= AGREEMENT, "{nodes} nodes, load at {node}, {kinematics:?}: {apart}");
+                if kinematics != Kinematics::Linear {
+                    iterations[0] += ladder.iterations;
+                    iterations[1] += sparse.iterations;
+                }
             }
         }
+        // The ladder solver's tangent contains extrapolated forces, which save iterations; the sparse solver's is exact.
+        assert!(10 * iterations[0] <= 9 * iterations[1], "{nodes} nodes: {iterations:?}");
     }
 }

@@ -8,6 +8,7 @@ use super::loads::Applied;
 use super::retraction::Retraction;
 use super::rung::RigidRib;
 use crate::Kinematics;
+use crate::element::Previous;
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::mesh::Mesh;
 use crate::number::Number;
@@ -23,6 +24,10 @@ pub(in crate::statics) struct Balance<'m, R: Number = f64> {
     pub(super) forces: Vec<ChainForces<R>>,
     /// Forward substitution y = L^-1 g of each joint (elimination of one element of a chain).
     pub(super) ys: Vec<[R; 3]>,
+    /// Shape of each member at the last linearised motion.
+    pub(in crate::statics) previous: Vec<Previous<R>>,
+    /// Whether the next tangent is computed with forces that are extrapolated from the previous shapes.
+    pub(in crate::statics) extrapolates: bool,
     /// Forward substitution y = L^-1 g of each rung (pair of key nodes joined by a rib).
     pub(super) rung_ys: Vec<Ends<R>>,
     /// Forward substitution y = L^-1 g of the tip.
@@ -50,6 +55,8 @@ impl<'m, R: Number> Balance<'m, R> {
             applied: Applied::none(rungs, like),
             forces: vec![ChainForces::none(like); mesh.lines().len()],
             ys: vec![[zero; 3]; frame.members().len()],
+            previous: frame.members().iter().map(|member| Previous::at_rest(&member.beam.in_numbers(like))).collect(),
+            extrapolates: false,
             rung_ys: vec![[zero; 6]; rungs],
             tip_y: [zero; 3],
             energy: zero,

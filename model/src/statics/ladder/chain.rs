@@ -8,7 +8,7 @@ use super::block::Block;
 use super::brackets::Brackets;
 use super::cantilever::{Cantilever, Deflection, Forces, Joint};
 use super::ends::{Ends, EndsMatrix, numbers};
-use crate::element::{Response, quarter_turn};
+use crate::element::{Elastic, Response, quarter_turn};
 use crate::frame::{FrameMotion, PlaneFrame};
 use crate::mesh::Line;
 use crate::number::Number;
@@ -19,7 +19,7 @@ use std::ops::Range;
 /// An element of a chain with its loads.
 pub(super) struct Element<'a, R: Number> {
     /// Elastic energy, with its derivatives with respect to the motions of the two nodes.
-    pub elastic: Response<R>,
+    pub elastic: Elastic<R>,
     /// Potential of the loads on the element.
     pub load: Option<&'a Response<R>>,
     /// Vector from the element's first to its second node, mm.
@@ -295,8 +295,9 @@ impl<R: Number> Element<'_, R> {
     /// The element as a cantilever: its stiffness, its forces, and the gradient with respect to the motions of its two nodes.
     #[inline(always)]
     fn cantilever(&self) -> (Cantilever<R>, Forces<R>, Ends<R>) {
-        let mut gradient = numbers(&self.elastic.gradient);
-        let mut cantilever = Cantilever::of_element(&self.elastic, Vector2::new(gradient[3], gradient[4]), self.lever);
+        let Elastic { response, turning_force, .. } = &self.elastic;
+        let mut gradient = numbers(&response.gradient);
+        let mut cantilever = Cantilever::of_element(response, *turning_force, self.lever);
         if let Some(load) = self.load {
             cantilever.add_load(load);
             for i in 0..6 {

@@ -8,7 +8,7 @@ use super::elements::{Elements, OneLine};
 use super::ends::numbers;
 use super::factor::Factor;
 use crate::Kinematics;
-use crate::element::Response;
+use crate::element::{Previous, Response};
 use crate::frame::FrameMotion;
 use crate::number::Number;
 
@@ -19,6 +19,8 @@ pub(super) struct Condensed<'a, R: Number> {
     pub forces: &'a mut ChainForces<R>,
     /// Forward substitutions y = L^-1 g, one per joint.
     pub ys: &'a mut [[R; 3]],
+    /// Shapes at the last linearised motion, one per element.
+    pub previous: &'a mut [Previous<R>],
 }
 
 impl<R: Number> Condensed<'_, R> {
@@ -28,31 +30,32 @@ impl<R: Number> Condensed<'_, R> {
         self,
         elements: impl Elements<R>,
         motion: &FrameMotion<R>,
-        kinematics: Kinematics,
+        (kinematics, extrapolates): (Kinematics, bool),
         load_on: impl Fn(usize) -> Option<&'l Response<R>>,
         brackets: Option<Brackets<R>>,
     ) where
         R: 'l,
     {
-        let Condensed { chain, joints, forces, ys } = self;
+        let Condensed { chain, joints, forces, ys, previous } = self;
         let linear = kinematics == Kinematics::Linear;
         let first = elements.member(0);
-        let mut elastic = first.response(motion, kinematics);
-        forces.energy = elastic.energy;
+        let straight = joints.is_empty();
+        let mut elastic = first.elastic(motion, kinematics, &mut previous[0], (extrapolates, straight));
+        forces.energy = elastic.response.energy;
         let load = load_on(0);
         if joints.is_empty() {
             if let Some(load) = load {
-                elastic.gradient += load.gradient;
-                elastic.tangent += load.tangent;
+                elastic.response.gradient += load.gradient;
+                elastic.response.tangent += load.tangent;
             }
-            chain.take(forces, &elastic);
+            chain.take(forces, &elastic.response);
         } else {
             let element = Element { elastic, load, lever: first.lever(motion, linear) };
             let mut partial = chain.begin(forces, &element);
             for (i, joint) in joints.iter_mut().enumerate() {
                 let member = elements.member(i + 1);
-                let elastic = member.response(motion, kinematics);
-                forces.energy += elastic.energy;
+                let elastic = member.elastic(motion, kinematics, &mut previous[i + 1], (extrapolates, straight));
+                forces.energy += elastic.response.energy;
                 let element = Element { elastic, load: load_on(i + 1), lever: member.lever(motion, linear) };
                 chain.extend(&mut partial, (joint, &mut ys[i]), forces, &element);
             }
@@ -85,11 +88,12 @@ impl<R: Number> Balance<'_, R> {
             joints: &mut stiffness.joints[joints.clone()],
             forces: &mut self.forces[index],
             ys: &mut self.ys[joints],
+            previous: &mut self.previous[line.members.clone()],
         };
         let elements = OneLine { frame, line, like: self.energy };
         let load_on = |element: usize| applied.on_member(line.members.start + element);
         let brackets = Brackets::of(frame, line, motion, linear);
-        made.condense(elements, motion, self.kinematics, load_on, brackets);
+        made.condense(elements, motion, (self.kinematics, self.extrapolates), load_on, brackets);
     }
 
     /// Sums the elastic energy in the order of the lines, so that the result is bitwise reproducible.
@@ -107,6 +111,11 @@ impl Balance<'_> {
     pub(super) fn load_lines(&mut self, stiffness: &Factor, motion: &FrameMotion, unmoved: bool) {
         let (frame, applied) = (self.mesh.frame(), &self.applied);
         self.energy = 0.0;
+        if unmoved {
+            for (previous, member) in self.previous.iter_mut().zip(frame.members()) {
+                *previous = Previous::at_rest(&member.beam);
+            }
+        }
         for (index, (chain, line)) in stiffness.chains.iter().zip(self.mesh.lines()).enumerate() {
             let inner = joints_of(line);
             let (forces, ys) = (&mut self.forces[index], &mut self.ys[inner.clone()]);

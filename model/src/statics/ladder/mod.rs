@@ -29,6 +29,7 @@ mod side_by_side;
 
 use super::EquilibriumEquations;
 use crate::Kinematics;
+use crate::element::Previous;
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::mesh::Mesh;
 pub(super) use balance::Balance;
@@ -83,6 +84,11 @@ impl<'m> Ladder<'m> {
         }
     }
 
+    /// Shape of each member at the last linearised motion.
+    pub(super) fn previous(&self) -> &[Previous] {
+        &self.balance.previous
+    }
+
     fn linear(&self) -> bool {
         self.kinematics == Kinematics::Linear
     }
@@ -116,6 +122,13 @@ impl EquilibriumEquations for Ladder<'_> {
 
     fn kinematics(&self) -> Kinematics {
         self.kinematics
+    }
+
+    fn relinearise(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> bool {
+        self.balance.extrapolates = !self.linear();
+        let positive = self.linearise(motion, loads, factor);
+        self.balance.extrapolates = false;
+        positive
     }
 
     fn linearise(&mut self, motion: &FrameMotion, loads: &[FrameLoad], factor: f64) -> bool {

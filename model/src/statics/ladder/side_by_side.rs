@@ -8,7 +8,7 @@ use super::elements::{OneLine, ParallelLines};
 use super::factor::Factor;
 use super::lines::Condensed;
 use super::retraction::Retraction;
-use crate::element::Response;
+use crate::element::{Previous, Response};
 use crate::frame::FrameMotion;
 use crate::number::Number;
 use finray_numerics::linear::copy_lane;
@@ -25,13 +25,20 @@ struct Room<L: Number> {
     chain: Option<Chain<L>>,
     joints: Vec<Joint<L>>,
     ys: Vec<[L; 3]>,
+    previous: Vec<Previous<L>>,
 }
 
 impl Balance<'_> {
     /// Same as [`condense_lines`](Balance::condense_lines), but for several lines at once in the number type of `like`.
     #[inline(always)]
     pub(super) fn condense_abreast<L: Number>(&mut self, stiffness: &mut Factor, motion: &FrameMotion, like: L) {
-        let mut room = Room { motion: FrameMotion::empty(), chain: None, joints: Vec::new(), ys: Vec::new() };
+        let mut room = Room {
+            motion: FrameMotion::empty(),
+            chain: None,
+            joints: Vec::new(),
+            ys: Vec::new(),
+            previous: Vec::new(),
+        };
         for alike in self.mesh.alike_lines() {
             room.chain = None;
             for lines in alike.chunks(L::LANES) {
@@ -62,6 +69,14 @@ impl Balance<'_> {
         let joints = lines[indices[0]].members.len() - 1;
         room.joints.resize(joints, Joint::empty(like));
         room.ys.resize(joints, [like; 3]);
+        room.previous.resize(joints + 1, Previous::none(like));
+        if self.extrapolates {
+            for (lane, &line) in indices.iter().enumerate() {
+                for (lanes, one) in room.previous.iter_mut().zip(&self.previous[lines[line].members.clone()]) {
+                    lanes.set_lane(lane, one);
+                }
+            }
+        }
         let mut loads: Vec<(usize, Response<L>)> = Vec::new();
         if indices.iter().any(|&line| self.applied.on_any_member(&lines[line].members)) {
             let is_loaded = |element: &usize| {
@@ -74,9 +89,10 @@ impl Balance<'_> {
         let brackets = (!brackets.is_empty()).then(|| Brackets::of_lanes(&brackets, like));
         let chain = room.chain.get_or_insert_with(|| Chain::new(frame, &lines[indices[0]], like));
         let mut forces = ChainForces::none(like);
-        let made = Condensed { chain, joints: &mut room.joints, forces: &mut forces, ys: &mut room.ys };
+        let Room { joints, ys, previous, .. } = room;
+        let made = Condensed { chain, joints, forces: &mut forces, ys, previous };
         let load_on = |element: usize| loads.iter().find(|(loaded, _)| *loaded == element).map(|(_, load)| load);
-        made.condense(elements, &room.motion, self.kinematics, load_on, brackets);
+        made.condense(elements, &room.motion, (self.kinematics, self.extrapolates), load_on, brackets);
         for (lane, &line) in indices.iter().enumerate() {
             chain.copy_lane(lane, &mut stiffness.chains[line]);
             forces.copy_lane(lane, &mut self.forces[line]);
@@ -86,6 +102,9 @@ impl Balance<'_> {
             }
             for (one, y) in self.ys[inner].iter_mut().zip(&room.ys) {
                 copy_lane(y, lane, one);
+            }
+            for (one, lanes) in self.previous[lines[line].members.clone()].iter_mut().zip(&room.previous) {
+                lanes.copy_lane(lane, one);
             }
         }
     }
