@@ -192,7 +192,8 @@ fn errors_of_a_network_and_of_its_model_are_separate() {
     };
     // The model itself takes the place of the network, so no part of the error is due to the network's fit.
     for (share, _) in fit(1.0) {
-        assert!(share.abs() < 1e-6, "{share}");
+        // Two searches end within 1e-7 of the force, and the errors of wrong contacts are at least some thousandths of the force.
+        assert!(share.abs() < 1e-4, "{share}");
     }
     // Half the modulus halves every force; wrong positions and directions cause the rest of the error.
     for (share, rms) in fit(0.5) {

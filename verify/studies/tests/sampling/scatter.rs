@@ -104,7 +104,7 @@ fn the_sigma_of_a_sum_knows_of_the_correlation() {
 fn samples_are_those_of_the_forces() {
     let nonlinear = SensorOptions { mesh_nodes: Some(25), ..SensorOptions::of(Nonlinear) };
     for nodes in [&[24][..], &[19, 20], &[14, 23]] {
-        let row = &rows_of(&[nonlinear.clone()], Kinematics::Corotational, &[0.0], nodes, TWO_FORCES_N)[0];
+        let row = &rows_of(std::slice::from_ref(&nonlinear), Kinematics::Corotational, &[0.0], nodes, TWO_FORCES_N)[0];
         assert_eq!((row.cases, row.refused), (CASES, 0));
         assert!(row.mean_error().expect("sensed") < SAME_FINGER, "{row:?}");
     }
