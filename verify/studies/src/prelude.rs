@@ -4,7 +4,7 @@ pub(crate) use crate::check::{Check, Comparison, Kind, worst};
 pub(crate) use crate::settings::{
     CAMERA_NOISE_MM, Effort, LEAST_STATED_MM, Progress, ReportForces, TWO_SIDED_95, is_papers_finger,
 };
-pub(crate) use crate::statistics::{Span, mean, rms};
+pub(crate) use crate::statistics::{mean, rms};
 pub(crate) use finray_lattice::{Lattice, LatticeError};
 pub(crate) use finray_model::camera::Camera;
 pub(crate) use finray_model::estimators::network::Networks;
@@ -19,7 +19,7 @@ pub(crate) use finray_model::mesh::{FingerShape, LoadError, MeshSizeError};
 pub(crate) use finray_model::observation::Observation;
 pub(crate) use finray_model::scene::{Markers, ObjectDescription, SceneError};
 pub(crate) use finray_model::sensing::{
-    Contact, ContactForce, ContactPosition, ContactQuestion, Direction, LinearEstimator, NonlinearEstimator, Prior,
+    Contact, ContactForce, ContactPosition, ContactQuestion, Direction, LinearEstimator, NonlinearEstimator,
     RespondingFinger, SensingError,
 };
 pub(crate) use finray_model::sensor::{PreparedScene, Refusal, SensedForces, Sensor, SensorContacts, SensorOptions};

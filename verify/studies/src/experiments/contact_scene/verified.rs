@@ -2,7 +2,7 @@
 //! contacts and forces on its own.
 
 use super::engine_shape;
-use crate::lattice::accuracy::difference;
+use crate::check::difference;
 use crate::prelude::*;
 use finray_contact::path::HandStep;
 use finray_contact::press::{ContactScene, SceneStep};
