@@ -1,5 +1,5 @@
-//! Times to estimate forces from shapes. Least squares is timed with preparation for each estimate, and with preparation only once. Gauss-Newton on
-//! the co-rotational finger has a cold or a warm start. Batches have thousands of samples.
+//! Times to estimate forces from shapes. Least squares is timed with preparation for each estimate, and with preparation only once.
+//! Batches have thousands of samples.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use finray_bench::{paper, push};
@@ -8,9 +8,6 @@ use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, ContactPosition, LinearEstimator, NonlinearEstimator, Prior};
 use finray_model::statics::{Statics, equilibria};
 use finray_model::{Kinematics, Mesh, NodeId, statics};
-use finray_studies::experiments::speed_error::sensing::{FRAMES_A_PERIOD, Stream};
-use finray_studies::settings::{CAMERA_NOISE_MM, TWO_FORCES_N};
-use finray_studies::truths::fine_mesh;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -40,30 +37,15 @@ fn sensing(criterion: &mut Criterion) {
     }
 }
 
-/// Senses a varying force at one contact with noise; times the preparation, estimates with a cold start, and estimates with a warm start. The true
-/// finger's mesh has 684 nodes. The estimator's mesh has one or four elements per member.
+/// Preparation of the nonlinear estimator for a contact. The bench `speed_error` times its answers.
 fn nonlinear(criterion: &mut Criterion) {
     let finger = paper();
-    let truth = fine_mesh(&finger).expect("a mesh of many nodes");
-    let stream = Stream::take(&truth, &[NodeId(19)], CAMERA_NOISE_MM, TWO_FORCES_N, 2 * FRAMES_A_PERIOD, 0);
     for elements in [1, 4] {
         let mesh = Mesh::with_elements_per_member(&finger, elements);
-        let nodes = mesh.node_count();
-        let contacts: Vec<_> = stream.contacts.iter().map(|&contact| contact.into()).collect();
-        let prepare = || NonlinearEstimator::new(&mesh, black_box(&contacts)).expect("node 19 is a contact node");
-        criterion.bench_function(&format!("nonlinear/prepare/{nodes}"), |bencher| bencher.iter(prepare));
-        let mut estimator = prepare();
-        for (start, cold) in [("cold", true), ("warm", false)] {
-            let mut turn = stream.frames.iter().cycle();
-            criterion.bench_function(&format!("nonlinear/{start}/{nodes}"), |bencher| {
-                bencher.iter(|| {
-                    if cold {
-                        estimator.reset();
-                    }
-                    estimator.estimate(black_box(&turn.next().expect("a frame").seen), Some(CAMERA_NOISE_MM))
-                });
-            });
-        }
+        let contacts = [Contact::at_node(NodeId(19)).into()];
+        criterion.bench_function(&format!("nonlinear/prepare/{}", mesh.node_count()), |bencher| {
+            bencher.iter(|| NonlinearEstimator::new(&mesh, black_box(&contacts)).expect("a contact node"));
+        });
     }
 }
 

@@ -1,8 +1,9 @@
 """Times other programs on the tasks of finray's chart of time against error, in one run on one machine.
 
-    python peers.py --finray ../../target/release/finray --out peers.csv
+    python peers.py --finray ../../target/release/finray
 
-Each program is optional: what is not installed is left out with a note. See README.md.
+The rows of other programs in fixtures/results/speed_error.csv are replaced; the bench speed_error writes finray's rows. Each program is optional: what
+is not installed is left out with a note. See README.md.
 """
 import argparse
 import contextlib
@@ -25,14 +26,12 @@ import numpy as np
 
 FIXTURES = Path(__file__).resolve().parents[2] / "fixtures"
 SCENE = FIXTURES / "scenes" / "paper.toml"
-COLUMNS = ["task", "model", "setting", "seconds", "error", "program", "version", "nodes", "forces_n", "machine"]
+RESULTS = FIXTURES / "results" / "speed_error.csv"
 REFERENCE_NODES, TRUTH_NODES = 4000, 684  # mesh nodes of the converged shapes, and of the frames' true shapes (the paper's fine mesh)
-# Nodes, directions and forces are the same as in finray's own timings (verify/studies/src/experiments/speed_error):
+# Nodes, directions and forces are the same as in finray's own timings (bench/benches/speed_error.rs):
 NODES, ANGLES_DEG, FORCE_N = range(14, 25), (-40.0, 0.0, 40.0), 3.0  # loads for which shapes are solved, N
 SENSED_N, FRAMES_A_PERIOD, PERIODS = (0.3, 3.0), 25, 2               # range of an oscillating force, N; frames per period; periods
 NOISE_MM, SEED = 0.067, 11
-# Text by which finray identifies these nodes and forces; finray ignores rows with other text.
-ASKED = {"solve": ("14-24", "3"), "sense-one": ("14-24", "0.3-3")}
 REPEATS = 5              # repetitions of every timed answer; the median is reported
 SHORT_S = 1e-4           # answers shorter than this, s, are timed in batches of 1000
 LONG_S = 0.05            # answers longer than this, s, are timed once; the median over all loads suffices
@@ -259,20 +258,28 @@ def cpu_lines():
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--finray", required=True, help="the finray binary, whose fine meshes are the reference")
-    parser.add_argument("--out", default="peers.csv")
+    parser.add_argument("--out", default=RESULTS, help="table of times and errors, whose rows of other programs are replaced")
     arguments = parser.parse_args()
     cases, rows, note = Cases(arguments.finray), [], machine()
     for program, package, run in PEERS:
         try:
             for row in run(cases):
-                rows.append([*row, program, metadata.version(package), *ASKED[row[0]], note])
+                task, model, setting, seconds, error = row
+                by = f"{program} {metadata.version(package)}"
+                rows.append({"task": task, "model": model, "setting": setting, "start": "none", "seconds": seconds, "error": error, "failed": 0,
+                             "asked": 0, "timed_by": by, "machine": note})
                 print(f"{program}: {row[1]}, {row[2]}: {row[3]:.3g} s, error {row[4] if row[4] == '' else format(row[4], '.3g')}", flush=True)
         except ImportError as error:
             print(f"left out: {program} ({error}; pip install -r requirements.txt)", file=sys.stderr)
         except Exception as error:  # a failing program does not lose the rows of the others
             print(f"left out: {program} ({type(error).__name__}: {error})", file=sys.stderr)
+    with open(arguments.out, newline="") as file:
+        table = csv.DictReader(file)
+        columns, ours = table.fieldnames, [row for row in table if row["timed_by"] == "criterion"]
     with open(arguments.out, "w", newline="") as file:
-        csv.writer(file, lineterminator="\n").writerows([COLUMNS, *rows])
+        table = csv.DictWriter(file, columns, lineterminator="\n")
+        table.writeheader()
+        table.writerows([*ours, *rows])
 
 
 if __name__ == "__main__":

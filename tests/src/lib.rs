@@ -22,6 +22,6 @@ pub use figures::{Figure, record_figures, recorded_figures, state_of_code, today
 pub use fingers::{ELEMENTS, finger_of, mirrored, paper, paper_scene_with};
 pub use loads::{at_node, at_nodes, at_position, contact_node, force_for_deflection, under_pad};
 pub use measurements::{noisy, seen};
-pub use results::{assert_recorded, results_file};
+pub use results::{assert_recorded, assert_said, recorded, results_file};
 pub use strategies::{built_finger, built_finger_with_zones, finger, finger_with_zones};
 pub use study::{assert_standardised, record_row};

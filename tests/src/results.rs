@@ -1,8 +1,8 @@
 //! Results files that the report shows. A full study writes them; every other run checks that they are up to date.
 
 use crate::chance::is_full_study;
-use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 use std::fmt::Debug;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
@@ -13,6 +13,15 @@ static FILES: Mutex<()> = Mutex::new(());
 /// Path of a file in `fixtures/results`.
 pub fn results_file(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../fixtures/results").join(name)
+}
+
+/// Rows of a table in `fixtures/results` (CSV); none if there is no such table.
+///
+/// # Panics
+/// If the table cannot be read.
+pub fn recorded<R: DeserializeOwned>(table: &str) -> Vec<R> {
+    let read = |mut table: csv::Reader<_>| table.deserialize().collect::<Result<_, _>>().expect("rows of results");
+    csv::Reader::from_path(results_file(table)).map(read).unwrap_or_default()
 }
 
 /// Compares `rows` with the rows of the same group in a table in `fixtures/results` (CSV). `same` states whether a computed and a recorded row agree.
@@ -27,8 +36,7 @@ where
 {
     let _one = FILES.lock().unwrap_or_else(PoisonError::into_inner);
     let file = results_file(table);
-    let read = |mut table: csv::Reader<_>| table.deserialize().collect::<Result<Vec<R>, _>>().expect("rows of results");
-    let recorded = csv::Reader::from_path(&file).map(read).unwrap_or_default();
+    let recorded: Vec<R> = recorded(table);
     if !is_full_study() {
         let recorded: Vec<&R> = recorded.iter().filter(|row| in_group(row)).collect();
         let agree =
@@ -45,4 +53,23 @@ where
     let mut table = csv::Writer::from_path(&file).expect("the folder of results");
     all.iter().for_each(|row| table.serialize(row).expect("a row"));
     table.flush().expect("the table of results");
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+struct Sentence {
+    section: String,
+    shown: String,
+    sentence: String,
+}
+
+/// Checks or records a sentence of a section of the report, which begins like this one. `shown` is `says` for a conclusion, `text` for a paragraph.
+///
+/// # Panics
+/// As [`assert_recorded`].
+#[track_caller]
+pub fn assert_said(section: &str, shown: &str, sentence: String) {
+    let begins: String = sentence.chars().take(30).collect();
+    let row = Sentence { section: section.to_owned(), shown: shown.to_owned(), sentence };
+    let group = |row: &Sentence| row.section == section && row.sentence.starts_with(&begins);
+    assert_recorded("sentences.csv", group, vec![row], |a, b| a.sentence == b.sentence && a.shown == b.shown);
 }

@@ -10,7 +10,6 @@ use super::{checks, measured};
 use crate::prelude::*;
 use finray_model::finger::FingerDescription;
 use finray_studies::check::Against;
-use finray_studies::experiments::causes::ContactKnowledge;
 use finray_studies::experiments::coverage::CoverageRow;
 use finray_studies::experiments::direction::DirectionStudy;
 
@@ -57,7 +56,7 @@ fn reasons(study: &Study, situations: &[Situation]) -> Option<String> {
         _ if by_noise >= by_model => "Contact known: camera noise.",
         _ => "Contact known: error of the model.",
     };
-    let assumed = situations.iter().find(|of| of.contact == ContactKnowledge::Assumed);
+    let assumed = situations.iter().find(|of| of.is_assumed);
     let assumed = assumed.and_then(|of| of.failed_by_direction(study));
     let assumed = assumed.map(|share| {
         format!(

@@ -2,9 +2,9 @@
 
 use super::format::{percent, time};
 use super::maps::small;
+use super::recorded;
 use crate::prelude::*;
 use finray_studies::experiments::coverage::CoverageRow;
-use finray_studies::experiments::speed_error::recommendation::{recommended, ways};
 use finray_studies::settings::CAMERA_FRAME_S;
 
 const CSV: &str = "coverage.csv";
@@ -21,16 +21,11 @@ struct Row<'s> {
     /// Counts of trusted cells in the estimator's map with known contact.
     cells: Option<TrustCounts>,
     coverage: Option<&'s CoverageRow>,
-    /// Time to compute one force from the displacements in an image, s.
+    /// Recorded time to compute one force from the displacements in an image, s; only for the paper's finger.
     seconds: Option<f64>,
 }
 
 fn rows(study: &Study) -> impl Iterator<Item = Row<'_>> {
-    let fastest = |estimator: EstimatorId| {
-        let of = ways(&study.speed_error).into_iter().filter(|way| way.one.estimator == Some(estimator));
-        let best = recommended(&study.speed_error).filter(|way| way.one.estimator == Some(estimator));
-        best.or_else(|| of.min_by(|a, b| a.one.seconds.total_cmp(&b.one.seconds))).map(|way| way.one.seconds)
-    };
     EstimatorId::ALL.iter().map(move |&estimator| {
         // The overview of maps has the same coarse grid of cells, so overview and table state the same shares.
         let map = small(study, TruthId::Corotational, estimator, study.noise_mm > 0.0);
@@ -39,7 +34,7 @@ fn rows(study: &Study) -> impl Iterator<Item = Row<'_>> {
             estimator,
             cells: map.map(|map| TrustCounts::of(&map.worst())),
             coverage: study.coverage.iter().find(of),
-            seconds: fastest(estimator),
+            seconds: recorded::seconds(estimator).filter(|_| study.is_paper),
         }
     })
 }
@@ -91,11 +86,9 @@ fn says(study: &Study) -> Option<String> {
     let (fastest, slowest) = (fastest?, slowest?);
     let share = slowest / CAMERA_FRAME_S;
     let (fastest, slowest, frame_ms) = (time(fastest), time(slowest), 1e3 * CAMERA_FRAME_S);
-    let best = recommended(&study.speed_error).and_then(|way| way.one.estimator);
-    let best = best.map(|best| format!("Recommended for any contact: {}. ", best.label())).unwrap_or_default();
     (share < 0.1).then(|| {
         format!(
-            "{best}Choose by error and interval, not by time: sensing a force takes {fastest} to {slowest} \
+            "Choose by error and interval, not by time: sensing a force takes {fastest} to {slowest} \
                 (medians), at most {} of the {frame_ms:.0} ms between two frames at 25 Hz. Finding the nodes in an \
                 image takes longer.",
             percent(share)

@@ -4,8 +4,9 @@ use super::maps::small;
 use crate::prelude::*;
 use finray_contact::press::{SensedContact, contacts_sensed};
 use finray_model::finger::FingerPoint;
-use finray_studies::experiments::causes::{CauseMap, ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM};
 use finray_studies::experiments::contact_scene::study::{SceneStudy, StudiedStep};
+use finray_studies::experiments::explain::{CAUSES, Explanation, ExplanationMap};
+use finray_studies::settings::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
 use serde_json::{Value, json};
 
 /// The data as JSON without `<`, so that it can be embedded in the page.
@@ -30,7 +31,7 @@ pub(super) fn data(Results { study, .. }: Results) -> String {
         "finger": of_finger(finger, study.noise_mm),
         "about": super::page::about(),
         "maps": known.into_iter().chain(assumed).collect::<Vec<Value>>(),
-        "causes": study.causes.iter().map(|map| of_causes(map, study.forces.drawn_n(), &off)).collect::<Vec<Value>>(),
+        "causes": [of_causes(&study.explanations, &off)],
         "shapes": study.touched.iter().map(shape).collect::<Vec<Value>>(),
         "pairs": pairs.collect::<Vec<Value>>(),
         "scenes": study.contact_scenes.iter().map(|scene| of_scene(finger, scene)).collect::<Vec<Value>>(),
@@ -85,15 +86,17 @@ fn of_map(map: &AccuracyMap, contact: &str, csv: &str) -> Value {
     })
 }
 
-fn of_causes(map: &CauseMap, force_n: f64, off: &str) -> Value {
-    let cells = || map.cells.iter().filter(|cell| cell.force_n == force_n).map(|cell| cell.largest());
-    let cause = |(nth, _): (usize, f64)| map.causes[nth].name();
+/// The largest cause of error of an assumed contact in each cell, to first order, and its share of the mean square.
+fn of_causes(map: &ExplanationMap, off: &str) -> Value {
+    let errors = || map.cells.iter().map(Explanation::errors);
+    let share = |errors: [f64; 3]| {
+        number(errors[super::causes::largest(errors)].powi(2) / errors.iter().map(|error| error * error).sum::<f64>())
+    };
     json!({
-        "truth": map.truth.label(), "estimator": map.practice.estimator().label(),
-        "practice": super::causes::estimator_in_words(map), "contact": if map.contact == ContactKnowledge::Known { "known" } else { off },
-        "s_mm": map.request.positions_mm, "angle_deg": map.request.angles_deg, "force_n": force_n,
-        "cause": cells().map(|largest| largest.map(cause)).collect::<Vec<_>>(),
-        "share": cells().map(|largest| largest.map(|(_, share)| number(share))).collect::<Vec<_>>(),
+        "truth": TruthId::Corotational.label(), "estimator": EstimatorId::Nonlinear.label(), "practice": "to first order", "contact": off,
+        "s_mm": map.positions_mm, "angle_deg": map.angles_deg, "force_n": map.force_n,
+        "cause": errors().map(|errors| errors.map(|errors| CAUSES[super::causes::largest(errors)])).collect::<Vec<_>>(),
+        "share": errors().map(|errors| errors.map(share)).collect::<Vec<_>>(),
     })
 }
 

@@ -22,7 +22,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
         .file("mean_error", |(row, sum)| sum.map_or_else(|| row.mean_error(), |sum| Some(sum.mean_error)))
         .file("mean_error_bound", |(row, sum)| sum.map_or_else(|| row.mean_error_bound(), bound))
         .file("covered_by_1_96_sigma", |(row, sum)| if sum.is_some() { None } else { coverage(row) });
-    std::iter::once(Dataset::new(CSV, &columns, rows)).chain(trainings::datasets(&study.records)).collect()
+    std::iter::once(Dataset::new(CSV, &columns, rows)).chain(trainings::datasets(study)).collect()
 }
 
 /// Errors of the sum of several forces; `None` for a single force.
@@ -46,7 +46,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
         blocks.push(text(about(networks.noise_mm)));
         blocks.push(errors(networks)?);
     }
-    blocks.extend(trainings::blocks(&study.records));
+    blocks.extend(trainings::blocks(study)?);
     let says = study.networks.as_ref().and_then(says);
     Ok((!blocks.is_empty()).then(|| Section::new("networks", "The sensing network", blocks).saying(says)))
 }

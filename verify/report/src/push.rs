@@ -3,7 +3,7 @@
 use super::page::Pushable;
 use super::trust::{Situation, situations};
 use crate::prelude::*;
-use finray_studies::experiments::causes::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
+use finray_studies::settings::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
 use flate2::{Compression, write::GzEncoder};
 use serde_json::{Value, json};
 use std::io::Write;

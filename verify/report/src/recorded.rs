@@ -1,7 +1,14 @@
-//! Recorded results of studies that concern only the paper's finger: its claims, Tables I and II, one fit of Table I, and hard cases.
+//! Recorded results of studies that concern only the paper's finger: its claims, Tables I and II, one fit of Table I, causes of errors, times, the
+//! lattice, and hard cases.
 //!
-//! The tests that compute these results write them to `fixtures/results`; this file shows them. A full run of such a test (`FINRAY_TEST_CASES=full`)
+//! The tests and benches that compute these results write them to `fixtures/results`; this file shows them. A full run (`FINRAY_TEST_CASES=full`)
 //! records its results anew; every other run compares them with the record.
+
+mod causes;
+mod speed;
+
+pub(super) use causes::causes;
+pub(super) use speed::{seconds, speed};
 
 use super::drawings::{Line, by_contact, error_bars};
 use super::format::{figure, list, percent, verdict};
@@ -94,7 +101,13 @@ fn number(row: &Row, key: &str) -> Option<f64> {
 }
 
 /// Files of all recorded results, which are also arrays of the summary.
-const FILES: [&str; 7] = [
+const FILES: [&str; 13] = [
+    CONVERGENCE_CSV,
+    speed::CSV,
+    causes::CSV,
+    LATTICE_CSV,
+    AXIAL_CSV,
+    SETTLING_CSV,
     "claims.csv",
     "table_two.csv",
     "table_one.csv",
@@ -105,8 +118,10 @@ const FILES: [&str; 7] = [
 ];
 
 pub(super) fn datasets<'s>(Results { study }: Results<'s>) -> Result<Vec<Dataset<'s>>, ReportError> {
-    let empty = |recorded: Recorded| recorded.keeping(|_| study.is_paper);
-    FILES.into_iter().map(|csv| Recorded::of(csv).map(empty).map(Recorded::dataset)).collect()
+    let of = |csv| Recorded::of(csv).map(|recorded| recorded.keeping(|_| study.is_paper).dataset());
+    let mut all = FILES.into_iter().map(of).collect::<Result<Vec<_>, _>>()?;
+    all.push(of(causes::CELLS_CSV)?.csv_alone());
+    Ok(all)
 }
 
 /// A section with its recorded sentences before its blocks; `None` unless the finger is the paper's.
@@ -256,6 +271,79 @@ pub(super) fn twin(Results { study }: Results) -> Result<Option<Section>, Report
         let first = first.table("One of the calibrations", &factors);
         let figure = drawing.map(|svg| Block::Figure(Figure::wide(svg, caption, twin.csv)));
         Ok(figure.into_iter().chain([details("The fits, and how zones are calibrated", vec![sets, first])]).collect())
+    })
+}
+
+const CONVERGENCE_CSV: &str = "convergence.csv";
+const LATTICE_CSV: &str = "lattice.csv";
+const AXIAL_CSV: &str = "lattice_axial_springs.csv";
+const SETTLING_CSV: &str = "lattice_settling.csv";
+
+/// Lines of the errors of a table by force, over a number of parts.
+fn by_force(table: &Recorded, parts: &str) -> Vec<Series> {
+    let line = |(n, force): (usize, String)| {
+        let rows = table.rows.iter().filter(|row| row["force_n"].in_words() == force);
+        let mut points: Vec<Point> =
+            rows.filter_map(|row| Some([number(row, parts)?, number(row, "error")?])).collect();
+        points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        Series::nth(n, format!("{force} N"), points)
+    };
+    table.distinct("force_n").into_iter().enumerate().map(line).collect()
+}
+
+pub(super) fn convergence(Results { study }: Results) -> Result<Option<Section>, ReportError> {
+    section(study, ["convergence", "How fine a mesh must be"], || {
+        let table = Recorded::of(CONVERGENCE_CSV)?;
+        let alt = "Worst error of the displacements by number of mesh nodes, one line per force, both axes logarithmic";
+        let frame = Frame::full("Error of the shape by mesh", alt).with_plot_height(300.0);
+        let axes = [Axis::log("nodes of the mesh"), Axis::log("error / largest displacement").within(1e-9, 0.03)];
+        let chart = Chart::new(frame, axes, by_force(&table, "mesh_nodes"));
+        let svg = chart.compared([(0.01, "1 %".to_owned()), (1e-4, "0.01 %".to_owned())]).svg()?;
+        let figure = Figure::wide(svg, "Worst error by number of mesh nodes, for each force.", CONVERGENCE_CSV);
+        let shown = [
+            ("force_n", "force, N", Format::Plain),
+            ("mesh_nodes", "mesh nodes", Format::Plain),
+            ("elements_a_member", "elements per member", Format::Plain),
+            ("error", "error", Format::PercentTwoDigits),
+            ("least_order", "least order", Format::Fixed(1)),
+            ("greatest_order", "greatest order", Format::Fixed(1)),
+            ("left_on_finest_mesh", "remaining error", Format::PercentTwoDigits),
+        ];
+        let all =
+            table.table("Worst error; remaining error of the finest mesh by Roache's grid convergence index", &shown);
+        Ok(vec![Block::Figure(figure), details("By mesh and force", vec![all])])
+    })
+}
+
+pub(super) fn lattice(Results { study }: Results) -> Result<Option<Section>, ReportError> {
+    section(study, ["lattice", "Another discretisation: the spring lattice"], || {
+        let by_fineness = Recorded::of(LATTICE_CSV)?;
+        let alt = "Worst difference of the lattice's displacements from converged beams by number of plate segments between two key nodes, one line \
+            per force, both axes logarithmic";
+        let x = Axis::log("segments of plate between two key nodes").within(1.85, 6.5);
+        let x = x.with_ticks(by_fineness.distinct("segments").iter().filter_map(|segments| segments.parse().ok()));
+        let frame = Frame::full("Lattice against beams, by fineness", alt).with_plot_height(320.0);
+        let axes = [x, Axis::log("difference / largest displacement")];
+        let chart = Chart::new(frame, axes, by_force(&by_fineness, "segments"));
+        let caption = "Worst difference of the lattice's equilibrium from converged beams, by force.";
+        let figure = Block::Figure(Figure::wide(chart.svg()?, caption, LATTICE_CSV));
+        let two = Format::PercentTwoDigits;
+        let axial = [
+            ("axial_springs", "axial springs", Format::Words),
+            ("force_n", "force, N", Format::Plain),
+            ("error", "difference", two),
+        ];
+        let axial = Recorded::of(AXIAL_CSV)?
+            .table("Difference from converged beams by axial springs, none without an equilibrium", &axial);
+        let settling = [
+            ("sweeps", "sweeps per step", Format::Plain),
+            ("positions", "precision", Format::Words),
+            ("error", "difference, if it settles", two),
+        ];
+        let caption = "Difference of the settled lattice from its equilibrium. In single precision, positions and rotations are rounded (the engine's \
+            single-precision build was not run)";
+        let settling = Recorded::of(SETTLING_CSV)?.table(caption, &settling);
+        Ok(vec![figure, details("Choice of springs, and settings of settling", vec![axial, settling])])
     })
 }
 

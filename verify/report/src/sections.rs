@@ -3,9 +3,9 @@
 use super::dataset::Dataset;
 use super::page::{First, Page, PageLink, Section};
 use super::{
-    ReportError, Results, answers, camera, causes, checks, contact_scenes, convergence, directions, displacement_noise,
-    estimators, explore, finger, grasp, gripper_tests, lattice, maps, measured, networks, pairs, push, recorded,
-    scatter, shapes, speed_error, times, trust,
+    ReportError, Results, answers, camera, causes, checks, contact_scenes, directions, displacement_noise, estimators,
+    explore, finger, grasp, gripper_tests, maps, measured, networks, pairs, push, recorded, scatter, shapes, times,
+    trust,
 };
 
 /// A section: its page, a function for its content on this page (`None` if the scene has no such study), and a function for its data.
@@ -58,21 +58,22 @@ const SECTIONS: &[Entry] = &[
     Entry(On::Objects, grasp::rates::section, grasp::rates::datasets),
     Entry(On::Camera, camera::section, camera::datasets),
     Entry(On::Camera, displacement_noise::section, displacement_noise::datasets),
-    Entry(On::Speed, speed_error::section, speed_error::datasets),
+    Entry(On::Speed, recorded::speed, |_| Vec::new()),
     Entry(On::Camera, scatter::section, scatter::datasets),
-    Entry(On::Speed, convergence::section, convergence::datasets),
+    Entry(On::Speed, recorded::convergence, |_| Vec::new()),
     Entry(On::Speed, times::section, times::datasets),
     Entry(On::Networks, networks::section, networks::datasets),
     Entry(On::Checks, checks::section, checks::datasets),
     Entry(On::Checks, shapes::section, shapes::datasets),
     Entry(On::Checks, finger::section, finger::datasets),
-    Entry(On::Lattice, lattice::section, lattice::datasets),
+    Entry(On::Lattice, recorded::lattice, |_| Vec::new()),
     Entry(On::HardCases, recorded::hard_cases, |_| Vec::new()),
     Entry(On::Paper, recorded::claims, |_| Vec::new()),
     Entry(On::Paper, recorded::table_two, |_| Vec::new()),
     Entry(On::Paper, gripper_tests::section, gripper_tests::datasets),
     Entry(On::Paper, recorded::table_one, |_| Vec::new()),
     Entry(On::Paper, recorded::twin, |_| Vec::new()),
+    Entry(On::Paper, recorded::causes, |_| Vec::new()),
 ];
 
 /// Datasets of all sections.

@@ -10,20 +10,22 @@ const CURVES_CSV: &str = "training_curves.csv";
 /// Names of the recipes in the records and in tables.
 pub const RECIPES: [(&str, &str); 4] = [("a", "(a)"), ("a, by spread", "(a), by spread"), ("b", "(b)"), ("c", "(c)")];
 
-pub(super) fn datasets(records: &Records) -> [Dataset<'_>; 2] {
-    [Dataset::records(RECIPES_CSV, &records.recipes), Dataset::records(CURVES_CSV, &records.curves)]
+pub(super) fn datasets(study: &Study) -> [Dataset<'static>; 2] {
+    let records = Records::shipped().ok().filter(|_| study.is_paper).unwrap_or_default();
+    [Dataset::records(RECIPES_CSV, records.recipes), Dataset::records(CURVES_CSV, records.curves)]
 }
 
-/// Tables of the recorded trainings; empty without records.
-pub fn blocks(records: &Records) -> Vec<Block> {
-    if records.recipes.is_empty() {
-        return Vec::new();
+/// Tables of the recorded trainings; none for a finger that is not the paper's.
+pub(super) fn blocks(study: &Study) -> Result<Vec<Block>, ReportError> {
+    if !study.is_paper {
+        return Ok(Vec::new());
     }
-    vec![
+    let records = Records::shipped()?;
+    Ok(vec![
         text(about(&records.recipes)),
         details("By recipe", vec![Block::Table(by_recipe(&records.recipes))]),
         details("By training cases and size", vec![Block::Table(by_size(&records.curves))]),
-    ]
+    ])
 }
 
 /// Text on the recipes, each with its number of seeds.

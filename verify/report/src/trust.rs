@@ -4,9 +4,9 @@ use super::drawings::{ACROSS_AXIS, ALONG_THE_PLATE, at_rest, error_classes, plat
 use super::format::{capitalised, list, percent};
 use crate::prelude::*;
 use finray_figures::Patch;
-use finray_studies::experiments::causes::{ContactKnowledge, DIRECTION_OFF_DEG, POSITION_OFF_MM};
 use finray_studies::experiments::explain::Explanation;
 use finray_studies::sampling::worst::WorstCell;
+use finray_studies::settings::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
 
 const CSV: &str = "trust.csv";
 /// File with the cells (positions and directions) of the map with assumed contact.
@@ -28,8 +28,8 @@ pub(super) struct Situation<'s> {
     pub in_words: String,
     /// Content of `about` in a few words.
     pub in_short: String,
-    /// Whether the contact is known exactly, or assumed with an error of position and direction.
-    pub contact: ContactKnowledge,
+    /// Whether the contact is assumed with an error of position and direction, instead of known exactly.
+    pub is_assumed: bool,
     csv: &'static str,
     /// Map of the errors by position, direction and force.
     pub map: &'s AccuracyMap,
@@ -54,8 +54,8 @@ impl Situation<'_> {
     pub(super) fn failed_by_direction(&self, study: &Study) -> Option<f64> {
         let by_direction = |cell: &WorstCell| {
             let is_there = |of: &&Explanation| of.s_mm == cell.s_mm && of.angle_deg == cell.angle_deg;
-            let of = study.explanations.cells.iter().find(is_there)?;
-            Some(of.error_per_deg?.abs() * DIRECTION_OFF_DEG > of.error_per_mm?.abs() * POSITION_OFF_MM)
+            let [_, direction, position] = study.explanations.cells.iter().find(is_there)?.errors()?;
+            Some(direction > position)
         };
         let failed = self.cells.iter().filter(|cell| cell.state == CellState::Answered && !cell.is_trusted);
         let found: Vec<bool> = failed.filter_map(by_direction).collect();
@@ -82,7 +82,7 @@ pub(super) fn situations<'s>(study: &'s Study) -> Vec<Situation<'s>> {
             about: "contact and finger known".to_owned(),
             in_words: "contact and finger known".to_owned(),
             in_short: "contact known".to_owned(),
-            contact: ContactKnowledge::Known,
+            is_assumed: false,
             csv: CSV,
             map,
             cells: map.worst(),
@@ -94,7 +94,7 @@ pub(super) fn situations<'s>(study: &'s Study) -> Vec<Situation<'s>> {
         about: format!("contact assumed with a wrong position and direction, {off}"),
         in_words: format!("with the contact {off}"),
         in_short: off.clone(),
-        contact: ContactKnowledge::Assumed,
+        is_assumed: true,
         csv: ASSUMED_CSV,
         ..known
     });
@@ -125,10 +125,7 @@ pub(super) fn datasets<'s>(study: &'s Study) -> Vec<Dataset<'s>> {
         .file("refused", |of| of.all().refused)
         .file("without_equilibrium", |of| of.all().without_equilibrium)
         .file("share_trusted", |of| of.all().share())
-        .file("failed_by_direction", |of| match of.contact {
-            ContactKnowledge::Assumed => of.failed_by_direction(study),
-            ContactKnowledge::Known => None,
-        })
+        .file("failed_by_direction", |of| of.is_assumed.then(|| of.failed_by_direction(study)).flatten())
         .file("samples_refused_where_answered", |of| of.refused_samples()[0])
         .file("samples_where_answered", |of| of.refused_samples()[1]);
     let found = situations(study);

@@ -3,11 +3,9 @@
 mod dataset;
 mod explore;
 mod format;
-mod lattice;
 mod maps {
     mod drawings;
 }
 mod measured;
 mod page;
-mod speed_error;
 mod trainings;

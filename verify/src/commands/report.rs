@@ -6,8 +6,6 @@ use finray_files::views;
 use finray_studies::experiments::contact_scene::file::load_scene_with_outline;
 use finray_studies::experiments::contact_scene::study::SceneWithOutline;
 use finray_studies::experiments::measured::{self, NamedImage};
-use finray_studies::experiments::speed_error::criterion::CriterionTimes;
-use finray_studies::experiments::speed_error::file as peers;
 use finray_studies::settings::{Effort, Progress, ReportForces};
 use finray_studies::study::Study;
 use indicatif::ProgressBar;
@@ -36,12 +34,6 @@ pub struct Arguments {
     /// Compute coarser maps and fewer cases, in a fraction of the time
     #[arg(long)]
     quick: bool,
-    /// Folder with Criterion's results of the benchmark `speed_error` [default: target/criterion]
-    #[arg(long, help_heading = "Times of other runs", value_name = "DIR")]
-    criterion: Option<PathBuf>,
-    /// Run times and errors of other programs (CSV, written by bench/peers)
-    #[arg(long, help_heading = "Times of other runs", value_name = "FILE")]
-    peers: Option<PathBuf>,
     /// Markers located in your images (file from `finray locate`)
     #[arg(long, help_heading = "Your photographs", value_name = "FILE", requires = "scene", requires = "forces")]
     measurements: Option<PathBuf>,
@@ -88,20 +80,12 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let located: Vec<&str> = seen.iter().flatten().map(|seen| seen.view.name.as_str()).collect();
     let images = arguments.image.iter().map(|path| named_image(path, &located)).collect::<Result<Vec<_>, _>>()?;
     require_folder(&arguments.out)?;
-    let criterion = criterion_times(arguments.criterion.as_deref())?;
-    let peers = arguments.peers.as_deref().map(peers::load).transpose()?;
     let effort = if arguments.quick { Effort::Quick } else { Effort::Full };
     let bar = Bar(progress_bar(0, "report"));
     let mut study = Study::run(&scene, ReportForces::up_to(arguments.force_n), effort, &bar).map_err(not_computed)?;
     bar.0.finish_and_clear();
     if let Some(seen) = seen {
         study.measured = Some(measured::run(&scene.scene, &seen, &images).map_err(bad_input)?);
-    }
-    if let Some((folder, times)) = &criterion {
-        study.take_criterion(folder, times);
-    }
-    if let Some(peers) = peers {
-        study.take_peers(peers);
     }
     let report = finray_report::report(&study).map_err(not_computed)?;
     write_folder(&arguments.out, &report.files)?;
@@ -133,15 +117,6 @@ fn named_image(path: &Path, located: &[&str]) -> Result<NamedImage, FileError> {
     let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let name = image_named(&whole.to_string_lossy(), located).map_err(none)?;
     Ok((name.to_owned(), image))
-}
-
-/// Reads Criterion's results from the given folder, or from `target/criterion` if that exists.
-fn criterion_times(given: Option<&Path>) -> Result<Option<(PathBuf, CriterionTimes)>, FileError> {
-    let found = Path::new("target/criterion");
-    let Some(folder) = given.or_else(|| found.is_dir().then_some(found)) else { return Ok(None) };
-    let times =
-        CriterionTimes::read(folder).map_err(|reason| FileError::Unreadable { path: folder.to_owned(), reason })?;
-    Ok(Some((folder.to_owned(), times)))
 }
 
 /// Progress bar that starts anew for each part of the study.

@@ -1,6 +1,7 @@
 //! Checks: one row for each comparison of a computed figure with a reference.
 
-use serde::Serialize;
+use finray_model::mesh::FingerShape;
+use serde::{Deserialize, Serialize};
 
 /// Verdict of a check: whether the computed figure is within the tolerance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -16,7 +17,7 @@ pub enum Verdict {
 ///
 /// External and analytical references verify solvers and kinematics. OpenSees, MuJoCo, rapier and the equation of the elastica use the same EA and EI as the
 /// beams. No reference here tests Euler-Bernoulli theory against a real material.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
     /// Figures of another program or author: exports from OpenSees and MuJoCo, shapes computed by rapier, tables of a publication.
@@ -24,6 +25,7 @@ pub enum Kind {
     /// A closed form, a theoretical order of convergence, or a solution from the literature, regardless of who evaluated it.
     Analytical,
     /// Another formulation, mesh, balance, bound or fit within this project.
+    #[default]
     Internal,
 }
 
@@ -69,6 +71,8 @@ impl Kind {
 /// Source of checks against shapes of finray's spring lattice at rest, as simulated by rapier2d. The program rapier2d is independent; finray defines
 /// the springs. Checks of forces sensed on the lattice name another source, because their references are the true forces.
 pub const SETTLED_LATTICE: &str = "rapier2d lattice";
+/// Source of checks whose reference is the lattice solved by finray's Newton method, which finds the shapes of least energy without rapier.
+pub const NEWTON_LATTICE: &str = "spring lattice, Newton";
 
 /// Group of references by which checks are counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -210,6 +214,12 @@ impl Subject {
 
 /// Tolerance of an exact count, dimensionless: any value between 0 and 1 admits only the exact number.
 pub const EXACT_COUNT: f64 = 0.5;
+
+/// Largest difference of a key node's displacement between two shapes, relative to the reference's largest displacement, dimensionless.
+pub fn difference(reference: &FingerShape, other: &FingerShape) -> f64 {
+    let pairs = reference.motions().iter().zip(other.motions());
+    worst(pairs.map(|(a, b)| (a.displacement - b.displacement).norm())) / reference.largest_displacement_mm()
+}
 
 /// The largest of some figures, in their unit. NaN if a figure is NaN or `figures` is empty, so that a check without figures fails.
 pub fn worst(figures: impl IntoIterator<Item = f64>) -> f64 {

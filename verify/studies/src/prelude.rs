@@ -4,7 +4,7 @@ pub(crate) use crate::check::{Check, Comparison, Kind, worst};
 pub(crate) use crate::settings::{
     CAMERA_NOISE_MM, Effort, LEAST_STATED_MM, Progress, ReportForces, TWO_SIDED_95, is_papers_finger,
 };
-pub(crate) use crate::statistics::{Span, mean, rms};
+pub(crate) use crate::statistics::{mean, rms};
 pub(crate) use finray_lattice::{Lattice, LatticeError};
 pub(crate) use finray_model::camera::Camera;
 pub(crate) use finray_model::estimators::network::Networks;
@@ -17,7 +17,7 @@ pub(crate) use finray_model::mesh::{FingerShape, LoadError, MeshSizeError};
 pub(crate) use finray_model::observation::Observation;
 pub(crate) use finray_model::scene::{Markers, ObjectDescription, SceneError};
 pub(crate) use finray_model::sensing::{
-    Contact, ContactPosition, ContactQuestion, Direction, LinearEstimator, NonlinearEstimator, Prior, SensingError,
+    Contact, ContactPosition, ContactQuestion, Direction, LinearEstimator, NonlinearEstimator, SensingError,
 };
 pub(crate) use finray_model::sensor::{PreparedScene, Refusal, SensedForces, Sensor, SensorContacts, SensorOptions};
 pub(crate) use finray_model::statics::{Statics, StaticsError};

@@ -16,6 +16,11 @@ pub const TRUSTED_ERROR: f64 = 0.10;
 /// A force counts as not sensed if its relative error exceeds this value, dimensionless. The paper's Table I shades errors above this value darker.
 pub const GROSS_ERROR: f64 = 0.25;
 pub use finray_model::sensor::TWO_SIDED_95;
+/// An assumed direction is wrong by this angle to either side, degrees. The normal of the deformed plate turns by up to 12.5 degrees (paper, sec. V-C).
+pub const DIRECTION_OFF_DEG: f64 = 12.5;
+/// An assumed position is wrong by this distance to either side, mm. An object may touch anywhere around a rod, so the distance is the radius of the
+/// paper's rods (sec. V-C).
+pub const POSITION_OFF_MM: f64 = 1.5;
 /// With at least this number of cases, the standard error of a mean error is about 2 % of the mean. A check of the mean error then needs no allowance
 /// for sampling error.
 pub const ENOUGH_CASES: usize = 4000;
@@ -111,6 +116,16 @@ impl Effort {
     /// the finer grid.
     pub(crate) fn coarse_resolution(self) -> (usize, f64, usize) {
         self.choose((12, 40.0, 4), (24, 10.0, 12))
+    }
+
+    /// The [`coarse_resolution`](Effort::coarse_resolution) with larger steps of the directions, for shapes that take milliseconds; the largest steps
+    /// for an estimator that searches.
+    pub(crate) fn lattice_resolution(self, searches: bool) -> (usize, f64, usize) {
+        let (positions, _, samples) = self.coarse_resolution();
+        match searches {
+            true => (12, self.choose(80.0, 20.0), samples),
+            false => (positions, self.choose(40.0, 20.0), samples),
+        }
     }
 
     /// The [`coarse_resolution`](Effort::coarse_resolution) with fewer noise samples, for shapes that the nonlinear estimator's model cannot represent.

@@ -20,13 +20,6 @@ pub fn median(figures: impl IntoIterator<Item = f64>) -> Option<f64> {
     Some(if sorted.len() % 2 == 1 { upper } else { (sorted[middle - 1] + upper) / 2.0 })
 }
 
-/// Percentile (`percent` from 0 to 100) by nearest rank, in the unit of the figures; NaN without figures. Sorts `figures`.
-pub fn percentile(figures: &mut [f64], percent: f64) -> f64 {
-    figures.sort_by(f64::total_cmp);
-    let rank = (percent / 100.0 * figures.len() as f64).ceil() as usize;
-    figures.get(rank.saturating_sub(1)).copied().unwrap_or(f64::NAN)
-}
-
 /// Mean, least and greatest of some figures, in their unit.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Span {

@@ -9,7 +9,6 @@ mod estimators {
 mod experiments {
     mod assumed;
     mod camera;
-    mod causes;
     mod contact_scene;
     mod continuum;
     mod coverage;
@@ -27,21 +26,14 @@ mod experiments {
     }
     mod networks;
     mod noise;
-    pub mod speed_error;
 }
 mod exports {
     mod calculix;
     pub mod mujoco;
 }
-mod lattice {
-    mod accuracy;
-    mod causes;
-}
 mod one_sensor;
-mod paper;
 mod problems {
     mod closed_forms;
-    mod lattice;
     mod mujoco;
     mod opensees;
 }

@@ -1,16 +1,14 @@
 //! The reader's five questions with their full answers.
 
 use super::{coverage, failures, given};
-use crate::format::{capitalised, list, percent, time};
+use crate::format::{capitalised, list, percent};
 use crate::maps::small;
 use crate::prelude::*;
-use crate::speed_error::setting;
 use crate::trust::{Situation, situations};
 use crate::{causes, checks, shapes};
 use finray_studies::check::Tally;
 use finray_studies::experiments::coverage::CoverageRow;
-use finray_studies::experiments::speed_error::recommendation::{LARGEST_BIAS_SIGMAS, recommended, ways};
-use finray_studies::settings::{CAMERA_FRAME_S, TWO_FORCES_N};
+use finray_studies::statistics::mean;
 
 /// A region of the finger is named as weak if its share of trusted cells (positions and directions) is below this.
 const MOSTLY: f64 = 0.9;
@@ -111,48 +109,27 @@ fn failing(study: &Study, situation: &Situation) -> Option<String> {
         counts.share().map(|trusted| percent(1.0 - trusted))
     };
     let (name, turned, along) = (capitalised(situation.name), failed(true)?, failed(false)?);
-    let why = causes::largest_by_region(study, situation.map.truth, situation.contact);
-    let why = why.map_or_else(String::new, |why| format!("; {why}"));
+    let why = if situation.is_assumed { format!("; {}", causes::largest_by_region(study)) } else { String::new() };
     Some(format!(
         " {name}: {turned} of the cells (position and direction) with a force off the normal fail, and {along} \
          of the cells with a force along the normal{why}."
     ))
 }
 
-/// The recommended estimator, with its mean error and its time.
+/// The mean error of the nonlinear estimator along the normal, and the trusted cells of least squares.
 fn use_what(study: &Study) -> Option<String> {
-    let Some(way) = recommended(&study.speed_error) else {
-        let forces_n = list(study.checked_forces().scaled(TWO_FORCES_N), " to ");
-        return (!ways(&study.speed_error).is_empty()).then(|| {
-            format!(
-                "No timed setting senses {forces_n} N along the normal with a model error within {LARGEST_BIAS_SIGMAS} standard deviations of the noise. \
-                 Finer meshes are needed."
-            )
-        });
-    };
-    let estimator = way.one.estimator.map_or(way.one.model.as_str(), |estimator| estimator.label());
-    let (mesh, error, seconds) = (setting(way.one), percent(way.one.error), time(way.one.seconds));
-    let [warm, cold] = match way.cold {
-        Some(_) => [" if the search starts from the previous answer", "without a previous answer, "],
-        None => [""; 2],
-    };
-    // If a search without a previous answer was timed, its time is the slowest time.
-    let slowest = way.cold.unwrap_or(way.one);
-    let within = slowest.seconds_95.map(|seconds| format!("; {cold}95 % take less than {}", time(seconds)));
-    let within = within.unwrap_or_default();
-    let fast = match slowest.seconds_95.unwrap_or(slowest.seconds) < CAMERA_FRAME_S {
-        true => "so time does not limit the choice",
-        false => "which is too short",
-    };
-    let linear = small(study, TruthId::Corotational, EstimatorId::LeastSquares, study.noise_mm > 0.0);
-    let linear = linear.and_then(|map| TrustCounts::of(&map.worst()).share()).map_or_else(String::new, |linear| {
+    let map = |estimator| small(study, TruthId::Corotational, estimator, study.noise_mm > 0.0);
+    let nonlinear = map(EstimatorId::Nonlinear)?;
+    let along = nonlinear.cells.iter().filter(|cell| cell.angle_deg == 0.0);
+    let error = percent(mean(along.filter_map(|cell| cell.mean_error))?);
+    let linear = map(EstimatorId::LeastSquares).and_then(|map| TrustCounts::of(&map.worst()).share());
+    let linear = linear.map_or_else(String::new, |linear| {
         let [trusted, linear] = [TRUSTED_ERROR, linear].map(percent);
         format!(" Least squares: mean error within {trusted} in {linear} of the cells with an equilibrium.")
     });
+    let forces_n = list(&nonlinear.request.forces_n, ", ");
     Some(format!(
-        "The {estimator} estimator with its model on {mesh} has a mean error of {error} for forces along the normal. The median time per image is \
-         {seconds}{warm}{within}. Images at 25 Hz are {:.0} ms apart, {fast}.{linear}",
-        1e3 * CAMERA_FRAME_S
+        "The nonlinear estimator has a mean error of {error} for forces of {forces_n} N along the normal.{linear}"
     ))
 }
 

@@ -29,7 +29,7 @@ pub(crate) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
         overview(study),
         Dataset::records(EXPLANATIONS_CSV, &study.explanations.cells).csv_alone(),
     ];
-    all.extend(study.all_maps().map(|map| Dataset::records(&map_csv_name(map), &map.cells).csv_alone()));
+    all.extend(study.maps.iter().map(|map| Dataset::records(&map_csv_name(map), &map.cells).csv_alone()));
     all
 }
 
@@ -49,7 +49,7 @@ fn entries(study: &Study) -> impl Iterator<Item = Entry> {
             Some(force_n) => map.request.forces_n.contains(&force_n),
             None => map.request.forces_n.len() > 1,
         };
-        let maps = study.all_maps().filter(has);
+        let maps = study.maps.iter().filter(has);
         maps.map(move |map| Entry { figures: map.summary(force_n), csv: map_csv_name(map) })
     };
     of(Some(study.forces.drawn_n())).chain(of(None))

@@ -1,10 +1,10 @@
 //! Sensing with an assumed contact: its position and direction are wrong by as much as a user may misjudge them.
 
 use super::Context;
-use super::causes::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
 use crate::prelude::*;
 use crate::sampling::map::{AccuracyMap, MapRequest, accuracy_maps};
 use crate::sampling::sampled::SampledSensor;
+use crate::settings::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
 use crate::truths::TruthError;
 
 /// Number of combinations of a position error and a direction error, each of either sign.

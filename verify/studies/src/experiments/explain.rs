@@ -9,6 +9,7 @@ use super::{Context, Evidence};
 use crate::prelude::*;
 use crate::response::marker_coordinates;
 use crate::sampling::map::MapRequest;
+use crate::settings::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
 use finray_model::sensing::LARGEST_SPAN;
 use finray_model::statics::Ladder;
 
@@ -161,7 +162,16 @@ fn apart(vector: &DVector<f64>, other: &DVector<f64>) -> f64 {
     (vector - other * (other.dot(vector) / other.norm_squared())).norm()
 }
 
+/// Causes of a force error, in the order of [`Explanation::errors`].
+pub const CAUSES: [&str; 3] = ["noise", "a wrong direction", "a wrong position"];
+
 impl Explanation {
+    /// Error of the force, relative to the force, that each of [`CAUSES`] alone causes to first order: noise at the Cramer-Rao bound, and an assumed
+    /// contact whose direction or position is wrong by [`DIRECTION_OFF_DEG`] or [`POSITION_OFF_MM`]. `None` without an equilibrium.
+    pub fn errors(&self) -> Option<[f64; 3]> {
+        Some([self.bound?, self.error_per_deg? * DIRECTION_OFF_DEG, self.error_per_mm? * POSITION_OFF_MM])
+    }
+
     /// With noise s and force F, the bound is s / (F |j|). With unknown direction, the bound is s / (F |j - c c+ j|). The bound of the direction is s
     /// / (F |c - j j+ c|), with the pseudoinverses j+ and c+. An error of one degree in the direction changes the markers' displacements by F (pi /
     /// 180) c. Least squares attributes this change to a force F (pi / 180) j+ c. An error of one mm in the position changes the displacements by m.

@@ -15,7 +15,7 @@ struct Plan {
 }
 
 /// Computes a map for each true finger and estimator. For scenes other than the paper's, the only true fingers are those made of the scene's own
-/// beams. Maps on the spring lattice are part of [its own study](super::lattice), except maps of networks. The continuum has no map, because every
+/// beams. The continuum has no map, because every
 /// cell would show the factor by which material and rods stiffen the finger. The claim on solid elements states the factor by which material and rods
 /// stiffen the finger.
 pub(crate) fn run(context: &Context) -> Result<Vec<AccuracyMap>, TruthError> {
@@ -50,11 +50,10 @@ pub(crate) fn run(context: &Context) -> Result<Vec<AccuracyMap>, TruthError> {
     Ok(plans.chunk_by(share_grid).flat_map(maps).collect())
 }
 
-/// Grid of the map of an estimator on a true finger. Only networks, and least squares on the scene's own beams, get the finest grid. `None` if
-/// another study covers this pair of estimator and true finger.
+/// Grid of the map of an estimator on a true finger. Only networks, and least squares on the scene's own beams, get the finest grid. `None` without
+/// such a map.
 fn plan(context: &Context, truth: &dyn Truth, estimator: EstimatorId) -> Result<Option<Plan>, TruthError> {
-    let is_asked = if estimator.at_nodes() { context.is_paper } else { truth.id() != TruthId::Lattice };
-    if !is_asked {
+    if estimator.at_nodes() && !context.is_paper {
         return Ok(None);
     }
     let effort = context.effort;
@@ -64,6 +63,8 @@ fn plan(context: &Context, truth: &dyn Truth, estimator: EstimatorId) -> Result<
         EstimatorId::LeastSquares if truth.id().kinematics().is_some() => effort.resolution(),
         _ if estimator.at_nodes() => effort.resolution(),
         _ if unexplained => effort.few_samples(),
+        // Shapes of the lattice take milliseconds.
+        _ if truth.id() == TruthId::Lattice => effort.lattice_resolution(estimator.searches()),
         _ => effort.coarse_resolution(),
     };
     let mut noise_levels_mm = context.noise_levels_mm();

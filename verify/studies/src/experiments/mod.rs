@@ -5,32 +5,26 @@
 
 pub mod assumed;
 pub mod camera;
-pub mod causes;
 pub mod contact_scene;
 pub mod continuum;
-pub mod convergence;
 pub mod coverage;
 pub mod direction;
 pub mod displacement_noise;
 pub mod explain;
 pub mod grasp;
-pub mod hard_cases;
-pub mod lattice;
 pub mod maps;
 pub mod measured;
 pub mod networks;
 pub mod noise;
+pub mod recorded;
 pub mod shapes;
-pub mod speed_error;
 pub mod table_two;
 
 use crate::prelude::*;
 use crate::problems::ProblemError;
-use crate::truths::{MeshTruth, TwinError};
-use contact_scene::study::{SceneStudyError, SceneWithOutline};
-use finray_model::calibration::CalibrationError;
+use crate::truths::MeshTruth;
+use contact_scene::study::SceneWithOutline;
 use finray_model::estimators::network::Networks;
-use finray_model::finger::ImpossibleFinger;
 use finray_model::measurement::MeasurementError;
 use finray_model::sensing::network::NetworkError;
 use grasp::GraspError;
@@ -81,18 +75,9 @@ pub enum ExperimentError {
     /// A finger cannot be solved.
     #[error(transparent)]
     Statics(#[from] StaticsError),
-    /// A lattice has no equilibrium.
-    #[error(transparent)]
-    Lattice(#[from] LatticeError),
-    /// A change of zones or modulus makes the finger invalid.
-    #[error(transparent)]
-    Finger(#[from] ImpossibleFinger),
     /// A contact is not on the finger.
     #[error(transparent)]
     Load(#[from] LoadError),
-    /// A modulus or zones cannot be calibrated.
-    #[error(transparent)]
-    Calibration(#[from] CalibrationError),
     /// A contact cannot be sensed.
     #[error(transparent)]
     Sensing(#[from] SensingError),
@@ -115,15 +100,9 @@ pub enum ExperimentError {
     /// Markers do not form a valid measurement.
     #[error(transparent)]
     Markers(#[from] MeasurementError),
-    /// The finger has no digital twin.
-    #[error(transparent)]
-    Twin(#[from] TwinError),
-    /// A reference problem, or a study of the lattice, failed.
+    /// A reference problem cannot be solved.
     #[error(transparent)]
     Problem(#[from] ProblemError),
-    /// A study of a pressed object failed.
-    #[error("cannot study a pressed object: {0}")]
-    Object(#[from] SceneStudyError),
     /// The finger has no equilibrium under a force.
     #[error("the finger cannot carry {force_n:.3} N at node {node}")]
     NotCarried {

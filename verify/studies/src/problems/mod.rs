@@ -8,7 +8,6 @@ pub mod energy_balance;
 pub mod full_circle;
 pub mod grid_convergence;
 pub mod gripper_camera;
-pub mod lattice;
 pub mod lee_frame;
 pub mod linkage;
 pub mod mujoco;
@@ -19,10 +18,9 @@ pub mod tangent;
 pub mod toggle;
 
 use crate::exports;
-use crate::lattice::accuracy::AccuracyError;
 use crate::prelude::*;
 
-/// Every problem, in the report's order. The lattice's problems are part of [its study](crate::experiments::lattice).
+/// Every problem, in the report's order.
 pub const ALL: &[Problem] = &[
     problem("elastica of a cantilever", |_| true, |_, _| Ok(elastica::checks()?.into())),
     problem("cantilever bent into a circle by an end moment", |_| true, |_, _| Ok(full_circle::checks()?.into())),
@@ -108,12 +106,9 @@ pub enum ProblemError {
     /// The finger or frame of the problem has no equilibrium.
     #[error(transparent)]
     Statics(#[from] StaticsError),
-    /// The finger's lattice has no equilibrium, or does not settle.
+    /// The finger's lattice has no equilibrium.
     #[error(transparent)]
     Lattice(#[from] finray_lattice::LatticeError),
-    /// Lattice and beams cannot be compared: one of them has no equilibrium, or the lattice cannot be built or does not settle.
-    #[error(transparent)]
-    Accuracy(#[from] AccuracyError),
     /// A table exported from another program is invalid.
     #[error(transparent)]
     Export(#[from] exports::ExportError),

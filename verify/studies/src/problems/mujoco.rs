@@ -4,9 +4,9 @@
 //! so both models converge to the same limit. The comparison verifies solver and kinematics, not the beam theory behind EA and EI.
 
 use super::{ProblemError, ProblemResults};
+use crate::check::difference;
 use crate::exports::mujoco::{ContactStep, PAPER, PROGRAM, TouchedRod, contact_steps};
 use crate::exports::{ExportedFinger, StaticCase};
-use crate::lattice::accuracy::difference;
 use crate::prelude::*;
 use crate::truths::{LATTICE_FINENESS, Truth};
 

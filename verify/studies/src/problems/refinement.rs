@@ -4,7 +4,7 @@
 //! meshes (sec. III).
 
 use super::ProblemError;
-use crate::lattice::accuracy::difference;
+use crate::check::difference;
 use crate::prelude::*;
 use crate::sampling::scatter::sampled_nodes;
 use crate::truths::fine_mesh;

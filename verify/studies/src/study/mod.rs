@@ -1,14 +1,13 @@
 //! All results of the report, computed for one scene. [`Study`] lists the experiments, one row each.
 
-mod timing;
-
 use crate::check::{Check, Comparison};
+use crate::experiments::contact_scene::objects;
 use crate::experiments::contact_scene::study::{SceneStudy, SceneWithOutline};
 use crate::experiments::grasp::{modules, observations, rates, study as grasp_study};
-use crate::experiments::networks::{accuracy, records};
+use crate::experiments::networks::accuracy;
 use crate::experiments::{
-    Context, Evidence, assumed, camera, causes, continuum, convergence, coverage, direction, displacement_noise,
-    explain, hard_cases, lattice, maps, measured, noise, shapes, speed_error,
+    Context, Evidence, assumed, camera, continuum, coverage, direction, displacement_noise, explain, maps, measured,
+    noise, recorded, shapes,
 };
 use crate::problems;
 use crate::sampling::map::AccuracyMap;
@@ -73,8 +72,6 @@ macro_rules! study {
             pub checks: Vec<Check>,
             /// Figures that are expected to differ from their references.
             pub comparisons: Vec<Comparison>,
-            /// Sentences in the report about computation times that were measured outside this study.
-            pub timing_notes: Vec<String>,
             /// Computation time of each part.
             pub parts: Vec<PartTime>,
             /// Results on images with measured forces, if images were given.
@@ -91,7 +88,9 @@ macro_rules! study {
                 let solved = problems::solve_all($context.finger, $context.checked_forces()).map_err(within("problems"))?;
                 $context.progress.step();
                 let problems::ProblemResults { mut checks, mut comparisons } = solved;
-                checks.extend(hard_cases::recorded($context));
+                let recorded = recorded::results($context);
+                checks.extend(recorded.checks);
+                comparisons.extend(recorded.comparisons);
                 parts.push(PartTime::since("problems", started));
                 $(
                     let started = Instant::now();
@@ -112,7 +111,6 @@ macro_rules! study {
                     forces: $context.forces,
                     checks,
                     comparisons,
-                    timing_notes: Vec::new(),
                     parts,
                     measured: None,
                     $($($field,)+)+
@@ -124,7 +122,7 @@ macro_rules! study {
 
 study! { |context|
     "maps":
-        /// Maps by true finger and estimator, with and without noise. The lattice's maps are in `lattice`, except maps that need a network.
+        /// Maps by true finger and estimator, with and without noise.
         maps: Vec<AccuracyMap> = maps::run(context);
     "assumed contacts":
         /// Map of the nonlinear estimator if position and direction of the contact are assumed instead of known.
@@ -138,12 +136,6 @@ study! { |context|
     "coverage":
         /// Share of stated 95 % intervals that contain the true force, by finger and estimator.
         coverage: Vec<coverage::CoverageRow> = coverage::run(context, &maps);
-    "causes":
-        /// Causes of force errors, by true finger and sensing method.
-        causes: Vec<causes::CauseMap> = causes::run(context);
-    "convergence":
-        /// Discretisation error by mesh and load.
-        convergence: convergence::Convergence = convergence::run(context);
     "noise":
         /// Errors of the nonlinear estimator under camera noise.
         noise: Option<noise::NoiseStudy> = noise::run(context);
@@ -159,14 +151,9 @@ study! { |context|
     "networks":
         /// Accuracy of the shipped networks; only for the paper's finger with noise.
         networks: Option<accuracy::NetworkStudy> = accuracy::run(context);
-    "a recorded training":
-        /// Recorded trainings of networks; only for the paper's finger.
-        records: records::Records = records::run(context);
-    "lattice, objects":
-        /// Results on the paper's finger as a lattice of rigid bodies and springs.
-        lattice: Option<lattice::LatticeStudy>,
+    "objects":
         /// Results of contact scenes: the shipped scenes for the paper's finger, otherwise the scene's own object.
-        contact_scenes: Vec<SceneStudy> = lattice::run_beside_objects(context, &maps);
+        contact_scenes: Vec<SceneStudy> = objects::run(context);
     "grasp":
         /// Results of objects grasped by two fingers; only for the paper's finger in a full study.
         grasps: Vec<grasp_study::GraspStudy> = grasp_study::run(context);
@@ -179,9 +166,6 @@ study! { |context|
     "observations":
         /// Comparison with the paper's observations of grasps; only for the paper's finger in a full study.
         observations: Option<observations::Observations> = observations::run(context, &grasps, modules.as_ref());
-    "speed and error":
-        /// Computation time and error of models and estimators.
-        speed_error: Vec<speed_error::SpeedErrorPoint> = speed_error::run(context);
     "shapes":
         /// Example shapes of bent fingers.
         bent: Vec<shapes::BentFinger> = shapes::run(context);
@@ -227,12 +211,6 @@ impl Study {
         self.forces.checked(self.is_paper)
     }
 
-    /// Every accuracy map. The lattice's maps are last.
-    pub fn all_maps(&self) -> impl Iterator<Item = &AccuracyMap> {
-        let lattice = self.lattice.iter().flat_map(|lattice| lattice.sensing.all_maps());
-        self.maps.iter().chain(lattice)
-    }
-
     /// The map of one true finger by linear least squares, with or without noise.
     pub fn map(&self, truth: TruthId, noisy: bool) -> Option<&AccuracyMap> {
         self.map_by(truth, EstimatorId::LeastSquares, noisy)
@@ -241,6 +219,6 @@ impl Study {
     /// The map of one true finger and estimator, with or without noise.
     pub fn map_by(&self, truth: TruthId, estimator: EstimatorId, noisy: bool) -> Option<&AccuracyMap> {
         let wanted = |map: &&AccuracyMap| map.truth == truth && map.estimator == estimator;
-        self.all_maps().filter(wanted).find(|map| (map.noise_mm > 0.0) == noisy)
+        self.maps.iter().filter(wanted).find(|map| (map.noise_mm > 0.0) == noisy)
     }
 }

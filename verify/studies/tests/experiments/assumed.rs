@@ -4,7 +4,7 @@ use finray_model::finger::Plate;
 use finray_model::sensing::{Contact, ContactPosition};
 use finray_model::{Finger, Scene};
 use finray_studies::experiments::assumed::misjudged;
-use finray_studies::experiments::causes::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
+use finray_studies::settings::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
 
 fn finger(text: &str) -> Finger {
     Scene::from_toml(text).expect("a scene").finger

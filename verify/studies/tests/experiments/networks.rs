@@ -1,7 +1,5 @@
 //! Tests the study of the shipped networks, which covers fifteen sets of contacts, including the sets of Table II.
 
-mod paper;
-
 use finray_model::Mesh;
 use finray_model::estimators::network::Networks;
 use finray_studies::check::Check;

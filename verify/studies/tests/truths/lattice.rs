@@ -2,7 +2,7 @@
 
 use finray_lattice::Lattice;
 use finray_model::Kinematics;
-use finray_studies::lattice::accuracy::difference;
+use finray_studies::check::difference;
 use finray_studies::truths::TruthId;
 use finray_studies::truths::{LATTICE_FINENESS, MeshTruth, Truth, fine_mesh};
 use finray_tests::{at_position, paper};

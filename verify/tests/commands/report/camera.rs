@@ -1,7 +1,6 @@
 //! Tests the report's section on errors that a camera causes in displacements and forces.
 
 use super::shared::*;
-use crate::kit::*;
 
 #[test]
 fn what_a_camera_costs_is_in_the_report() {
@@ -32,38 +31,5 @@ fn what_a_camera_costs_is_in_the_report() {
     assert_eq!(section.matches("<svg").count(), 3);
     for said in ["the paper's camera", "In simulation", "if the whole image is searched"] {
         assert!(section.contains(said), "{said}");
-    }
-}
-
-/// With the noise that the report allows for a force error of 1 %, `sense` states a standard deviation of 1 %.
-#[test]
-fn the_noise_that_is_needed_gives_the_error_that_is_asked() {
-    let folder = Folder::new();
-    let needed = Csv::of(&PAPERS.read("camera_needed.csv"));
-    let (nodes, noises) = (needed.texts("node"), needed.numbers("noise_mm"));
-    assert_eq!(nodes.len(), 11);
-    for (node, noise_mm) in nodes.iter().zip(noises) {
-        let shape = folder.path("shape.csv");
-        // Neighbouring nodes, from 25 (base) to 13 (tip), are 12.75 mm apart.
-        let s_mm = 12.75 * (25.0 - node.parse::<f64>().expect("a number"));
-        finray(&["solve", PAPER, "--load-at", &format!("{s_mm}:1.5"), "--out", &shape]).done();
-        let noise = noise_mm.to_string();
-        let arguments = [
-            "sense",
-            PAPER,
-            "--displacements",
-            &shape,
-            "--contact",
-            node,
-            "--estimator",
-            "nonlinear",
-            "--noise-mm",
-            &noise,
-        ];
-        let sensed = Csv::of(&finray(&[&arguments[..], &["--mesh-nodes", "25"]].concat()).computed());
-        let (force_n, sigma_n) = (sensed.numbers("force_n")[0], sensed.numbers("sigma_n")[0]);
-        // The stated standard deviation includes the error of the mesh, which grows to a quarter of a percent at the base.
-        let ratio = sigma_n / force_n / 0.01;
-        assert!((0.999..1.05).contains(&ratio), "node {node}: {sigma_n} of {force_n} N");
     }
 }

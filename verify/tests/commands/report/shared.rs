@@ -13,14 +13,8 @@ pub struct Report {
     pub noted: String,
 }
 
-/// The report for the paper's finger, with times measured by the benchmark tool criterion and results of other programs.
-pub static PAPERS: LazyLock<Report> = LazyLock::new(|| {
-    let folder = criterion_folder();
-    let criterion = folder.path().to_str().expect("a UTF-8 path");
-    let peers = folder.path().join("peers.csv");
-    std::fs::write(&peers, PEERS).expect("a file");
-    Report::of("paper", &["--criterion", criterion, "--peers", peers.to_str().expect("a UTF-8 path")], Some(OPENER))
-});
+/// The report for the paper's finger.
+pub static PAPERS: LazyLock<Report> = LazyLock::new(|| Report::of("paper", &[], Some(OPENER)));
 pub static SPRING_STEELS: LazyLock<Report> = LazyLock::new(|| Report::of("spring-steel", &[SPRING_STEEL], None));
 
 /// A script that replaces the browser. It records the page, runs for a while as a browser does, and records its end unless a later run has started.
@@ -31,36 +25,6 @@ echo $$ > "${0%/*}/last"
 read -r last < "${0%/*}/last"
 [ "$last" = $$ ] && : > "${0%/*}/left"
 "#;
-
-/// Results of other programs. The last row is for another set of nodes than the report loads.
-pub const PEERS: &str = "task,model,setting,seconds,error,program,version,nodes,forces_n,machine
-solve,corotational frame,684 nodes,0.15,0.0002,OpenSees,3.7.1.2,14-24,3,\"a desk, one core\"
-sense-one,untrained network,46-150-1,0.00004,,Torch,2.1,14-24,0.3-3,\"a desk, one core\"
-solve,corotational frame,25 nodes,0.01,0.02,OpenSees,3.7.1.2,14 18 22,3,\"a desk, one core\"
-";
-
-/// A folder with times measured by criterion: for three points of the report, one of them in a damaged file, and for a benchmark that the report does
-/// not know.
-pub fn criterion_folder() -> tempfile::TempDir {
-    let folder = tempfile::tempdir().expect("a folder");
-    let put = |bench: &str, [group, function, value]: [&str; 3], estimates: &str| {
-        let place = folder.path().join(bench).join("new");
-        std::fs::create_dir_all(&place).expect("a folder");
-        let names = serde_json::json!({ "group_id": group, "function_id": function, "value_str": value });
-        std::fs::write(place.join("benchmark.json"), names.to_string()).expect("a file");
-        std::fs::write(place.join("estimates.json"), estimates).expect("a file");
-    };
-    let median = |ns: f64| format!(r#"{{"mean":{{"point_estimate":1.0}},"median":{{"point_estimate":{ns}}}}}"#);
-    put("solve/co-rotational/25 nodes", ["speed_error/solve", "co-rotational", "25 nodes"], &median(123456.75));
-    put("solve/co-rotational/61 nodes", ["speed_error/solve", "co-rotational", "61 nodes"], "{\"median\": 1");
-    put(
-        "sense-one/network/shipped networks",
-        ["speed_error/sense-one", "network", "shipped networks"],
-        &median(98765.4),
-    );
-    put("corotational/ladder/25", ["corotational", "co-rotational", "25 nodes"], &median(1.0));
-    folder
-}
 
 #[cfg(unix)]
 pub fn executable(file: &Path) {

@@ -31,7 +31,7 @@ const SAMPLES: [Sample; 7] = [
     },
     Sample {
         file: "speed_error.csv",
-        row: &["shape", "linear beams"],
+        row: &["solve", "linear beams"],
         records: &[("task", "solve"), ("model", "linear beams")],
         numbers: &[("time", "seconds", 1e6), ("error", "error", 100.0)],
     },

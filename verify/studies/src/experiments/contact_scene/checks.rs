@@ -3,8 +3,7 @@
 use super::samples::NoiseSamples;
 use super::study::SceneStudy;
 use super::{FINENESS, VerifiedStep};
-use crate::check::{Check, Kind, SETTLED_LATTICE, Subject, worst};
-use crate::problems::lattice::NEWTON;
+use crate::check::{Check, Kind, NEWTON_LATTICE, SETTLED_LATTICE, Subject, worst};
 use finray_contact::Touch;
 use finray_contact::press::{BALANCE_TOLERANCE, SceneStep};
 
@@ -108,7 +107,7 @@ impl SceneStudy {
         let equilibrium = over(&|step| step.equilibrium);
         let engine = |what: &str| self.on(Kind::External, what, SETTLED_LATTICE);
         let newton =
-            self.on(Kind::Internal, "shape against the lattice's equilibrium under the contact forces", NEWTON);
+            self.on(Kind::Internal, "shape against the lattice's equilibrium under the contact forces", NEWTON_LATTICE);
         let mut checks = vec![newton.vanishes(DISPLACEMENT, equilibrium, LATTICE_TOLERANCE)];
         // With friction, the state of rest is not unique: it depends on the last micrometres of the path, in which lattice and beams differ.
         if self.friction == 0.0 {

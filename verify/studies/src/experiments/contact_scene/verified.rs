@@ -1,7 +1,7 @@
 //! Verification of a scene's steps by the lattice: by its equilibrium under the computed contact forces, and by the physics engine rapier, which finds
 //! contacts and forces on its own.
 
-use crate::lattice::accuracy::difference;
+use crate::check::difference;
 use crate::prelude::*;
 use finray_contact::path::HandStep;
 use finray_contact::press::{ContactScene, SceneStep};

@@ -2,7 +2,6 @@
 //!
 //! `fixtures/networks` contains the records; the example `shipped_networks` computes them.
 
-use crate::experiments::{Context, Evidence};
 use crate::truths::TruthId;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -62,13 +61,6 @@ pub struct Records {
     pub recipes: Vec<RecipeRow>,
     /// Errors against number of samples and network size.
     pub curves: Vec<CurveRow>,
-}
-
-impl Evidence for Records {}
-
-/// The records for the paper's finger; empty for any other finger.
-pub(crate) fn run(context: &Context) -> Result<Records, csv::Error> {
-    if context.is_paper { Records::shipped() } else { Ok(Records::default()) }
 }
 
 impl Records {
