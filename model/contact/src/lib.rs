@@ -20,7 +20,7 @@
 //! # Model
 //! A finger is the co-rotational frame of [`finray_model`]. An object is outside the finger, or in one of the cells between plates and ribs, and stays
 //! there. It touches the sides of the walls ([`Wall`]) that face it: surfaces half a thickness from the axis of the wall's elements, with a disc at
-//! every rod of the front plate; [`surface`] divides them into parts. The axis of an element is a cubic without kinks at its ends. Contacts are
+//! every rod of the front plate; the module `surface` divides them into parts. The axis of an element is a cubic without kinks at its ends. Contacts are
 //! unilateral with Coulomb friction. Corners and discs of an object meet the curved surface itself; straight sides meet it at two points an element.
 //!
 //! Physics engines step through time until everything rests; here each state of rest is solved for directly. Contact forces act on few nodes of the mesh. The
