@@ -115,11 +115,11 @@ impl<E: EquilibriumEquations> Statics<E> {
         self.last_correction = f64::INFINITY;
         let mut step = LoadStep::new(linear, tolerance);
         loop {
-            let positive = match newton {
-                Newton::Mixed if !step.is_first() => self.equations.relinearise(motion, loads, multiple),
-                _ => self.equations.linearise(motion, loads, multiple),
-            };
-            if !positive {
+            // Extrapolated forces may be larger than those of any stable equilibrium, so only the exact tangent rejects a step.
+            let is_mixed = newton == Newton::Mixed && !step.is_first();
+            let is_positive = is_mixed && self.equations.relinearise(motion, loads, multiple)
+                || self.equations.linearise(motion, loads, multiple);
+            if !is_positive {
                 return Err(Rejected::NotPositiveDefinite);
             }
             let scale = 2.0 * self.equations.elastic_energy();
