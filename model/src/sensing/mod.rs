@@ -11,6 +11,7 @@ mod linearisation;
 pub mod network;
 mod object;
 mod pad;
+mod pad_force;
 mod residual_test;
 
 pub use assembly::{AssemblyErrors, CameraAbove, UnloadedError, UnloadedFinger};
@@ -26,7 +27,7 @@ pub use linear::{LinearEstimator, Prior};
 pub use linearisation::Linearisation;
 pub use object::{NotConvex, ObjectShape, TouchedObject};
 pub use pad::Pad;
-pub(crate) use pad::PadForce;
+pub(crate) use pad_force::{PadForce, plate_turn};
 pub(crate) use residual_test::noise_of;
 pub use residual_test::{ResidualTest, SIGNIFICANCE};
 

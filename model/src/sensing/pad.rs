@@ -1,11 +1,5 @@
 //! Pad between an object and the front plate.
 
-use super::Contact;
-use crate::Vector;
-use crate::finger::{Finger, Plate};
-use crate::frame::{FrameLoad, FrameMotion};
-use crate::mesh::{Load, LoadError, Mesh};
-
 /// A pad on the front plate. The pad distributes a force evenly over a length of the plate. The force acts on the pad's surface, so the component of
 /// the force along the plate exerts a moment on the plate. The default is no pad.
 ///
@@ -20,92 +14,9 @@ pub struct Pad {
     pub thickness_mm: f64,
 }
 
-/// Distance of each of the two Gauss points from the contact, as a share of the pad's length: 1 / (2 sqrt(3)).
-const GAUSS_POINT: f64 = 0.288_675_134_594_812_9;
-/// Each of the two forces acts at least this far from the contact, in mm, because a couple needs a lever arm.
-const SHORTEST_LEVER_MM: f64 = 0.5;
-
 impl Pad {
     /// Whether there is no pad. Without a pad, a force acts at a point of the plate.
     pub fn is_none(&self) -> bool {
         *self == Pad::default()
-    }
-
-    /// Rotation of the plate under the pad, rad, for the displacements `motion` of the mesh. Zero without a pad, because the rotation then has no effect.
-    ///
-    /// # Errors
-    /// [`LoadError`] for a contact off the front plate.
-    pub(crate) fn plate_turn(&self, mesh: &Mesh, contact: &Contact, motion: &FrameMotion) -> Result<f64, LoadError> {
-        match self.is_none() {
-            true => Ok(0.0),
-            false => mesh.normal_turn(motion, &contact.unit_load(mesh.finger()), self.length_mm),
-        }
-    }
-}
-
-/// A contact force on a pad.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct PadForce {
-    /// Position and direction of the force.
-    pub contact: Contact,
-    /// Force along the direction, N.
-    pub force_n: f64,
-    /// Pad between object and plate.
-    pub pad: Pad,
-    /// Rotation of the plate under the pad, rad.
-    pub plate_turn_rad: f64,
-}
-
-impl PadForce {
-    /// A force of `force_n`, N, whose direction is rotated by `by_deg`, degrees, on the same plate.
-    pub fn turned(&self, by_deg: f64, force_n: f64) -> PadForce {
-        PadForce { contact: Contact { angle_deg: self.contact.angle_deg + by_deg, ..self.contact }, force_n, ..*self }
-    }
-
-    /// Loads whose sum is the force, and whose moment about the contact is that of the friction force on the pad's surface. The loads are proportional
-    /// to the force. Without a length, a pad does not spread the force.
-    ///
-    /// # Errors
-    /// [`LoadError`] for a contact off the front plate.
-    pub fn loads<'m>(&self, mesh: &'m Mesh) -> impl Iterator<Item = Result<FrameLoad, LoadError>> + use<'m> {
-        let finger = mesh.finger();
-        let whole = self.contact.load(finger, self.force_n);
-        let loads = match (whole, self.contact.position_mm(finger).filter(|_| !self.pad.is_none())) {
-            (whole, None) => [Some(whole), None, None],
-            (Load::Node { node, force, .. }, Some(_)) if self.pad.length_mm == 0.0 => {
-                let [_, tipward] = self.plate_axes(finger);
-                [Some(Load::Node { node, force, moment_nmm: -self.pad.thickness_mm * force.dot(&tipward) }), None, None]
-            }
-            (whole, Some(s_mm)) => {
-                let is_spread = self.pad.length_mm > 0.0;
-                let [from, to] = self.pair(finger, s_mm, is_spread);
-                [Some(whole).filter(|_| !is_spread), Some(from), Some(to)]
-            }
-        };
-        loads.into_iter().flatten().map(|load| mesh.frame_load(&load))
-    }
-
-    /// Two forces whose moment about the contact equals the moment of the friction force on the pad's surface. Their sum is the contact force if it
-    /// `is_spread`, and zero otherwise.
-    fn pair(&self, finger: &Finger, s_mm: f64, is_spread: bool) -> [Load; 2] {
-        let length_mm = finger.plate_length_mm(Plate::Front);
-        let reach_mm = (GAUSS_POINT * self.pad.length_mm).max(SHORTEST_LEVER_MM);
-        // The pad does not extend beyond the ends of the plate.
-        let nearest_mm = f64::EPSILON * length_mm;
-        let [from_mm, to_mm] = [s_mm - reach_mm, s_mm + reach_mm].map(|at_mm| at_mm.clamp(nearest_mm, length_mm));
-        let apart_mm = to_mm - from_mm;
-        let force = finger.direction(self.contact.angle_deg) * self.force_n;
-        let [inward, tipward] = self.plate_axes(finger);
-        // A force on the pad's surface that points towards the tip presses the plate inwards on the side of the tip.
-        let turning = inward * (self.pad.thickness_mm * force.dot(&tipward) / apart_mm);
-        let to_share = (s_mm - from_mm) / apart_mm;
-        let [of_from, of_to] =
-            if is_spread { [force * (1.0 - to_share), force * to_share] } else { [Vector::zeros(); 2] };
-        [Load::at_position(from_mm, of_from - turning), Load::at_position(to_mm, of_to + turning)]
-    }
-
-    /// Inward normal and tangent towards the tip of the plate.
-    fn plate_axes(&self, finger: &Finger) -> [Vector; 2] {
-        [0.0, 90.0].map(|deg| finger.direction(deg + self.plate_turn_rad.to_degrees()))
     }
 }

@@ -6,7 +6,7 @@ use crate::finger::{Finger, Plate, RibPositions};
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::measurement::{Marker, MarkerErrors};
 use crate::mesh::Mesh;
-use crate::sensing::{AssemblyErrors, Contact, ContactPosition, Normal, PadForce};
+use crate::sensing::{AssemblyErrors, Contact, ContactPosition, Normal, PadForce, plate_turn};
 use crate::statics::Statics;
 use crate::{Kinematics, Vector};
 use nalgebra::{Isometry2, Point2, UnitComplex};
@@ -217,7 +217,7 @@ impl Problem<'_> {
             if turns_lean {
                 normal_rad = normal_turn_rad;
             }
-            plate_rad = pad.plate_turn(&candidate.mesh, &contact, &motion).ok()?;
+            plate_rad = plate_turn(pad, &candidate.mesh, &contact, &motion).ok()?;
             if (normal_rad - before[0]).abs().max((plate_rad - before[1]).abs()) <= SETTLED_RAD {
                 return Some(Pressed { force, motion, normal_turn_rad, loads, plate_rad });
             }

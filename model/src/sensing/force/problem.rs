@@ -16,7 +16,7 @@ use crate::mesh::{LoadError, Mesh};
 use crate::optimise::Prediction;
 use crate::sensing::{
     Contact, ContactPosition, ContactQuestion, Direction, Normal, PadForce, SensingError, TouchedObject,
-    check_questions,
+    check_questions, plate_turn,
 };
 use crate::statics::{Ladder, Statics};
 use crate::{Finger, Kinematics};
@@ -384,7 +384,7 @@ impl<'m> ForceProblem<'m> {
             }
             let turn_rad = match question.direction {
                 Direction::Measured(_) => (contact.angle_deg - nuisances.further_leans_deg[i]).to_radians(),
-                _ => question.pad.plate_turn(self.mesh, contact, motion)?,
+                _ => plate_turn(question.pad, self.mesh, contact, motion)?,
             };
             largest_turn_deg = largest_turn_deg.max((turn_rad - plate_turns_rad[i]).abs().to_degrees());
             plate_turns_rad[i] = turn_rad;

@@ -12,7 +12,7 @@ use super::problem::{ForceProblem, State};
 use super::unknowns::Unknown;
 use crate::Vector;
 use crate::measurement::{Marker, Measurement};
-use crate::sensing::{Contact, ContactPosition, Direction, Normal, Pad, PadForce, SensingError};
+use crate::sensing::{Contact, ContactPosition, Direction, Normal, Pad, PadForce, SensingError, plate_turn};
 use grid::Grid;
 use least::{Fit, Profile};
 use nalgebra::{DMatrix, DVector};
@@ -219,7 +219,7 @@ fn response(
     measurement: &Measurement,
     (contact, pad): (&Contact, Pad),
 ) -> Result<DVector<f64>, SensingError> {
-    let plate_turn_rad = pad.plate_turn(problem.mesh, contact, &state.motion)?;
+    let plate_turn_rad = plate_turn(pad, problem.mesh, contact, &state.motion)?;
     let unit = PadForce { contact: *contact, force_n: 1.0, pad, plate_turn_rad };
     let mut sum = vec![Vector::zeros(); problem.finger().key_node_count()];
     let mut of_load = sum.clone();
