@@ -53,7 +53,7 @@ impl Args for Contacts {
         };
         let place_help = match command.get_name() {
             "train" => "Contact at mm from the base along the front plate, or with back:S_MM along the back plate",
-            _ => "Contact at mm from the base: S_MM front plate, back:S_MM back plate, auto: unknown, front plate",
+            _ => "Contact at mm from the base: S_MM front plate, back:S_MM back plate, auto: unknown (front)",
         };
         command
             .arg(
