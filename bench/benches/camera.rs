@@ -48,7 +48,7 @@ fn camera(criterion: &mut Criterion) {
     group.bench_function("track", |bencher| {
         bencher.iter(|| locator.track(black_box(turn.next().expect("a frame"))).expect("a finger"));
     });
-    let contact = Contact { position: ContactPosition::At(CONTACT_MM), angle_deg: 0.0 };
+    let contact = Contact { position: ContactPosition::at(CONTACT_MM), angle_deg: 0.0 };
     let mut estimator = NonlinearEstimator::new(&mesh, &[contact.into()]).expect("a contact");
     group.bench_function("image_to_force", |bencher| {
         bencher.iter(|| {

@@ -325,14 +325,23 @@ impl Finger {
 
     /// Unit vector at the angle `angle_deg` from the inward normal of the undeformed front plate; degrees, positive towards the tip.
     pub fn direction(&self, angle_deg: f64) -> Vector {
-        let tangent = self.front_tangent();
+        self.direction_on(Plate::Front, angle_deg)
+    }
+
+    /// Unit vector at the angle `angle_deg` from the inward normal of an undeformed plate; degrees, positive towards the tip.
+    pub fn direction_on(&self, plate: Plate, angle_deg: f64) -> Vector {
         let (sin, cos) = angle_deg.to_radians().sin_cos();
-        self.inward(Plate::Front) * cos + tangent * sin
+        self.inward(plate) * cos + self.tangent(plate) * sin
     }
 
     /// Angle between a direction and the inward normal of the undeformed front plate; degrees, positive towards the tip.
     pub fn angle_deg(&self, direction: Vector) -> f64 {
-        direction.dot(&self.front_tangent()).atan2(direction.dot(&self.inward(Plate::Front))).to_degrees()
+        self.angle_on_deg(Plate::Front, direction)
+    }
+
+    /// Angle between a direction and the inward normal of an undeformed plate; degrees, positive towards the tip.
+    pub fn angle_on_deg(&self, plate: Plate, direction: Vector) -> f64 {
+        direction.dot(&self.tangent(plate)).atan2(direction.dot(&self.inward(plate))).to_degrees()
     }
 
     /// Returns the finger with all moduli multiplied by a dimensionless factor.
@@ -360,7 +369,8 @@ pub enum Plate {
 }
 
 /// A position on the middle line of a plate.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Stored", into = "Stored")]
 pub struct PlatePosition {
     /// The plate.
     pub plate: Plate,
@@ -383,6 +393,29 @@ impl fmt::Display for PlatePosition {
     }
 }
 
+/// A [`PlatePosition`] in files: a number on the front plate, and otherwise the distance from the base of the back plate.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum Stored {
+    Front(f64),
+    Back { back: f64 },
+}
+
+impl From<Stored> for PlatePosition {
+    fn from(stored: Stored) -> PlatePosition {
+        match stored {
+            Stored::Front(s_mm) => s_mm.into(),
+            Stored::Back { back } => PlatePosition { plate: Plate::Back, s_mm: back },
+        }
+    }
+}
+
+impl From<PlatePosition> for Stored {
+    fn from(PlatePosition { plate, s_mm }: PlatePosition) -> Stored {
+        if plate == Plate::Front { Stored::Front(s_mm) } else { Stored::Back { back: s_mm } }
+    }
+}
+
 impl fmt::Display for Plate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(if *self == Plate::Back { "back" } else { "front" })
@@ -393,6 +426,11 @@ impl Plate {
     /// Index of the plate in arrays ordered `[front, back]`: 0 or 1.
     pub(crate) fn index(self) -> usize {
         usize::from(self == Plate::Back)
+    }
+
+    /// Sign of a rotation from x to y as a change of an angle on the plate, which counts from the inward normal towards the tip: 1 or -1.
+    pub(crate) fn turn_sign(self) -> f64 {
+        if self == Plate::Front { 1.0 } else { -1.0 }
     }
 }
 

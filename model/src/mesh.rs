@@ -170,21 +170,21 @@ impl Mesh {
         undeformed + motion.displacements[self.marker_node(node)] - motion.displacements[self.frame_node(node)]
     }
 
-    /// Rotation of the front plate's normal at a load, rad. The result is the mean over points of a plate segment of length `over_mm` with the load
+    /// Rotation of the plate's normal at a load towards the tip, rad. The result is the mean over points of a plate segment of length `over_mm` with the load
     /// at its middle. Points beyond an end of the plate are moved to that end. If the length is zero, returns the rotation at the load alone.
     ///
     /// # Errors
     /// [`LoadError`] as for [`frame_load`](Mesh::frame_load).
     pub(crate) fn normal_turn(&self, motion: &FrameMotion, load: &Load, over_mm: f64) -> Result<f64, LoadError> {
-        let at = |load: &Load| Ok(self.frame.rotation_at(motion, &self.frame_load(load)?));
-        let rotation = at(load)?;
-        if over_mm <= 0.0 {
-            return Ok(rotation);
-        }
         let PlatePosition { plate, s_mm: middle_mm } = match *load {
             Load::Plate { at, .. } => at,
             Load::Node { node, .. } => self.finger.plate_position(node),
         };
+        let at = |load: &Load| Ok(plate.turn_sign() * self.frame.rotation_at(motion, &self.frame_load(load)?));
+        let rotation = at(load)?;
+        if over_mm <= 0.0 {
+            return Ok(rotation);
+        }
         let length_mm = self.finger.plate_length_mm(plate);
         let mut sum = 0.0;
         for i in 0..NORMALS {

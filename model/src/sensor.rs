@@ -67,7 +67,7 @@ impl SensorContacts {
         let surface = |measured: &MeasuredContact| {
             let thickness_mm = match measured.contact.position {
                 ContactPosition::Node(_) => scene.contact.rod_radius_mm,
-                ContactPosition::At(s_mm) => 0.5 * scene.finger.thickness_mm(Plate::Front, s_mm),
+                ContactPosition::At(at) => 0.5 * scene.finger.thickness_mm(at.plate, at.s_mm),
             };
             if pad.is_none() { Pad { length_mm: 0.0, thickness_mm } } else { pad }
         };

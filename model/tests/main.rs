@@ -19,6 +19,7 @@ mod scene_keys;
 mod shared_junctions;
 mod sensing {
     mod assembly;
+    mod back_plate;
     mod beam_theory;
     mod linear;
     mod measured;

@@ -292,7 +292,7 @@ fn what_cannot_share_a_junction_is_refused_by_its_key() {
 fn intervals_of_linear_estimates_hold_on_a_buckled_finger() {
     let finger = zigzag("rigid");
     let fine = Mesh::with_elements_per_member(&finger, 8);
-    let contact = Contact { position: ContactPosition::At(14.5833), angle_deg: -40.0 };
+    let contact = Contact { position: ContactPosition::at(14.5833), angle_deg: -40.0 };
     let force_n = 2.0;
     let shape = solve(&fine, &[contact.load(&finger, force_n)], Kinematics::Corotational).expect("an equilibrium");
     let seen = Measurement::of_shape(&finger, &shape);

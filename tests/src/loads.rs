@@ -18,7 +18,7 @@ pub fn at_nodes(nodes: &[usize]) -> Vec<Contact> {
 
 /// A contact at a position along the front plate. `angle_deg` is the direction of the force, from the undeformed inward normal.
 pub fn at_position(s_mm: f64, angle_deg: f64) -> Contact {
-    Contact { position: ContactPosition::At(s_mm), angle_deg }
+    Contact { position: ContactPosition::at(s_mm), angle_deg }
 }
 
 /// A contact node of the finger. `fraction` selects the node: 0 is the tip, 1 is the contact node nearest to the base.

@@ -171,7 +171,10 @@ pub fn press(
 /// Reasons why the beam model may be inaccurate in a step.
 fn doubts(scene: &finray_model::Scene, step: &SceneStep) -> Vec<String> {
     match step.validity(&scene.finger) {
-        Ok(validity) => validity.warnings(&scene.strain_limits).iter().map(ToString::to_string).collect(),
+        Ok(validity) => {
+            let warnings = validity.map(|validity| validity.warnings(&scene.strain_limits)).unwrap_or_default();
+            warnings.iter().map(ToString::to_string).collect()
+        }
         Err(error) => vec![format!("the beam model has no equilibrium under the contact forces: {error}")],
     }
 }

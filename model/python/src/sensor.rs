@@ -7,7 +7,6 @@ use crate::scene::Scene;
 use finray_files::load_network;
 use finray_model::estimators::network::Networks;
 use finray_model::estimators::{EstimatorError, EstimatorId};
-use finray_model::sensing::ContactPosition;
 use finray_model::sensor::{
     ContactSpec, ContactTextError, Refusal, SensedForce, SensedForces, SensorContacts, SensorOptions,
 };
@@ -75,9 +74,9 @@ pub fn contacts(
 ///
 /// Args:
 ///     scene: the finger.
-///     contact_at: contacts at positions along the front plate: a number, a text, or a sequence of them. A number is a distance from the base, mm.
-///         A text has the notation of `finray sense --contact-at`: "80@-20" is 80 mm from the base, -20 degrees from the inward normal (positive
-///         towards the tip); "auto@auto": position and direction unknown; "80" and "auto" without a direction: along the normal of the undeformed
+///     contact_at: contacts at positions along a plate: a number, a text, or a sequence of them. A number is a distance from the base of the
+///         front plate, mm. A text has the notation of `finray sense --contact-at`: "80@-20" is 80 mm from the base, -20 degrees from the inward
+///         normal (positive towards the tip); "back:80@-20": on the back plate; "auto@auto": position and direction unknown; "80" and "auto" without a direction: along the normal of the undeformed
 ///         plate.
 ///     contact: contacts at nodes: a node, a text in the notation of `--contact` such as "19@normal", or a sequence of them.
 ///     noise_mm: standard deviation of one coordinate, mm; None: from the scene, else from the observation, else from the residual.
@@ -158,23 +157,19 @@ impl Forces {
 
 #[pymethods]
 impl Forces {
-    /// Node of each contact, or "at" for a contact at a position.
+    /// Node of each contact, or "at" for a contact at a position; "back:60" for a position on the back plate.
     #[getter]
     fn contacts(&self) -> Vec<String> {
-        let name = |sensed: &SensedForce| match sensed.contact.position {
-            ContactPosition::Node(node) => node.to_string(),
-            ContactPosition::At(_) => "at".to_owned(),
-        };
-        self.sensed.forces.iter().map(name).collect()
+        self.sensed.forces.iter().map(|sensed| sensed.contact.position.name()).collect()
     }
 
-    /// Position of each contact along the front plate, mm from the base; shape (k,). NaN for a node that is not on the front plate.
+    /// Position of each contact along its plate, mm from the base; shape (k,). NaN for a node that is not on the front plate.
     #[getter]
     fn s_mm<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.column(py, |sensed| sensed.contact.position_mm(&self.scene.finger).unwrap_or(f64::NAN))
     }
 
-    /// Direction of each force, degrees from the inward normal of the undeformed front plate, positive towards the tip; shape (k,).
+    /// Direction of each force, degrees from the inward normal of its undeformed plate, positive towards the tip; shape (k,).
     #[getter]
     fn angle_deg<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.column(py, |sensed| sensed.contact.angle_deg)

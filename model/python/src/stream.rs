@@ -36,7 +36,7 @@ self_cell!(
 ///
 /// Args:
 ///     scene: the finger; for images, with the tables camera and markers.
-///     contact_at: contacts at positions along the front plate, as for Sensor: a number in mm, a text such as "auto@normal", or a sequence of them.
+///     contact_at: contacts at positions along a plate, as for Sensor: a number in mm, a text such as "auto@normal", or a sequence of them.
 ///     contact: contacts at nodes, as for Sensor: a node, a text such as "19@normal", or a sequence of them.
 ///     noise_mm: standard deviation of one coordinate, mm; None: the scene's, else that of each marker.
 ///     estimator: name of the estimator, as in `finray live --help`.

@@ -181,7 +181,7 @@ impl Pushed<'_> {
     /// frame.
     fn turned_back(&self, by_rad: f64) -> Vec<PadForce> {
         let turned = |(force, question): (&PadForce, &ContactQuestion)| match question.direction.stated_deg() {
-            Some(_) => force.turned(-by_rad.to_degrees(), force.force_n),
+            Some(_) => force.turned(-force.contact.position.plate().turn_sign() * by_rad.to_degrees(), force.force_n),
             None => *force,
         };
         self.forces.iter().zip(self.questions).map(turned).collect()

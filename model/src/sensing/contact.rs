@@ -2,19 +2,43 @@
 
 use super::{Lean, MeasuredNormal, Pad, SensingError};
 use crate::Vector;
-use crate::finger::{Finger, NodeId, Plate};
+use crate::finger::{Finger, NodeId, Plate, PlatePosition};
 use crate::mesh::{Load, LoadError};
 use serde::{Deserialize, Serialize};
 
-/// Position of a force on the front plate.
+/// Position of a force on the outer face of a plate.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum ContactPosition {
     /// At a node of the front plate, from the tip to the last node before the front base.
     #[serde(rename = "node")]
     Node(NodeId),
-    /// At this distance from the front base along the plate, mm.
+    /// At this distance from the base along a plate, mm.
     #[serde(rename = "s_mm")]
-    At(f64),
+    At(PlatePosition),
+}
+
+impl ContactPosition {
+    /// The position `s_mm` along the front plate, mm from its base.
+    pub fn at(s_mm: f64) -> ContactPosition {
+        ContactPosition::At(s_mm.into())
+    }
+
+    /// The touched plate.
+    pub fn plate(self) -> Plate {
+        match self {
+            ContactPosition::Node(_) => Plate::Front,
+            ContactPosition::At(at) => at.plate,
+        }
+    }
+
+    /// Name in tables: the node, `at` for a position on the front plate, or for instance `back:60` for a position in mm on the back plate.
+    pub fn name(self) -> String {
+        match self {
+            ContactPosition::Node(node) => node.to_string(),
+            ContactPosition::At(PlatePosition { plate: Plate::Front, .. }) => "at".to_owned(),
+            ContactPosition::At(at) => PlatePosition { s_mm: (10.0 * at.s_mm).round() / 10.0, ..at }.to_string(),
+        }
+    }
 }
 
 /// A contact of known position and direction whose force is estimated.
@@ -23,7 +47,7 @@ pub struct Contact {
     /// Position of the force.
     #[serde(flatten)]
     pub position: ContactPosition,
-    /// Direction of the force, in degrees from the undeformed inward normal, positive towards the tip.
+    /// Direction of the force, in degrees from the undeformed inward normal of the touched plate, positive towards the tip.
     pub angle_deg: f64,
 }
 
@@ -32,7 +56,7 @@ impl std::fmt::Display for Contact {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         match self.position {
             ContactPosition::Node(node) => write!(f, "{node}@{}", self.angle_deg),
-            ContactPosition::At(s_mm) => write!(f, "{s_mm} mm@{}", self.angle_deg),
+            ContactPosition::At(at) => write!(f, "{at} mm@{}", self.angle_deg),
         }
     }
 }
@@ -50,18 +74,23 @@ impl Contact {
 
     /// Load of `force_n`, N, at the contact, along its direction.
     pub fn load(&self, finger: &Finger, force_n: f64) -> Load {
-        let force: Vector = finger.direction(self.angle_deg) * force_n;
+        let force = self.direction(finger) * force_n;
         match self.position {
             ContactPosition::Node(node) => Load::at_node(node, force),
-            ContactPosition::At(s_mm) => Load::at_position(s_mm, force),
+            ContactPosition::At(at) => Load::at_position(at, force),
         }
     }
 
-    /// Position along the front plate, in mm from the base. `None` for a node that is not on the front plate.
+    /// Unit vector along the force, in the finger frame.
+    pub fn direction(&self, finger: &Finger) -> Vector {
+        finger.direction_on(self.position.plate(), self.angle_deg)
+    }
+
+    /// Position along the touched plate, in mm from its base. `None` for a node that is not on the front plate.
     pub fn position_mm(&self, finger: &Finger) -> Option<f64> {
         match self.position {
             ContactPosition::Node(node) => finger.front_position_mm(node),
-            ContactPosition::At(s_mm) => Some(s_mm),
+            ContactPosition::At(at) => Some(at.s_mm),
         }
     }
 }
@@ -171,7 +200,7 @@ pub fn check_questions(finger: &Finger, questions: &[ContactQuestion]) -> Result
     known.map_or(Ok(()), |contacts| check_contacts(finger, &contacts))
 }
 
-/// Checks that contacts lie on the free front plate, have finite angles and differ from each other.
+/// Checks that contacts lie on the free front plate or at positions on the back plate, have finite angles and differ from each other.
 ///
 /// # Errors
 /// [`SensingError`] for the first contact that fails a check, or if `contacts` is empty.
@@ -194,10 +223,10 @@ pub fn check_contacts(finger: &Finger, contacts: &[Contact]) -> Result<(), Sensi
                     return Err(SensingError::NotAContactNode { node, first, last });
                 }
             }
-            ContactPosition::At(s_mm) => {
-                let length_mm = finger.plate_length_mm(Plate::Front);
-                if !(s_mm > 0.0 && s_mm <= length_mm) {
-                    return Err(LoadError::PositionOffPlate { at: s_mm.into(), length_mm }.into());
+            ContactPosition::At(at) => {
+                let length_mm = finger.plate_length_mm(at.plate);
+                if !(at.s_mm > 0.0 && at.s_mm <= length_mm) {
+                    return Err(LoadError::PositionOffPlate { at, length_mm }.into());
                 }
             }
         }
@@ -205,7 +234,8 @@ pub fn check_contacts(finger: &Finger, contacts: &[Contact]) -> Result<(), Sensi
             return Err(SensingError::AngleNotFinite { contact: i + 1 });
         }
         let same = |other: &Contact| {
-            other.angle_deg == contact.angle_deg && other.position_mm(finger) == contact.position_mm(finger)
+            let place = |contact: &Contact| (contact.position.plate(), contact.position_mm(finger), contact.angle_deg);
+            place(other) == place(contact)
         };
         if let Some(j) = contacts[..i].iter().position(same) {
             return Err(SensingError::SameContact { first: j + 1, second: i + 1 });

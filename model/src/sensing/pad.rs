@@ -1,6 +1,6 @@
-//! Pad between an object and the front plate.
+//! Pad between an object and a plate.
 
-/// A pad on the front plate. The pad distributes a force evenly over a length of the plate. The force acts on the pad's surface, so the component of
+/// A pad on a plate. The pad distributes a force evenly over a length of the plate. The force acts on the pad's surface, so the component of
 /// the force along the plate exerts a moment on the plate. The default is no pad.
 ///
 /// # Reference

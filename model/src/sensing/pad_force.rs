@@ -2,7 +2,7 @@
 
 use super::{Contact, Pad};
 use crate::Vector;
-use crate::finger::{Finger, Plate};
+use crate::finger::{Finger, PlatePosition};
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::mesh::{Load, LoadError, Mesh};
 
@@ -14,7 +14,7 @@ const SHORTEST_LEVER_MM: f64 = 0.5;
 /// Rotation of the plate under a pad, rad, for the displacements `motion` of the mesh. Zero without a pad, because the rotation then has no effect.
 ///
 /// # Errors
-/// [`LoadError`] for a contact off the front plate.
+/// [`LoadError`] for a contact off its plate.
 pub(crate) fn plate_turn(pad: Pad, mesh: &Mesh, contact: &Contact, motion: &FrameMotion) -> Result<f64, LoadError> {
     match pad.is_none() {
         true => Ok(0.0),
@@ -31,7 +31,7 @@ pub(crate) struct PadForce {
     pub force_n: f64,
     /// Pad between object and plate.
     pub pad: Pad,
-    /// Rotation of the plate under the pad, rad.
+    /// Rotation of the plate under the pad towards the tip, rad.
     pub plate_turn_rad: f64,
 }
 
@@ -45,7 +45,7 @@ impl PadForce {
     /// to the force. Without a length, a pad does not spread the force.
     ///
     /// # Errors
-    /// [`LoadError`] for a contact off the front plate.
+    /// [`LoadError`] for a contact off its plate.
     pub fn loads<'m>(&self, mesh: &'m Mesh) -> impl Iterator<Item = Result<FrameLoad, LoadError>> + use<'m> {
         let finger = mesh.finger();
         let whole = self.contact.load(finger, self.force_n);
@@ -67,24 +67,27 @@ impl PadForce {
     /// Two forces whose moment about the contact equals the moment of the friction force on the pad's surface. Their sum is the contact force if it
     /// `is_spread`, and zero otherwise.
     fn pair(&self, finger: &Finger, s_mm: f64, is_spread: bool) -> [Load; 2] {
-        let length_mm = finger.plate_length_mm(Plate::Front);
+        let plate = self.contact.position.plate();
+        let length_mm = finger.plate_length_mm(plate);
         let reach_mm = (GAUSS_POINT * self.pad.length_mm).max(SHORTEST_LEVER_MM);
         // The pad does not extend beyond the ends of the plate.
         let nearest_mm = f64::EPSILON * length_mm;
         let [from_mm, to_mm] = [s_mm - reach_mm, s_mm + reach_mm].map(|at_mm| at_mm.clamp(nearest_mm, length_mm));
         let apart_mm = to_mm - from_mm;
-        let force = finger.direction(self.contact.angle_deg) * self.force_n;
+        let force = self.contact.direction(finger) * self.force_n;
         let [inward, tipward] = self.plate_axes(finger);
         // A force on the pad's surface that points towards the tip presses the plate inwards on the side of the tip.
         let turning = inward * (self.pad.thickness_mm * force.dot(&tipward) / apart_mm);
         let to_share = (s_mm - from_mm) / apart_mm;
         let [of_from, of_to] =
             if is_spread { [force * (1.0 - to_share), force * to_share] } else { [Vector::zeros(); 2] };
-        [Load::at_position(from_mm, of_from - turning), Load::at_position(to_mm, of_to + turning)]
+        let at = |s_mm, force| Load::at_position(PlatePosition { plate, s_mm }, force);
+        [at(from_mm, of_from - turning), at(to_mm, of_to + turning)]
     }
 
     /// Inward normal and tangent towards the tip of the plate.
     fn plate_axes(&self, finger: &Finger) -> [Vector; 2] {
-        [0.0, 90.0].map(|deg| finger.direction(deg + self.plate_turn_rad.to_degrees()))
+        let plate = self.contact.position.plate();
+        [0.0, 90.0].map(|deg| finger.direction_on(plate, deg + self.plate_turn_rad.to_degrees()))
     }
 }

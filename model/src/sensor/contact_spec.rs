@@ -1,6 +1,7 @@
 //! Contacts as users state them, in the notation of the options `--contact` and `--contact-at`.
 
 use super::SensorContacts;
+use crate::finger::{Plate, PlatePosition};
 use crate::scene::Scene;
 use crate::sensing::{Contact, ContactPosition, ContactQuestion, Direction, Lean, MeasuredContact, Normal};
 use crate::text::{finite, node, positive};
@@ -23,7 +24,7 @@ const FULL_TURN_DEG: f64 = 360.0;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactSpec {
-    /// Position along the front plate; `None` if the position is unknown and to be estimated.
+    /// Position along a plate; `None` if the position is unknown and to be estimated.
     pub position: Option<ContactPosition>,
     /// Standard deviation of a measured position, mm.
     pub position_sd_mm: Option<f64>,
@@ -75,17 +76,26 @@ impl ContactSpec {
         })
     }
 
-    /// Parses `S_MM[+-SD][@ANGLE_DEG[+-SD]|normal|friction|object|measured|auto]`, or `auto` for the position.
+    /// Parses `[back:]S_MM[+-SD][@ANGLE_DEG[+-SD]|normal|friction|object|measured|auto]`, or `auto` for the position.
     ///
     /// # Errors
     /// [`ContactTextError`] states the expected text.
     pub fn at_position(text: &str) -> Result<ContactSpec, ContactTextError> {
         let (position, towards) = split_at_sign(text);
-        let (position, position_sd_mm) = match position.trim() {
-            "auto" => (None, None),
-            number => {
+        let (position, position_sd_mm) = match position.trim().split_once(':') {
+            None if position.trim() == "auto" => (None, None),
+            Some(("back", place)) if place.trim() == "auto" => {
+                let expected = "expected a position in mm after `back:`: unknown positions lie on the front plate";
+                return Err(ContactTextError(format!("{expected}, found \"{place}\"")));
+            }
+            Some((plate, _)) if plate != "back" => {
+                let expected = "expected a position in mm, after `back:` if it lies on the back plate";
+                return Err(ContactTextError(format!("{expected}, found \"{position}\"")));
+            }
+            on_back => {
+                let (plate, number) = on_back.map_or((Plate::Front, position), |(_, number)| (Plate::Back, number));
                 let (s_mm, sd_mm) = with_deviation(number)?;
-                (Some(ContactPosition::At(s_mm)), sd_mm)
+                (Some(ContactPosition::At(PlatePosition { plate, s_mm })), sd_mm)
             }
         };
         let (direction, direction_sd_deg) = direction(towards)?;
@@ -138,7 +148,12 @@ impl SensorContacts {
             return Err(ContactSpecError::Friction);
         }
         let question = |spec: &ContactSpec| {
-            let direction = spec.direction.of_scene(scene, measured_deg)?;
+            // Angles of measured forces count from the normal of the front plate.
+            let on_plate = |front_deg: f64| match spec.position.map_or(Plate::Front, ContactPosition::plate) {
+                Plate::Front => front_deg,
+                Plate::Back => scene.finger.angle_on_deg(Plate::Back, scene.finger.direction(front_deg)),
+            };
+            let direction = spec.direction.of_scene(scene, measured_deg.map(on_plate))?;
             Ok(ContactQuestion::new(spec.position, direction))
         };
         specs.iter().map(question).collect::<Result<_, _>>().map(SensorContacts::Asked)

@@ -54,8 +54,10 @@ impl SensedForces {
 
     /// Sum of all forces along the unit vector `along` (finger frame) and its standard deviation, both N.
     pub fn sum_along(&self, finger: &Finger, along: Vector) -> [f64; 2] {
-        let share =
-            |sensed: &SensedForce, turned_deg: f64| finger.direction(sensed.contact.angle_deg + turned_deg).dot(&along);
+        let share = |sensed: &SensedForce, turned_deg: f64| {
+            let Contact { position, angle_deg } = sensed.contact;
+            Contact { position, angle_deg: angle_deg + turned_deg }.direction(finger).dot(&along)
+        };
         let Some(MeasuredForces { across_n, covariance_n2 }) = &self.measured else {
             let shares = self.forces.iter().map(|sensed| share(sensed, 0.0));
             return self.weighted_sum(&DVector::from_iterator(self.forces.len(), shares));

@@ -274,7 +274,7 @@ fn errors_at_contacts(case: usize, known: Known, count: usize) -> Option<Vec<f64
             Known::Measured | Known::Object => 0.0,
         };
         let force = mounted.finger.direction(angle_deg) * force_n;
-        let position = ContactPosition::At(s_mm);
+        let position = ContactPosition::at(s_mm);
         forces_n.push(force_n);
         loads.push(Load::at_position(s_mm, force));
         match known {
@@ -286,7 +286,7 @@ fn errors_at_contacts(case: usize, known: Known, count: usize) -> Option<Vec<f64
                 questions.push(ContactQuestion::new(Some(position), Direction::Leaning(lean)));
             }
             Known::Measured => {
-                let position = ContactPosition::At(s_mm + POSITION_SD_MM * normal(chance));
+                let position = ContactPosition::at(s_mm + POSITION_SD_MM * normal(chance));
                 let angle_deg = turned_deg + (DIRECTION_SD_RAD * normal(chance)).to_degrees();
                 let contact = Contact { position, angle_deg };
                 measured.push(MeasuredContact {

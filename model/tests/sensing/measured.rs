@@ -2,7 +2,7 @@
 //! without a pad.
 
 use super::random_fingers::random_finger;
-use finray_model::finger::Plate;
+use finray_model::finger::{Plate, PlatePosition};
 use finray_model::measurement::Measurement;
 use finray_model::mesh::Load;
 use finray_model::scene::ContactDescription;
@@ -48,7 +48,7 @@ impl Push {
         let force = inward * self.along_n + tipward * across_n;
         match self.contact.position {
             ContactPosition::Node(node) => vec![Load::Node { node, force, moment_nmm: -ROD_RADIUS_MM * across_n }],
-            ContactPosition::At(s_mm) => {
+            ContactPosition::At(PlatePosition { s_mm, .. }) => {
                 let lever_mm = 0.5 * finger.thickness_mm(Plate::Front, s_mm);
                 let turning = inward * (0.5 * lever_mm * across_n / REACH_MM);
                 let couple =
@@ -78,9 +78,9 @@ impl Push {
         let length_mm = finger.plate_length_mm(Plate::Front);
         let (position, position_sd_mm) = match self.contact.position {
             ContactPosition::Node(node) => (ContactPosition::Node(node), 0.0),
-            ContactPosition::At(s_mm) => {
+            ContactPosition::At(PlatePosition { s_mm, .. }) => {
                 let seen_mm = (s_mm + POSITION_SD_MM * normal()).min(length_mm);
-                (ContactPosition::At(seen_mm), POSITION_SD_MM)
+                (ContactPosition::at(seen_mm), POSITION_SD_MM)
             }
         };
         MeasuredContact { contact: Contact { position, angle_deg }, direction_sd_rad: DIRECTION_SD_RAD, position_sd_mm }

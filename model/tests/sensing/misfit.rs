@@ -92,7 +92,7 @@ fn error(scene: &Scene, unknown: Unknown, knows_position: bool, case: u64, large
         }
     };
     let seen = Observation { image: String::new(), markers: finger.marked_nodes().map(marker).collect(), base: None };
-    let position = knows_position.then_some(ContactPosition::At(s_mm));
+    let position = knows_position.then_some(ContactPosition::at(s_mm));
     let question = ContactQuestion::new(position, Direction::Angle(angle_deg));
     let sensor = Sensor::new(scene.clone(), SensorContacts::Asked(vec![question]), SensorOptions::default());
     let sensed = sensor.expect("a question").sense(&seen).ok()?;

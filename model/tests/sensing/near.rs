@@ -11,7 +11,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 /// The finger under one force, along the normal of its undeformed plate.
 fn seen(scene: &Scene, s_mm: f64, force_n: f64) -> Observation {
-    let contact = Contact { position: ContactPosition::At(s_mm), angle_deg: 0.0 };
+    let contact = Contact { position: ContactPosition::at(s_mm), angle_deg: 0.0 };
     let mesh = Mesh::with_elements_per_member(&scene.finger, 16);
     let load: Load = contact.load(&scene.finger, force_n);
     Observation::of_shape(&scene.finger, &statics::solve(&mesh, &[load], Kinematics::Corotational).expect("carried"))
@@ -30,7 +30,7 @@ fn the_start_of_a_search_does_not_change_its_result() {
         let expected = sensor.sense(&observed).expect("an answer");
         let near = |force_n: f64, s_mm: f64| {
             let mut near = expected.clone();
-            near.forces[0].contact = Contact { position: ContactPosition::At(s_mm), angle_deg: 0.0 };
+            near.forces[0].contact = Contact { position: ContactPosition::at(s_mm), angle_deg: 0.0 };
             near.forces[0].force_n = force_n;
             near
         };
@@ -117,7 +117,7 @@ fn a_finger_that_snaps_and_returns_is_sensed_as_from_rest() {
     let options = SensorOptions { noise_mm: Some(0.02), ..SensorOptions::default() };
     let shares = [0.5, 0.6, 0.9, 0.95, 0.999, 0.7, 0.2];
     for (s_mm, angle_deg) in [(38.25, -90.0), (76.5, 180.0)] {
-        let contact = Contact { position: ContactPosition::At(s_mm), angle_deg };
+        let contact = Contact { position: ContactPosition::at(s_mm), angle_deg };
         let (carried, snapped) = around_a_snap(&scene, &contact, &shares);
         let (below, after) = carried.split_at(5);
         let stream = below.iter().chain([&snapped, &snapped, &below[4], &snapped]).chain(after);

@@ -250,8 +250,8 @@ fn impossible_contacts_are_refused_at_once() {
     let scene = Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("a scene");
     let at = |position| ContactQuestion::new(Some(position), Direction::Angle(0.0));
     let [clamped, missing] = [1, 99].map(|node| vec![at(ContactPosition::Node(NodeId(node)))]);
-    let off = |s_mm| vec![at(ContactPosition::At(s_mm))];
-    let same = vec![at(ContactPosition::At(80.0)); 2];
+    let off = |s_mm| vec![at(ContactPosition::at(s_mm))];
+    let same = vec![at(ContactPosition::at(80.0)); 2];
     for questions in [vec![], clamped, missing, off(-5.0), off(800.0), same] {
         let refused = FingerTracker::new("", scene.clone(), SensorContacts::Asked(questions.clone()), options(None), 0);
         assert!(refused.is_err(), "{questions:?}");
@@ -268,7 +268,7 @@ fn the_base_at_rest_is_uncertain() {
     let base = BaseUncertainty { sd_mm: 0.2, sd_rad: 1e-3, ..BaseUncertainty::default() };
     let mut of = Watched::new(300);
     let scene = of.scene.clone();
-    let at = ContactPosition::At(80.0);
+    let at = ContactPosition::at(80.0);
     let asked = SensorContacts::Asked(vec![ContactQuestion::new(Some(at), Direction::Angle(0.0))]);
     let pressed = of.moved(80.0, 2.0);
     let streams = 400;

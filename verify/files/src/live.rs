@@ -1,7 +1,6 @@
 //! Results of a stream, one line of JSON for each evaluated frame.
 
 use crate::recording::ContactForce;
-use finray_model::sensing::ContactPosition;
 use finray_model::sensor::{FingerResult, FrameState};
 use serde::Serialize;
 use std::time::Instant;
@@ -129,10 +128,7 @@ impl<'a> Line<'a> {
 fn contact_lines<'a>(result: &'a FingerResult<'a>) -> impl Iterator<Item = ContactLine<'a>> {
     result.forces().iter().map(|sensed| ContactLine {
         finger: result.name,
-        contact: match sensed.contact.position {
-            ContactPosition::Node(node) => node.to_string(),
-            ContactPosition::At(_) => "at".to_owned(),
-        },
+        contact: sensed.contact.position.name(),
         s_mm: sensed.contact.position_mm(result.finger),
         angle_deg: sensed.contact.angle_deg,
         force_n: sensed.force_n,
@@ -146,7 +142,7 @@ pub fn contact_forces(result: &FingerResult) -> Vec<ContactForce> {
     let forces = result.forces().iter().zip(1..).map(|(sensed, contact)| ContactForce {
         finger: result.name.to_owned(),
         contact,
-        force: result.finger.direction(sensed.contact.angle_deg) * sensed.force_n,
+        force: sensed.contact.direction(result.finger) * sensed.force_n,
     });
     forces.collect()
 }

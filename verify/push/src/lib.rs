@@ -180,7 +180,7 @@ impl PushedFinger {
 
     fn bent(&self, mesh: &Mesh, push: &Push) -> Result<Bent, StaticsError> {
         let &Push { s_mm, angle_deg, force_n, .. } = push;
-        let contact = Contact { position: ContactPosition::At(s_mm), angle_deg };
+        let contact = Contact { position: ContactPosition::at(s_mm), angle_deg };
         let load = mesh.frame_load(&contact.load(mesh.finger(), force_n))?;
         let motion = Statics::ladder(mesh, Kinematics::Corotational).accurate_equilibrium(&[load])?.motion;
         let shape = mesh.shape(&motion);
@@ -199,7 +199,7 @@ impl PushedFinger {
 
     /// The question to the sensor about the contact; `None` for [`Knowledge::Unasked`].
     fn question(&self, push: &Push) -> Option<ContactQuestion> {
-        let at = |s_mm, angle_deg| ContactQuestion::new(Some(ContactPosition::At(s_mm)), Direction::Angle(angle_deg));
+        let at = |s_mm, angle_deg| ContactQuestion::new(Some(ContactPosition::at(s_mm)), Direction::Angle(angle_deg));
         match push.contact {
             Knowledge::Unasked => None,
             Knowledge::Sought => Some(ContactQuestion::new(None, Direction::Auto)),

@@ -196,8 +196,8 @@ fn name_of(seen: &SeenContact) -> String {
     match (seen.contact.position, seen.wall) {
         _ if seen.clamped => "clamp (not sensed)".to_owned(),
         (ContactPosition::Node(node), _) => format!("node {node}"),
-        (ContactPosition::At(s_mm), Wall::Back) => format!("back plate at {s_mm:.1} mm"),
-        (ContactPosition::At(s_mm), Wall::Rib(rib)) => format!("rib {} at {s_mm:.1} mm", rib + 1),
-        (ContactPosition::At(s_mm), _) => format!("plate at {s_mm:.1} mm"),
+        (ContactPosition::At(at), Wall::Back) => format!("back plate at {:.1} mm", at.s_mm),
+        (ContactPosition::At(at), Wall::Rib(rib)) => format!("rib {} at {:.1} mm", rib + 1, at.s_mm),
+        (ContactPosition::At(at), _) => format!("plate at {:.1} mm", at.s_mm),
     }
 }

@@ -117,10 +117,10 @@ fn of_scene(finger: &Finger, scene: &SceneStudy) -> Value {
         let bent = drawn_points(finger).into_iter().map(|at| point(&pressed.shape.point(at)));
         let sensed = studied.noisy.as_ref().ok().and_then(Option::as_ref);
         let contacts = contacts_sensed(&studied.step.contacts, sensed).map(|(seen, sensed)| {
-            let along = |of: &SensedContact| point(&(finger.direction(of.read.contact.angle_deg) * of.force.sensed_n));
+            let along = |of: &SensedContact| point(&(of.read.contact.direction(finger) * of.force.sensed_n));
             json!({
                 "x": number(seen.point.x), "y": number(seen.point.y),
-                "true": point(&(finger.direction(seen.contact.angle_deg) * seen.normal_n)),
+                "true": point(&(seen.contact.direction(finger) * seen.normal_n)),
                 "sensed": sensed.as_ref().map(along), "sigma_n": sensed.as_ref().map(|of| number(of.force.sigma_n)),
             })
         });

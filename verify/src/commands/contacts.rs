@@ -1,4 +1,4 @@
-//! The contacts given on the command line, at nodes or at positions along the plate.
+//! The contacts given on the command line, at nodes or at positions along a plate.
 
 use crate::commands::prelude::*;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
@@ -52,8 +52,8 @@ impl Args for Contacts {
             ],
         };
         let place_help = match command.get_name() {
-            "train" => "Contact at a position along the front plate, mm from its base",
-            _ => "Contact at a position along the front plate, mm from its base; auto if unknown",
+            "train" => "Contact at mm from the base along the front plate, or with back:S_MM along the back plate",
+            _ => "Contact at mm from the base: S_MM front plate, back:S_MM back plate, auto: unknown (front)",
         };
         command
             .arg(

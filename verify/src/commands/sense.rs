@@ -6,7 +6,6 @@ use finray_files::observations::{Coordinates, ObservationTable};
 use finray_files::read_text;
 use finray_files::views::{self, MeasuredForce};
 use finray_model::observation::Observation;
-use finray_model::sensing::ContactPosition;
 use finray_model::sensor::{MissingInScene, Refusal, SensedForce, SensedForces, Sensor, SensorOptions, SensorWarning};
 
 /// Help text below the options.
@@ -216,10 +215,7 @@ fn warn(about: &str, warnings: &[SensorWarning]) {
 
 fn rows(finger: &Finger, sensed: &SensedForces) -> Vec<Row> {
     let row = |sensed: &SensedForce| Row {
-        contact: Some(match sensed.contact.position {
-            ContactPosition::Node(node) => node.to_string(),
-            ContactPosition::At(_) => "at".to_owned(),
-        }),
+        contact: Some(sensed.contact.position.name()),
         s_mm: sensed.contact.position_mm(finger),
         angle_deg: Some(sensed.contact.angle_deg),
         force_n: Some(sensed.force_n),

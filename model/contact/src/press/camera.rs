@@ -11,8 +11,8 @@
 use super::SeenContact;
 use super::contacts::{HalfSpan, member_mm};
 use crate::outline::Shape;
-use crate::{Touch, TouchedPart, Wall};
-use finray_model::finger::Plate;
+use crate::{Touch, TouchedPart};
+use finray_model::finger::PlatePosition;
 use finray_model::sensing::{Contact, ContactPosition, MeasuredContact};
 use finray_model::{Finger, Vector};
 
@@ -36,10 +36,10 @@ pub fn read_contact(
     let off = point();
     let position = match seen.contact.position {
         ContactPosition::Node(node) => ContactPosition::Node(node),
-        ContactPosition::At(s_mm) => {
-            let length_mm = finger.plate_length_mm(Plate::Front);
-            let least_mm = NEAREST_TO_BASE * member_mm(finger, (Wall::Front, 0.0));
-            ContactPosition::At((s_mm + off.x - off.y).clamp(least_mm, length_mm))
+        ContactPosition::At(at) => {
+            let length_mm = finger.plate_length_mm(at.plate);
+            let least_mm = NEAREST_TO_BASE * member_mm(finger, (seen.wall, 0.0));
+            ContactPosition::At(PlatePosition { s_mm: (at.s_mm + off.x - off.y).clamp(least_mm, length_mm), ..at })
         }
     };
     let two_points_mm = std::f64::consts::SQRT_2 * noise_mm;

@@ -2,7 +2,7 @@
 //! alone.
 
 use crate::{Touch, TouchedPart, Wall};
-use finray_model::finger::Plate;
+use finray_model::finger::{Plate, PlatePosition};
 use finray_model::sensing::{Contact, ContactPosition};
 use finray_model::{Finger, NodeId, Vector};
 
@@ -49,13 +49,10 @@ impl SeenContact {
     /// Name in tables: the contact's node, `at` for a position between nodes of the front plate, or `clamp`; elsewhere the wall and the position in mm,
     /// for instance `back:60` and `rib3:12.5`.
     pub fn name(&self) -> String {
-        let rounded = |s_mm: f64| (10.0 * s_mm).round() / 10.0;
         match (self.contact.position, self.wall) {
             _ if self.clamped => "clamp".to_owned(),
-            (ContactPosition::Node(node), _) => node.to_string(),
-            (ContactPosition::At(s_mm), Wall::Back) => format!("back:{}", rounded(s_mm)),
-            (ContactPosition::At(s_mm), Wall::Rib(rib)) => format!("rib{}:{}", rib + 1, rounded(s_mm)),
-            (ContactPosition::At(_), _) => "at".to_owned(),
+            (ContactPosition::At(at), Wall::Rib(rib)) => format!("rib{}:{}", rib + 1, (10.0 * at.s_mm).round() / 10.0),
+            (position, _) => position.name(),
         }
     }
 }
@@ -106,29 +103,31 @@ fn seen(finger: &Finger, group: &[Touch], baseline_mm: &dyn Fn(&Touch) -> f64) -
     let [(wall, from_mm), (_, to_mm)] = [first, last].map(|touch| touch.part.place(finger));
     let position = match (first.part, group.len()) {
         (TouchedPart::Rod(node), 1) => ContactPosition::Node(node),
-        _ => ContactPosition::At(0.5 * (from_mm + to_mm)),
+        _ => ContactPosition::At(PlatePosition { plate: plate_of(wall), s_mm: 0.5 * (from_mm + to_mm) }),
     };
     let normal = (first.normal + last.normal).normalize();
     let turn = |touch: &Touch| normal.perp(&touch.normal).asin().abs();
     let half_span =
         HalfSpan { along_mm: 0.5 * (to_mm - from_mm), turn_rad: group.iter().map(turn).fold(0.0, f64::max) };
     let force: Vector = group.iter().map(|touch| touch.force).sum();
+    let tipward = match plate_of(wall) {
+        Plate::Front => Vector::new(-normal.y, normal.x),
+        Plate::Back => Vector::new(normal.y, -normal.x),
+    };
     SeenContact {
         wall,
-        contact: Contact { position, angle_deg: angle_deg(finger, wall, normal) },
+        contact: Contact { position, angle_deg: finger.angle_on_deg(plate_of(wall), normal) },
         half_span,
         baseline_mm: baseline_mm(rod.unwrap_or(first)),
         clamped: first.clamped,
         point: 0.5 * (first.point + last.point),
         force,
         normal_n: force.dot(&normal),
-        friction_n: force.dot(&Vector::new(-normal.y, normal.x)),
+        friction_n: force.dot(&tipward),
     }
 }
 
-/// Angle of a direction from the undeformed inward normal of the touched plate, degrees, positive towards the tip; for ribs and base, of the front
-/// plate.
-fn angle_deg(finger: &Finger, wall: Wall, direction: Vector) -> f64 {
-    let plate = wall.plate().unwrap_or(Plate::Front);
-    direction.dot(&finger.tangent(plate)).atan2(direction.dot(&finger.inward(plate))).to_degrees()
+/// The plate from whose inward normal directions on a wall count: the touched plate, or the front plate for ribs and base.
+fn plate_of(wall: Wall) -> Plate {
+    wall.plate().unwrap_or(Plate::Front)
 }

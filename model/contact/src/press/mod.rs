@@ -95,9 +95,9 @@ impl SceneStep {
         if bending.iter().any(|seen| seen.wall.plate().is_none()) {
             return Ok(None);
         }
-        let loads = bending.into_iter().filter_map(|seen| match (seen.contact.position, seen.wall.plate()?) {
-            (ContactPosition::Node(node), _) => Some(Load::at_node(node, seen.force)),
-            (ContactPosition::At(s_mm), plate) => {
+        let loads = bending.into_iter().filter_map(|seen| match seen.contact.position {
+            ContactPosition::Node(node) => Some(Load::at_node(node, seen.force)),
+            ContactPosition::At(PlatePosition { plate, s_mm }) => {
                 let s_mm = s_mm.min(finger.plate_length_mm(plate));
                 (s_mm > 0.0).then(|| Load::at_position(PlatePosition { plate, s_mm }, seen.force))
             }
@@ -197,7 +197,7 @@ impl ContactScene {
     /// `None` if no contact deforms the finger.
     ///
     /// # Errors
-    /// [`NotSensed`] if the object touches more than the front plate, or if the forces are not identifiable.
+    /// [`NotSensed`] if the object touches more than the plates, or if the forces are not identifiable.
     pub fn sense(
         &self,
         step: &SceneStep,

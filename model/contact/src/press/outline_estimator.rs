@@ -2,7 +2,6 @@
 
 use super::LEAST_STATED_MM;
 use super::{SeenContact, SensedContact, SensedForce, SensedStep, read_contact};
-use crate::Wall;
 use finray_model::estimators::EstimatorId;
 use finray_model::estimators::network::Networks;
 use finray_model::observation::Observation;
@@ -13,8 +12,8 @@ use finray_model::{Scene, Vector};
 /// Reason why no force is sensed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NotSensed {
-    /// The object touches a wall other than the front plate.
-    #[error("forces are sensed only if the object touches nothing but the front plate: it touches {name}")]
+    /// The object touches a rib.
+    #[error("forces are sensed only if the object touches nothing but the plates: it touches {name}")]
     Elsewhere {
         /// Name of the contact in tables.
         name: String,
@@ -47,7 +46,7 @@ impl OutlineEstimator<'_> {
     /// the forces along the unit vector `along`.
     ///
     /// # Errors
-    /// [`NotSensed`] if a contact is not on the front plate, or if the forces are not identifiable.
+    /// [`NotSensed`] if a contact is not on a plate, or if the forces are not identifiable.
     pub fn sense(
         &self,
         felt: &[SeenContact],
@@ -55,7 +54,7 @@ impl OutlineEstimator<'_> {
         along: Vector,
         mut standard_normal: impl FnMut() -> f64,
     ) -> Result<SensedStep, NotSensed> {
-        if let Some(elsewhere) = felt.iter().find(|seen| seen.wall != Wall::Front) {
+        if let Some(elsewhere) = felt.iter().find(|seen| seen.wall.plate().is_none()) {
             return Err(NotSensed::Elsewhere { name: elsewhere.name() });
         }
         let finger = &self.scene.finger;

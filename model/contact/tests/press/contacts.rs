@@ -1,9 +1,9 @@
 //! Contacts as measured by the camera, and the forces sensed at them.
 
 use super::{COARSE, last, prepared, scene, steps};
-use finray_contact::press::{ContactScene, HalfSpan, SeenContact, read_contact, seen_contacts};
+use finray_contact::press::{ContactScene, HalfSpan, NotSensed, SeenContact, read_contact, seen_contacts};
 use finray_contact::{Touch, TouchedPart, Wall};
-use finray_model::finger::Plate;
+use finray_model::finger::{Plate, PlatePosition};
 use finray_model::scene::ObjectDescription;
 use finray_model::sensing::{Contact, ContactPosition};
 use finray_model::{NodeId, Scene, Vector};
@@ -31,7 +31,7 @@ fn contacts_are_seen_alike_whatever_they_carry() {
     let (one, other) = (seen([3.0, 1.0]), seen([1.0, 3.0]));
     assert_eq!((one.contact, one.point), (other.contact, other.point));
     assert!((one.contact.angle_deg - 1.0).abs() < 1e-9, "the middle: {:?}", one.contact);
-    assert!(matches!(one.contact.position, ContactPosition::At(s_mm) if (s_mm - 81.0).abs() < 1e-9));
+    assert!(matches!(one.contact.position, ContactPosition::At(at) if (at.s_mm - 81.0).abs() < 1e-9));
 }
 
 /// Positions and directions read by the camera scatter about the true values with the stated standard deviations.
@@ -42,14 +42,14 @@ fn read_contacts_scatter_as_stated() {
     let (step, finger) = (last(object, COARSE), scene(object).finger);
     let seen = step.contacts[0];
     assert_eq!(seen.baseline_mm, 21.5, "from the middle of the disc to that of the rod");
-    let plate = SeenContact { contact: Contact { position: ContactPosition::At(70.0), ..seen.contact }, ..seen };
+    let plate = SeenContact { contact: Contact { position: ContactPosition::at(70.0), ..seen.contact }, ..seen };
     let mut noise = ChaCha8Rng::seed_from_u64(7);
     let mut normal = || StandardNormal.sample(&mut noise);
     let (mut turns, mut shifts) = (0.0, 0.0);
     let mut stated = [0.0; 2];
     for _ in 0..READINGS {
         let read = read_contact(&finger, &plate, CAMERA_NOISE_MM, &mut normal);
-        let ContactPosition::At(s_mm) = read.contact.position else { panic!("a position") };
+        let ContactPosition::At(PlatePosition { s_mm, .. }) = read.contact.position else { panic!("a position") };
         turns += (read.contact.angle_deg - plate.contact.angle_deg).to_radians().powi(2) / READINGS as f64;
         shifts += (s_mm - 70.0).powi(2) / READINGS as f64;
         stated = [read.direction_sd_rad, read.position_sd_mm];
@@ -67,6 +67,17 @@ fn read_contacts_scatter_as_stated() {
         "{}: the direction is a unit vector up to rounding",
         exact.direction_sd_rad
     );
+}
+
+/// A force on a rib is no force on a plate, so none is sensed, and the message names the place.
+#[test]
+fn forces_on_ribs_are_not_sensed() {
+    let object = "shape = \"disc\"\nradius_mm = 20\nat_mm = 76.5\ntravel_mm = 1\nsteps = 1";
+    let mut step = last(object, COARSE);
+    step.contacts[0].wall = Wall::Rib(3);
+    step.contacts[0].contact.position = ContactPosition::at(12.5);
+    let refused = prepared(&scene(object)).sense(&step, CAMERA_NOISE_MM, || 0.0);
+    assert_eq!(refused.err(), Some(NotSensed::Elsewhere { name: "rib4:12.5".to_owned() }));
 }
 
 /// Two rods are separate contacts at any distance. A touch of the plate close behind a rod, counted from the base, belongs to the contact of this
@@ -89,7 +100,7 @@ fn two_rods_are_two_contacts() {
     ];
     let seen = seen_contacts(&finger, &touches, |_| 10.0);
     let positions: Vec<ContactPosition> = seen.iter().map(|seen| seen.contact.position).collect();
-    let expected = [ContactPosition::At(75.1), ContactPosition::Node(NodeId(8)), ContactPosition::At(100.0)];
+    let expected = [ContactPosition::at(75.1), ContactPosition::Node(NodeId(8)), ContactPosition::at(100.0)];
     assert_eq!(positions, expected);
     assert!((seen[0].contact.angle_deg - 45.0).abs() < 1e-9 && (seen[1].contact.angle_deg + 10.0).abs() < 1e-9);
     let half = seen[0].half_span;

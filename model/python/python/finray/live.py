@@ -168,8 +168,8 @@ def parser() -> argparse.ArgumentParser:
     source.add_argument("--camera", metavar="N", help="number of a camera, or name of a video, for OpenCV")
     source.add_argument("--image", metavar="FILE", nargs="+", help="images (PNG, JPEG), in order of time")
     parser.add_argument("--every-frame", action="store_true", help="evaluate every frame, not only the newest")
-    at = "contact at a position along the front plate, as for finray live"
-    parser.add_argument("--contact-at", metavar="S_MM|auto[@...]", nargs="+", action="extend", help=at)
+    at = "contact at a position along a plate, as for finray live"
+    parser.add_argument("--contact-at", metavar="[back:]S_MM|auto[@...]", nargs="+", action="extend", help=at)
     parser.add_argument("--contact", metavar="NODE[@...]", nargs="+", action="extend", help="contact at a node, as for finray live")
     parser.add_argument("--noise-mm", metavar="S", type=float, help="standard deviation of one coordinate, mm")
     parser.add_argument("--estimator", default="nonlinear", help="estimator of the forces (default: nonlinear)")

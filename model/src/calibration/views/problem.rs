@@ -204,7 +204,7 @@ impl Problem<'_> {
             let leaning = || finger.direction(lean_deg + normal_rad.to_degrees()) * own.force_n;
             let force = measured.unwrap_or_else(leaning);
             let angle_deg = finger.angle_deg(force);
-            let contact = Contact { position: ContactPosition::At(own.s_mm), angle_deg };
+            let contact = Contact { position: ContactPosition::at(own.s_mm), angle_deg };
             let force_on_pad = PadForce { contact, force_n: force.norm(), pad, plate_turn_rad: plate_rad };
             let mut loads = force_on_pad.loads(&candidate.mesh).collect::<Result<Vec<_>, _>>().ok()?;
             loads.extend(preload);

@@ -109,7 +109,7 @@ fn first_state(problem: &mut ForceProblem, near: Option<NearForces>, seen: Seen)
     let length_mm = problem.finger().plate_length_mm(Plate::Front);
     let questions = problem.questions.clone();
     let contact = |question: &ContactQuestion, share: f64| Contact {
-        position: question.position.unwrap_or(ContactPosition::At(share * length_mm)),
+        position: question.position.unwrap_or(ContactPosition::at(share * length_mm)),
         angle_deg: match question.direction {
             Direction::Angle(angle_deg) => angle_deg,
             Direction::Measured(normal) => normal.angle_deg,

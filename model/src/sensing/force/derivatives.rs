@@ -43,6 +43,7 @@ pub(super) fn look_ahead(problem: &mut ForceProblem, state: &mut State) -> Optio
 pub(super) fn differentiate(problem: &mut ForceProblem, state: &mut State) -> Result<(), SensingError> {
     let finger = problem.finger();
     problem.rescale(state);
+    state.linearised.turn_signs.clone_from(&problem.priors.turn_signs);
     state.linearised.prior_rows.clear();
     state.linearised.prior_rows.extend(problem.priors.rows(&state.nuisances, &state.forces_n));
     if problem.object.is_some() {
@@ -56,7 +57,9 @@ pub(super) fn differentiate(problem: &mut ForceProblem, state: &mut State) -> Re
     for (unknown, rates) in problem.unknowns.iter().zip(linearised.rates.chunks_exact_mut(finger.key_node_count())) {
         match *unknown {
             Unknown::Position(i) => {
-                add_up(forces[i].loads(problem.mesh), rates, across, |load, out| ladder.moved_load(motion, load, out))?;
+                let plate = forces[i].contact.position.plate();
+                let moved = |load: &FrameLoad, out: &mut [Vector]| ladder.moved_load(motion, load, plate, out);
+                add_up(forces[i].loads(problem.mesh), rates, across, moved)?;
             }
             Unknown::Force(i) | Unknown::Across(i) => {
                 let unit = match (*unknown, problem.questions[i].direction) {
@@ -87,7 +90,8 @@ pub(super) fn differentiate(problem: &mut ForceProblem, state: &mut State) -> Re
                 // In the frame of the rotated base, a force of known direction rotates opposite to the base.
                 let held = forces.iter().zip(&problem.questions).filter(|(_, q)| q.direction.stated_deg().is_some());
                 for (force, _) in held.filter(|_| way == BaseMotion::Turn) {
-                    for load in force.turned(90.0, force.force_n).loads(problem.mesh) {
+                    let back_deg = 90.0 * force.contact.position.plate().turn_sign();
+                    for load in force.turned(back_deg, force.force_n).loads(problem.mesh) {
                         ladder.added_load(motion, &load?, across);
                         for (rate, across) in rates.iter_mut().zip(&*across) {
                             *rate -= base.rotation * *across;

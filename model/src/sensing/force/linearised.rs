@@ -47,8 +47,8 @@ pub(super) struct Linearised {
     touch_rates: DMatrix<f64>,
     /// Scale of each unknown, in the unit of the unknown.
     pub scales: Vec<f64>,
-    /// Number of forces, which are the first unknowns.
-    forces: usize,
+    /// Sign with which each force turns the base. The forces are the first unknowns.
+    pub turn_signs: Vec<f64>,
     /// The last step, in the units of the unknowns.
     pub step: Vec<f64>,
     /// Buffer for the markers' distances, whose median is computed. `problem` is the least-squares problem of a step.
@@ -99,7 +99,6 @@ impl MarkerPoint {
 
 impl Linearised {
     pub(super) fn new(mesh: &Mesh, unknowns: &[Unknown]) -> Linearised {
-        let forces = unknowns.iter().filter(|unknown| matches!(unknown, Unknown::Force(_))).count();
         let unknowns = unknowns.len();
         let finger = mesh.finger();
         let key_nodes = finger.key_node_count();
@@ -118,7 +117,7 @@ impl Linearised {
             misses_mm: Vec::new(),
             touch_rates: DMatrix::zeros(0, unknowns),
             scales: vec![1.0; unknowns],
-            forces,
+            turn_signs: Vec::new(),
             step: Vec::with_capacity(unknowns),
             distances: Vec::with_capacity(key_nodes),
             problem: GramSchmidt::default(),
@@ -314,8 +313,8 @@ impl Linearised {
         for (i, row) in self.prior_rows.iter().enumerate() {
             self.problem.column_mut(row.index)[coordinates + i] = row.by_unknown * self.scales[row.index];
             if row.by_force != 0.0 {
-                for force in 0..self.forces {
-                    self.problem.column_mut(force)[coordinates + i] = row.by_force * self.scales[force];
+                for (force, sign) in self.turn_signs.iter().enumerate() {
+                    self.problem.column_mut(force)[coordinates + i] = sign * row.by_force * self.scales[force];
                 }
             }
         }

@@ -7,6 +7,7 @@
 
 use super::unknowns::{BaseMotion, Unknown};
 use crate::Vector;
+use crate::finger::Plate;
 use crate::measurement::{Measurement, SharedError};
 use crate::sensing::{ContactQuestion, Direction, TouchedObject};
 use nalgebra::Isometry2;
@@ -65,6 +66,11 @@ impl Nuisances {
     /// Displacement of a key node's marker due to the errors that all markers share, mm.
     pub fn shared_mm(&self, key_node: usize) -> Vector {
         self.shared_mm.get(key_node).copied().unwrap_or_default()
+    }
+
+    /// Rotation of the base as a change of an angle on a plate, degrees.
+    pub fn base_turn_deg(&self, plate: Plate) -> f64 {
+        plate.turn_sign() * self.base.rotation.angle().to_degrees()
     }
 
     /// Changes a shared error by `by` times its standard deviation.
@@ -138,7 +144,7 @@ pub(super) struct PriorRow {
     pub index: usize,
     /// Derivative with respect to the unknown, mm per unit of the unknown.
     pub by_unknown: f64,
-    /// Derivative with respect to each force, mm/N. Zero unless the expected value or its standard deviation depends on the forces.
+    /// Derivative with respect to each force on the front plate, mm/N; on the back plate, the sign is opposite. Zero unless the expected value or its standard deviation depends on the forces.
     pub by_force: f64,
     /// Right-hand side of the row, mm.
     pub left_mm: f64,
@@ -148,6 +154,8 @@ pub(super) struct PriorRow {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Priors {
     priors: Vec<Prior>,
+    /// Sign of the moment of each force on the base: forces on opposite plates turn it in opposite directions.
+    pub turn_signs: Vec<f64>,
     noise_mm: f64,
 }
 
@@ -187,6 +195,7 @@ impl Priors {
         };
         Priors {
             priors: unknowns.iter().enumerate().filter_map(prior).collect(),
+            turn_signs: questions.iter().map(|q| q.position.map_or(1.0, |at| at.plate().turn_sign())).collect(),
             noise_mm: noise_mm.unwrap_or_default(),
         }
     }
@@ -196,6 +205,11 @@ impl Priors {
         self.noise_mm
     }
 
+    /// Sum of the forces that turn the base, N: of those on the front plate, less those on the back plate.
+    fn sum_n(&self, forces_n: &[f64]) -> f64 {
+        self.turn_signs.iter().zip(forces_n).map(|(sign, force_n)| sign * force_n).sum()
+    }
+
     /// Number of priors.
     pub fn count(&self) -> usize {
         self.priors.len()
@@ -203,14 +217,14 @@ impl Priors {
 
     /// Sum of the squared deviations from the expected values, in standard deviations, times the squared noise, mm^2.
     pub fn misfit(&self, nuisances: &Nuisances, forces_n: &[f64]) -> f64 {
-        let sum_n = forces_n.iter().sum();
+        let sum_n = self.sum_n(forces_n);
         let off = |prior: &Prior| self.noise_mm * prior.deviation(nuisances.value(prior), sum_n);
         self.priors.iter().map(|prior| off(prior).powi(2)).sum()
     }
 
     /// Rows of the priors in the least-squares problem, below the rows of the markers.
     pub fn rows<'p>(&'p self, nuisances: &'p Nuisances, forces_n: &'p [f64]) -> impl Iterator<Item = PriorRow> + 'p {
-        let sum_n = forces_n.iter().sum();
+        let sum_n = self.sum_n(forces_n);
         self.priors.iter().map(move |prior| {
             let value = nuisances.value(prior);
             let by_unknown = match prior.unknown {

@@ -116,7 +116,7 @@ fn best_at(
     s_mm: f64,
     seen: Seen,
 ) -> Result<(State, Vec<f64>, f64), SensingError> {
-    let position = ContactPosition::At(s_mm);
+    let position = ContactPosition::at(s_mm);
     let mut questions = problem.questions.clone();
     questions[contact].position = Some(position);
     let mut placed = problem.with_questions(&questions)?;

@@ -9,7 +9,7 @@ use super::linearised::{Linearised, Posed, Seen};
 use super::nuisances::{Nuisances, Priors, leaning_n};
 use super::touching::{Touching, touches_object};
 use super::unknowns::{BaseMotion, Unknown};
-use crate::finger::Plate;
+use crate::finger::{Plate, PlatePosition};
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::measurement::{Measurement, SharedError};
 use crate::mesh::{LoadError, Mesh};
@@ -50,7 +50,7 @@ pub(super) struct State {
     pub forces_n: Vec<f64>,
     pub contacts: Vec<Contact>,
     pub nuisances: Nuisances,
-    /// Rotation of the plate under the pad at each contact, rad.
+    /// Rotation of the plate under the pad at each contact towards the tip, rad.
     pub plate_turns_rad: Vec<f64>,
     /// Loads of all contacts in the order of the contacts.
     pub loads: Vec<FrameLoad>,
@@ -94,7 +94,7 @@ impl State {
     /// Loads of all contacts for other forces, N, on a mesh of the same finger.
     ///
     /// # Errors
-    /// [`LoadError`] for a contact off the front plate.
+    /// [`LoadError`] for a contact off its plate.
     pub fn loads_under(
         &self,
         mesh: &Mesh,
@@ -156,7 +156,7 @@ impl<'m> ForceProblem<'m> {
     /// The problem for contacts on a mesh.
     ///
     /// # Errors
-    /// [`SensingError`] if no contact is given, a contact is not on the free front plate, or two contacts are equal.
+    /// [`SensingError`] if no contact is given, a contact is not on a free part of its plate, or two contacts are equal.
     pub fn new(mesh: &'m Mesh, questions: &[ContactQuestion]) -> Result<ForceProblem<'m>, SensingError> {
         check_questions(mesh.finger(), questions)?;
         Ok(ForceProblem {
@@ -351,8 +351,8 @@ impl<'m> ForceProblem<'m> {
                 Unknown::Object(way) => nuisances.object[way as usize] += x,
                 Unknown::Shared(k) => nuisances.share(k, &self.shared_errors[k], x),
                 Unknown::Position(i) => {
-                    if let ContactPosition::At(s_mm) = &mut contacts[i].position {
-                        let length = finger.plate_length_mm(Plate::Front);
+                    if let ContactPosition::At(PlatePosition { plate, s_mm }) = &mut contacts[i].position {
+                        let length = finger.plate_length_mm(*plate);
                         let x = x.clamp(-LONGEST_MOVE * length, LONGEST_MOVE * length);
                         let before_mm = *s_mm;
                         *s_mm = (before_mm + x).clamp(before_mm.min(NEAREST_TO_BASE * length), length);
@@ -367,7 +367,7 @@ impl<'m> ForceProblem<'m> {
             // A known or measured direction refers to the measured pose of the base.
             if let Some(stated_deg) = question.direction.stated_deg() {
                 let lean_deg = nuisances.further_leans_deg[i];
-                contact.angle_deg = stated_deg + lean_deg - nuisances.base.rotation.angle().to_degrees();
+                contact.angle_deg = stated_deg + lean_deg - nuisances.base_turn_deg(contact.position.plate());
             }
             if let Direction::Leaning(lean) = question.direction {
                 let turned = match lean.from {

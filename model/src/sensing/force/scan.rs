@@ -109,7 +109,7 @@ fn scanned_contacts(problem: &ForceProblem, question: &ContactQuestion) -> Vec<C
     let length_mm = problem.finger().plate_length_mm(Plate::Front);
     let positions = match question.position {
         Some(position) => vec![position],
-        None => POSITIONS.map(|share| ContactPosition::At(share * length_mm)).to_vec(),
+        None => POSITIONS.map(|share| ContactPosition::at(share * length_mm)).to_vec(),
     };
     let angles_deg = match question.direction {
         Direction::Angle(angle_deg) => vec![angle_deg],

@@ -89,7 +89,7 @@ pub(super) fn start_at(problem: &mut ForceProblem, seen: Seen, start: StartingPo
             Some(_) => *contact,
             None => {
                 let s_mm = contact.position_mm(finger).unwrap_or(0.5 * finger.plate_length_mm(Plate::Front));
-                Contact { position: ContactPosition::At(s_mm), ..*contact }
+                Contact { position: ContactPosition::at(s_mm), ..*contact }
             }
         })
         .collect();

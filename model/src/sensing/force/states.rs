@@ -65,7 +65,7 @@ fn state_found<'m>(
 /// contacts.
 ///
 /// # Errors
-/// [`LoadError`] for a contact off the front plate.
+/// [`LoadError`] for a contact off its plate.
 pub(super) fn state_of(
     problem: &ForceProblem,
     contacts: Vec<Contact>,
@@ -76,7 +76,7 @@ pub(super) fn state_of(
     let position_mm = |contact: &Contact| contact.position_mm(problem.finger()).unwrap_or(f64::NAN);
     for (i, (contact, question)) in contacts.iter().zip(&problem.questions).enumerate() {
         if let Direction::Measured(normal) = question.direction {
-            let normal_deg = normal.angle_deg - nuisances.base.rotation.angle().to_degrees();
+            let normal_deg = normal.angle_deg - nuisances.base_turn_deg(contact.position.plate());
             nuisances.further_leans_deg[i] = contact.angle_deg - normal_deg;
             plate_turns_rad[i] = normal_deg.to_radians();
         }

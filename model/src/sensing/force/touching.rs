@@ -6,7 +6,7 @@
 
 use super::linearised::Posed;
 use crate::Vector;
-use crate::finger::Plate;
+use crate::finger::PlatePosition;
 use crate::mesh::{Load, LoadError, Mesh};
 use crate::sensing::{ContactQuestion, Direction, Lean, Normal, TouchedObject};
 use nalgebra::Point2;
@@ -38,9 +38,11 @@ impl Touching {
     /// Violations of the contact conditions by a shape. Each violation is divided by its standard deviation and multiplied by the noise, mm.
     pub fn misses_mm<'t>(&'t self, mesh: &'t Mesh, shape: Posed<'t>, noise_mm: f64) -> impl Iterator<Item = f64> + 't {
         self.contacts.iter().flat_map(move |&(i, pad_mm)| {
-            // The contacts have been checked and are on the plate.
-            let s_mm = shape.contacts[i].position_mm(mesh.finger()).unwrap_or(f64::NAN);
-            let missed = self.missed_mm(mesh, (s_mm, pad_mm), shape).unwrap_or([f64::NAN; 2]);
+            // The contacts have been checked and are on their plates.
+            let contact = &shape.contacts[i];
+            let s_mm = contact.position_mm(mesh.finger()).unwrap_or(f64::NAN);
+            let at = PlatePosition { plate: contact.position.plate(), s_mm };
+            let missed = self.missed_mm(mesh, (at, pad_mm), shape).unwrap_or([f64::NAN; 2]);
             [0, 1].map(|way| missed[way] / CLOSED_SD_MM[way] * noise_mm)
         })
     }
@@ -50,17 +52,22 @@ impl Touching {
         self.misses_mm(mesh, shape, noise_mm).map(|missed_mm| missed_mm * missed_mm).sum()
     }
 
-    /// Distance between the plate at position `s_mm`, with a pad of thickness `pad_mm`, and the point of the outline that faces this position. Returns
+    /// Distance between the plate at the position `at`, with a pad of thickness `pad_mm`, and the point of the outline that faces this position. Returns
     /// the gap and the distance along the plate, mm.
-    pub fn missed_mm(&self, mesh: &Mesh, (s_mm, pad_mm): (f64, f64), shape: Posed) -> Result<[f64; 2], LoadError> {
+    pub fn missed_mm(
+        &self,
+        mesh: &Mesh,
+        (at, pad_mm): (PlatePosition, f64),
+        shape: Posed,
+    ) -> Result<[f64; 2], LoadError> {
         let Posed { motion, nuisances, .. } = shape;
-        let turn_deg = mesh.normal_turn(motion, &Load::at_position(s_mm, Vector::zeros()), 0.0)?.to_degrees();
+        let turn_deg = mesh.normal_turn(motion, &Load::at_position(at, Vector::zeros()), 0.0)?.to_degrees();
         let [inward, tipward] =
-            [0.0, 90.0].map(|deg| nuisances.base.rotation * mesh.finger().direction(deg + turn_deg));
-        let point = nuisances.base * Point2::from(mesh.plate_point(motion, s_mm)?);
+            [0.0, 90.0].map(|deg| nuisances.base.rotation * mesh.finger().direction_on(at.plate, deg + turn_deg));
+        let point = nuisances.base * Point2::from(mesh.plate_point(motion, at)?);
         let apart = point.coords - self.object.point_facing(inward, nuisances.object);
         // Distance from the plate's middle line to the surface of plate and pad.
-        let reach_mm = 0.5 * mesh.finger().thickness_mm(Plate::Front, s_mm) + pad_mm;
+        let reach_mm = 0.5 * mesh.finger().thickness_mm(at.plate, at.s_mm) + pad_mm;
         Ok([apart.dot(&inward) - reach_mm, apart.dot(&tipward)])
     }
 }

@@ -122,7 +122,7 @@ impl NetworkCard {
             self.test_errors.len().to_string(),
         )?;
         for contact in &self.contacts {
-            let position_mm = if let ContactPosition::At(s_mm) = contact.position { s_mm } else { 0.0 };
+            let position_mm = if let ContactPosition::At(at) = contact.position { at.s_mm } else { 0.0 };
             let finite = contact.angle_deg.is_finite() && position_mm.is_finite();
             require(finite, "contacts", "finite positions and angles", format!("{contact:?}"))?;
         }

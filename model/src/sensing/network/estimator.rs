@@ -272,7 +272,7 @@ fn selection(network: &Network, finger: &Finger, contacts: &[Contact]) -> Result
     let trained = &network.card.contacts;
     let length_mm = finger.plate_length_mm(Plate::Front);
     let same = |a: &Contact, b: &Contact| match (a.position_mm(finger), b.position_mm(finger)) {
-        (Some(one_mm), Some(other_mm)) => {
+        (Some(one_mm), Some(other_mm)) if a.position.plate() == b.position.plate() => {
             (one_mm - other_mm).abs() <= SAME_CONTACT * length_mm && (a.angle_deg - b.angle_deg).abs() <= SAME_CONTACT
         }
         _ => false,

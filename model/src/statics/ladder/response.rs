@@ -7,6 +7,7 @@ use super::loads::place;
 use super::{Ladder, Location, dispatched};
 use crate::Vector;
 use crate::element::quarter_turn;
+use crate::finger::Plate;
 use crate::frame::{FrameLoad, FrameMotion};
 
 /// Line, element, and a gradient with respect to the motions of the element's two nodes. The gradient is minus the forces, N and N mm.
@@ -30,18 +31,18 @@ impl Ladder<'_> {
         self.respond_to(motion, on, out);
     }
 
-    /// Writes to `out` the markers' first-order displacements per mm that a load moves along the front plate towards the tip, mm per mm. `out` is indexed by
+    /// Writes to `out` the markers' first-order displacements per mm that a load moves along its `plate` towards the tip, mm per mm. `out` is indexed by
     /// key node from 0.
-    pub fn moved_load(&mut self, motion: &FrameMotion, load: &FrameLoad, out: &mut [Vector]) {
+    pub fn moved_load(&mut self, motion: &FrameMotion, load: &FrameLoad, plate: Plate, out: &mut [Vector]) {
         let frame = self.mesh.frame();
         let slope = match *load {
-            // The elements of the front plate point from base to tip, the direction in which the load moves.
+            // The elements of the plates point from base to tip, the direction in which the load moves.
             FrameLoad::Interior { member, xi, force } => {
                 frame.interior_load_slope(motion, member, self.kinematics, xi, force)
             }
             FrameLoad::Node { .. } | FrameLoad::Arm { .. } => {
                 let (end, force, _) = load.at_end(frame);
-                frame.arm_load_slope(motion, end, self.mesh.finger().front_tangent(), force, self.linear())
+                frame.arm_load_slope(motion, end, self.mesh.finger().tangent(plate), force, self.linear())
             }
         };
         let on = self.placed(load, numbers(&-slope));

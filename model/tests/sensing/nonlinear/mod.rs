@@ -4,6 +4,7 @@ mod hard_measurements;
 mod nuisances;
 mod rivals;
 
+use finray_model::finger::Plate;
 use finray_model::frame::FrameLoad;
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{
@@ -195,7 +196,7 @@ proptest! {
         let [FrameLoad::Interior { member: a, .. }, FrameLoad::Interior { member: b, .. }] =
             [position(s_mm + shift), position(s_mm - shift)] else { return Err(TestCaseError::reject("a kink")) };
         prop_assume!(a == b);
-        statics.equations_mut().moved_load(&found.motion, &loads[1], &mut rates);
+        statics.equations_mut().moved_load(&found.motion, &loads[1], Plate::Front, &mut rates);
         let largest = rates.iter().map(|u| u.norm()).fold(0.0, f64::max);
         for (node, rate) in rates.iter().enumerate() {
             let difference: Vector = (further[node] - nearer[node]) / (2.0 * shift);

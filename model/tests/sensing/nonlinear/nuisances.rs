@@ -258,7 +258,7 @@ fn bases_far_off_are_found() {
     let mut rng = ChaCha8Rng::seed_from_u64(12);
     let mut within = |from: f64, to: f64| rng.random_range(from..to);
     for _ in 0..100 {
-        let contact = Contact { position: ContactPosition::At(within(45.0, 95.0)), angle_deg: within(0.0, 25.0) };
+        let contact = Contact { position: ContactPosition::at(within(45.0, 95.0)), angle_deg: within(0.0, 25.0) };
         let force_n = within(1.0, 4.0);
         let clean = seen(&mesh, &[contact], &[force_n], Kinematics::Corotational).expect("carried");
         let (moved, turned_rad) = (Vector::new(within(-5.0, 5.0), within(-5.0, 5.0)), within(-0.1, 0.1));
@@ -287,7 +287,7 @@ fn sigmas_are_responses_to_noise() {
 fn responses_of(base: BaseUncertainty, turned_rad: f64) {
     let finger = bracketed();
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
-    let contact = Contact { position: ContactPosition::At(70.0), angle_deg: 15.0 };
+    let contact = Contact { position: ContactPosition::at(70.0), angle_deg: 15.0 };
     let clean = seen(&mesh, &[contact], &[8.0], Kinematics::Corotational).expect("carried");
     let clean = from_another_base(&finger, &clean, Vector::zeros(), turned_rad);
     let direction = Direction::Angle(contact.angle_deg + turned_rad.to_degrees());

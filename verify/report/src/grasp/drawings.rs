@@ -138,11 +138,11 @@ pub(super) fn arrows(scene: &GraspScene, step: &GraspStep, largest_n: f64) -> Ve
                 [drawn(foot + away), drawn(foot)]
             };
             if seen.normal_n > 0.0 {
-                let along = finger.direction(seen.contact.angle_deg) * seen.normal_n;
+                let along = seen.contact.direction(finger) * seen.normal_n;
                 series.push(Series::arrow(arrow(along), format!("{:.2} N", seen.normal_n), Hue::VERMILION));
             }
             if let Some(sensed) = sensed.filter(|sensed| sensed.force.sensed_n > 0.0) {
-                let along = finger.direction(sensed.read.contact.angle_deg) * sensed.force.sensed_n;
+                let along = sensed.read.contact.direction(finger) * sensed.force.sensed_n;
                 let arrow = Series::arrow(arrow(along), "", Hue::PURPLE);
                 series.push(Series { labels: Vec::new(), dash: Dash::Dashed, ..arrow });
             }

@@ -38,14 +38,13 @@ pub fn misjudged(finger: &Finger, contact: Contact) -> Vec<Contact> {
     let length_mm = finger.plate_length_mm(Plate::Front);
     let s_mm = contact.position_mm(finger).unwrap_or(f64::NAN);
     let off = |(by_mm, by_deg)| Contact {
-        position: ContactPosition::At(s_mm + by_mm),
+        position: ContactPosition::at(s_mm + by_mm),
         angle_deg: contact.angle_deg + by_deg,
     };
     let signs =
         [-POSITION_OFF_MM, POSITION_OFF_MM].map(|mm| [-DIRECTION_OFF_DEG, DIRECTION_OFF_DEG].map(|deg| (mm, deg)));
     let all: Vec<Contact> = signs.concat().into_iter().map(off).collect();
-    let on_plate =
-        |contact: &&Contact| matches!(contact.position, ContactPosition::At(s_mm) if s_mm > 0.0 && s_mm <= length_mm);
+    let on_plate = |contact: &&Contact| matches!(contact.position, ContactPosition::At(at) if at.s_mm > 0.0 && at.s_mm <= length_mm);
     let on: Vec<Contact> = all.iter().filter(on_plate).copied().collect();
     if on.is_empty() { all } else { on }
 }

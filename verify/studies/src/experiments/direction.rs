@@ -212,7 +212,7 @@ fn contacts(finger: &Finger, request: &DirectionRequest) -> Vec<Contact> {
     let at = |s_mm| {
         angles
             .iter()
-            .map(move |&angle_deg| Contact { position: ContactPosition::At(s_mm), angle_deg })
+            .map(move |&angle_deg| Contact { position: ContactPosition::at(s_mm), angle_deg })
             .collect::<Vec<_>>()
     };
     positions.iter().flat_map(|&s_mm| at(s_mm)).collect()

@@ -85,7 +85,7 @@ impl ExplanationMap {
         let at_rest = Statics::ladder(mesh, Kinematics::Corotational);
         let of_position = |&s_mm: &f64| {
             let cell = |&angle_deg: &f64| -> Result<Explanation, LoadError> {
-                let contact = Contact { position: ContactPosition::At(s_mm), angle_deg };
+                let contact = Contact { position: ContactPosition::at(s_mm), angle_deg };
                 let sensitivity = Sensitivity::of(mesh, &at_rest, &contact, force_n)?;
                 Ok(Explanation::of(s_mm, angle_deg, force_n, noise_mm, sensitivity.as_ref()))
             };
@@ -139,7 +139,7 @@ impl Sensitivity {
         let along = marker_coordinates(finger, &rates);
         ladder.added_load(&motion, &across, &mut rates);
         let across = marker_coordinates(finger, &rates);
-        ladder.moved_load(&motion, &load, &mut rates);
+        ladder.moved_load(&motion, &load, Plate::Front, &mut rates);
         let moved = marker_coordinates(finger, &rates);
         Ok(Some(Sensitivity { along, across, moved }))
     }

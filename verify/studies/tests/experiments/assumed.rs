@@ -16,9 +16,9 @@ fn an_assumed_contact_is_off_to_each_side_in_turn() {
     let finger = finger(finray_fixtures::PAPER_SCENE);
     let length_mm = finger.plate_length_mm(Plate::Front);
     for (s_mm, reached) in [(60.0, &[-1.0, 1.0][..]), (length_mm - 0.5, &[-1.0]), (1.0, &[1.0])] {
-        let found = misjudged(&finger, Contact { position: ContactPosition::At(s_mm), angle_deg: 20.0 });
+        let found = misjudged(&finger, Contact { position: ContactPosition::at(s_mm), angle_deg: 20.0 });
         let of_side = |side: &f64| {
-            let position = ContactPosition::At(s_mm + side * POSITION_OFF_MM);
+            let position = ContactPosition::at(s_mm + side * POSITION_OFF_MM);
             [-DIRECTION_OFF_DEG, DIRECTION_OFF_DEG].map(|by_deg| Contact { position, angle_deg: 20.0 + by_deg })
         };
         assert_eq!(found, reached.iter().flat_map(of_side).collect::<Vec<_>>());
@@ -34,5 +34,5 @@ fn a_plate_shorter_than_the_assumption_keeps_wrong_contacts() {
         .replace("base_width_mm = 58.0", "base_width_mm = 1.0");
     let finger = finger(&small);
     assert!(finger.plate_length_mm(Plate::Front) < 2.0 * POSITION_OFF_MM);
-    assert_eq!(misjudged(&finger, Contact { position: ContactPosition::At(1.0), angle_deg: 0.0 }).len(), 4);
+    assert_eq!(misjudged(&finger, Contact { position: ContactPosition::at(1.0), angle_deg: 0.0 }).len(), 4);
 }

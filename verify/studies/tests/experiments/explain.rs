@@ -84,7 +84,7 @@ fn the_bound_is_how_the_nonlinear_estimator_scatters() {
 fn the_bounds_of_an_unknown_direction_are_how_force_and_direction_scatter() {
     let mut rng = ChaCha8Rng::seed_from_u64(6);
     for cell in EXPLAINED.iter().filter(|cell| cell.s_mm > 40.0) {
-        let question = ContactQuestion::new(Some(ContactPosition::At(cell.s_mm)), Direction::Auto);
+        let question = ContactQuestion::new(Some(ContactPosition::at(cell.s_mm)), Direction::Auto);
         let mut estimator = NonlinearEstimator::new(&MESH, &[question]).expect("a contact");
         let clean = measured(&MESH, cell);
         let (mut forces, mut angles) = (Vec::new(), Vec::new());

@@ -148,7 +148,7 @@ fn position_of_force(finger: &Finger, step: &ContactStep, rod: &TouchedRod) -> C
     let tangent = nalgebra::Rotation2::new(step.shape.motion(rod.node).rotation) * finger.front_tangent();
     let (normal, along) = (finger.direction(0.0), finger.direction(90.0));
     Contact {
-        position: ContactPosition::At(
+        position: ContactPosition::at(
             finger.front_position_mm(rod.node).expect("a front node") + rod.moment_nmm / tangent.perp(&rod.force),
         ),
         angle_deg: rod.force.dot(&along).atan2(rod.force.dot(&normal)).to_degrees(),

@@ -31,7 +31,7 @@ fn samples_of_a_cell_are_sensed_as_a_user_senses_them() {
         let truth = MeshTruth::new(truth, &fine, Kinematics::Corotational).expect("a finger at rest");
         for (cell, s_mm) in [8.0, 40.0, 90.0, 130.0, 150.0].into_iter().enumerate() {
             for angle_deg in [-80.0, -30.0, 0.0, 50.0, 80.0] {
-                let contact = Contact { position: ContactPosition::At(s_mm), angle_deg };
+                let contact = Contact { position: ContactPosition::at(s_mm), angle_deg };
                 let mut noise = Noise::of_stream(3, cell as u64);
                 let sensor = asked.at(&scene, contact).expect("a contact on the plate").remove(0);
                 for shape in truth.shapes(&contact, &[0.5, 3.0]) {

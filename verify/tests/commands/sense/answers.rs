@@ -1,6 +1,6 @@
 //! Sensed forces, their standard deviations and warnings.
 
-use super::{LEAST_SQUARES, SENSED, TRUTH, linear_shape, sense, sense_text};
+use super::{HEADER, LEAST_SQUARES, SENSED, TRUTH, linear_shape, sense, sense_text};
 use crate::kit::*;
 
 #[test]
@@ -14,6 +14,26 @@ fn contacts_keep_the_order_in_which_they_are_given() {
     let together = sense(&shape, &["--contact-at", "25.5@35", "114.75@-20", "--contact", "20@10"]);
     assert_eq!(together.texts("contact"), ["at", "at", "20"]);
     assert_close(&together.numbers("force_n"), &[2.25, 1.5, -0.4], SENSED);
+}
+
+/// The paper's finger is its own mirror image, so a mirrored table of displacements belongs to a force on the back plate.
+#[test]
+fn a_force_on_the_back_plate_is_that_of_the_mirror_image() {
+    let front = finray(&["solve", PAPER, "--load-at", "60.04:2,-10"]).done();
+    let shape = Csv::of(&front);
+    let [nodes, x, y] = ["node", "ux_mm", "uy_mm"].map(|name| shape.numbers(name));
+    let rows = nodes.iter().zip(x.iter().zip(&y)).map(|(node, (x, y))| format!("{},{x},{}\n", 26.0 - node, -y));
+    let mirrored = format!("node,ux_mm,uy_mm\n{}", rows.collect::<String>());
+    for contact in ["60.04@-10", "60.04@auto", "60.04@normal", "60.04+-1@-10+-2"] {
+        let sensed = |displacements: &str, contact: &str| {
+            sense(displacements, &["--contact-at", contact, "--estimator", "nonlinear", "--noise-mm", "0.05"])
+        };
+        let (ours, theirs) = (sensed(&mirrored, &format!("back:{contact}")), sensed(&front, contact));
+        assert_eq!((ours.texts("contact"), theirs.texts("contact")), (vec!["back:60"], vec!["at"]));
+        for column in &HEADER[1..] {
+            assert_close(&ours.numbers(column), &theirs.numbers(column), SENSED);
+        }
+    }
 }
 
 #[test]

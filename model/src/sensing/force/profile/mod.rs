@@ -92,7 +92,7 @@ pub(super) fn find_rivals(problem: &mut ForceProblem, state: &State, seen: Seen)
 
 /// The contact with index `i` of the linearised state at another position.
 fn moved(problem: &ForceProblem, i: usize, state: &State, s_mm: f64) -> Result<Contact, SensingError> {
-    let contact = Contact { position: ContactPosition::At(s_mm), ..state.contacts[i] };
+    let contact = Contact { position: ContactPosition::at(s_mm), ..state.contacts[i] };
     let Direction::Leaning(lean) = problem.questions[i].direction else { return Ok(contact) };
     let turn_rad = match lean.from {
         Normal::Deformed { over_mm } => {

@@ -52,6 +52,6 @@ impl Grid {
     /// Contact with index `number`, below [`contact_count`](Grid::contact_count). Contacts are ordered by position, then direction.
     pub fn contact(&self, number: usize) -> Contact {
         let (position, angle) = (number / self.angles_deg.len(), number % self.angles_deg.len());
-        Contact { position: ContactPosition::At(self.positions_mm[position]), angle_deg: self.angles_deg[angle] }
+        Contact { position: ContactPosition::at(self.positions_mm[position]), angle_deg: self.angles_deg[angle] }
     }
 }
