@@ -143,8 +143,8 @@ impl Estimate {
         }
     }
 
-    /// Widens each force's standard deviation, which so far includes only noise, by the model error of this force, in N. Sets a warning if a model
-    /// error exceeds the standard deviation due to noise and is not negligible.
+    /// Widens each force's standard deviation by the model error of this force, in N. Sets a warning if a model error exceeds the standard deviation
+    /// so far and is not negligible.
     pub(super) fn add_model_error(&mut self, error_n: Vec<f64>, warning: fn(ModelError) -> Warning) {
         let largest_n = self.forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         let over = |i: usize| error_n[i].abs() / self.sigmas_n[i];

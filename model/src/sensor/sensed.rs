@@ -129,8 +129,8 @@ impl std::fmt::Display for SensorWarning {
             }
             _ if *is_linear => "sigma_n includes the error of linearisation, which the estimator nonlinear avoids",
             Warning::Residual(_) => {
-                "sigma_n follows from the residual and does not include errors of a wrong model; check the contacts, their directions, the finger's \
-                 dimensions and the stated noise"
+                "sigma_n follows from the residual, which may be smaller than the effect of wrong contacts or a wrong finger; check the contacts, \
+                 their directions, the finger's dimensions and the stated noise"
             }
             _ => "sigma_n includes this error",
         };

@@ -36,8 +36,8 @@ pub struct NearForces<'n> {
 /// of camera frames. For unrelated measurements, call [`reset`](NonlinearEstimator::reset) before each measurement. Use one clone per thread.
 ///
 /// # Requirements
-/// Requires at least as many measured coordinates as unknowns. The unknowns are one force per contact, and each unknown position or direction. The
-/// ratio of the largest to the smallest singular value of the derivatives must be at most [`LARGEST_SPAN`](crate::sensing::LARGEST_SPAN).
+/// Requires at least as many measured coordinates as unknowns. The unknowns are one force per contact, each unknown position or direction, and
+/// the uncertain pose of a base, of an object, or other errors that the measurement states. The ratio of the largest to the smallest singular value of the derivatives must be at most [`LARGEST_SPAN`](crate::sensing::LARGEST_SPAN).
 ///
 /// # Reference
 /// For measured displacements u, the Levenberg-Marquardt method minimises |W (u - u(f, s, angle))|^2 (Nocedal and Wright, Numerical Optimization,
@@ -55,7 +55,7 @@ impl<'m> NonlinearEstimator<'m> {
     /// Prepares the estimator for contacts on a mesh.
     ///
     /// # Errors
-    /// [`SensingError`] if no contact is given, a contact is not on the free front plate, or two contacts are equal.
+    /// [`SensingError`] if no contact is given, a contact is not on a free part of its plate, or two contacts are equal.
     pub fn new(mesh: &'m Mesh, questions: &[ContactQuestion]) -> Result<NonlinearEstimator<'m>, SensingError> {
         let problem = ForceProblem::new(mesh, questions)?;
         Ok(NonlinearEstimator { problem, last: None, scan: None })

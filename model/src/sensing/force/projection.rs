@@ -24,7 +24,11 @@ pub(super) fn project(
         Unknown::Shared(k) => Some(shared_errors[k].pattern_mm[key_node]),
         Unknown::Base(BaseMotion::X) => Some(Vector::x()),
         Unknown::Base(BaseMotion::Y) => Some(Vector::y()),
-        _ => None,
+        Unknown::Force(_)
+        | Unknown::Position(_)
+        | Unknown::Across(_)
+        | Unknown::Base(BaseMotion::Turn)
+        | Unknown::Object(_) => None,
     };
     let sought: Vec<usize> = (0..unknowns.len()).filter(|&j| pattern(&unknowns[j], 0).is_some()).collect();
     let rows: Vec<PriorRow> =
@@ -55,7 +59,13 @@ pub(super) fn project(
         match unknowns[j] {
             Unknown::Shared(k) => nuisances.share(k, &shared_errors[k], by),
             Unknown::Base(BaseMotion::X) => nuisances.base.append_translation_mut(&Translation2::new(by, 0.0)),
-            _ => nuisances.base.append_translation_mut(&Translation2::new(0.0, by)),
+            Unknown::Base(BaseMotion::Y) => nuisances.base.append_translation_mut(&Translation2::new(0.0, by)),
+            // Not sought here: these unknowns have no pattern.
+            Unknown::Force(_)
+            | Unknown::Position(_)
+            | Unknown::Across(_)
+            | Unknown::Base(BaseMotion::Turn)
+            | Unknown::Object(_) => {}
         }
     }
     Some(nuisances)

@@ -7,7 +7,7 @@ use crate::sensing::{ContactQuestion, Direction, TouchedObject};
 pub(super) enum Unknown {
     /// Force along the contact's direction, N.
     Force(usize),
-    /// Position along the front plate, mm.
+    /// Position along the contact's plate, mm.
     Position(usize),
     /// Component of a force across the force's current direction or, for a measured direction, across the measured normal, N. This component changes
     /// the direction.
