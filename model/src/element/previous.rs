@@ -1,9 +1,10 @@
 //! Forces for the tangent of Newton's method, extrapolated from the shape before the last correction.
 //!
-//! Newton's correction moves the nodes along straight lines, so a correction that rotates a beam by the angle `a` also stretches it by a^2 / 2. A beam is
-//! stiff against stretching. Its forces at the corrected motion are therefore far from those at equilibrium, and so is the geometric stiffness that they
-//! cause in the next tangent. The next tangent is computed with the forces that follow to first order from the correction instead: these contain no such
-//! stretch. The residual stays exact, and so does the solution. The convergence stays quadratic, because the two forces agree to first order.
+//! Newton's correction moves the nodes along straight lines. A correction that rotates a beam by the angle `a` therefore also elongates it by the strain
+//! a^2 / 2. A beam is stiff against elongation, so its forces at the corrected motion are far from those at equilibrium. These forces cause geometric
+//! stiffness in the next tangent. The next tangent is computed instead with the forces that follow to first order from the correction, which contain no
+//! such elongation. The residual remains exact, so the solution does not change. The convergence remains quadratic, because the forces agree to first
+//! order.
 //!
 //! Reference: Magisano, Leonetti, Garcea, How to improve efficiency and robustness of the Newton method in geometrically non-linear structural problem
 //! discretized via displacement-based finite elements, Comput. Methods Appl. Mech. Engrg. 313 (2017) 986-1005: mixed integration points.
