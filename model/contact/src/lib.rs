@@ -3,7 +3,7 @@
 //! # Entry points
 //! [`press::ContactScene`] presses the object of a scene onto its finger and senses the forces; [`pressing::Pressing`] moves or pulls an object against
 //! one finger, without a scene. [`World`] holds one or more fingers on moving bases, a free object, and its
-//! support. Both take outlines ([`outline::Shape`]): discs and polygons.
+//! support. Both take outlines ([`outline::ContactOutline`]): discs and polygons.
 //!
 //! ```
 //! use finray_contact::press::ContactScene;

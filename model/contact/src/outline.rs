@@ -1,4 +1,8 @@
-//! Outline of an object: its corners and sides, and the features that are near a part of a finger.
+//! Outline of an object in contact: its corners and sides, and the features that are near a part of a finger.
+//!
+//! A scene states an [`Outline`], which [`ContactOutline::of_object`] turns into the only outline that contact knows: corners, with a radius about
+//! each. A disc is one corner with its radius; a box or a polygon has the radius 0. A new outline of a scene is a variant of [`Outline`] and its
+//! corners here. [`Meeting`] is the geometry of each kind of feature.
 
 use crate::carrier::{AxisPoint, Deformed};
 use crate::pair::{Meeting, Pair};
@@ -38,12 +42,12 @@ const DRAWN_CORNERS: usize = 90;
 /// exceeds this tolerance.
 const AREA_TOLERANCE: f64 = 1e-9;
 
-/// Outline of an object in its own frame, mm.
+/// Outline of an object in its own frame, mm: corners, with a radius about each.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Shape {
-    /// Corners of a polygon, counter-clockwise, mm; for a disc, only its centre.
+pub struct ContactOutline {
+    /// Corners, counter-clockwise, mm; for a disc, only its centre.
     corners: Vec<Vector>,
-    /// Radius of a disc, mm; 0 for a polygon.
+    /// Radius about each corner, mm: that of a disc, 0 for a polygon.
     disc_mm: f64,
     /// Largest distance of an outline point from the object's origin, mm.
     size_mm: f64,
@@ -58,51 +62,51 @@ const BEYOND: f64 = 1e-9;
 /// Largest number of steps in which the foot of a corner on a piece is found.
 const FOOT_STEPS: usize = 30;
 
-impl Shape {
+impl ContactOutline {
     /// The outline of a scene's object about its reference point, rotated as the scene states. `corners` (mm) are a polygon's corners from its file;
     /// they are ignored for other outlines.
     ///
     /// # Errors
     /// [`OutlineError`] for corners that form no valid outline.
-    pub fn of_object(object: &ObjectDescription, corners: &[Vector]) -> Result<Shape, OutlineError> {
+    pub fn of_object(object: &ObjectDescription, corners: &[Vector]) -> Result<ContactOutline, OutlineError> {
         let turn = Rotation2::new(object.rotation_deg.to_radians()).into_inner();
         Ok(match object.outline {
-            Outline::Disc { radius_mm } => Shape::disc(radius_mm),
+            Outline::Disc { radius_mm } => ContactOutline::disc(radius_mm),
             Outline::Box { width_mm, height_mm } => {
                 let (x, y) = (0.5 * width_mm, 0.5 * height_mm);
                 let corners = [Vector::new(-x, -y), Vector::new(x, -y), Vector::new(x, y), Vector::new(-x, y)];
-                Shape::polygon(&corners).mapped(turn)
+                ContactOutline::polygon(&corners).mapped(turn)
             }
             Outline::Polygon { .. } => {
                 triangles(corners)?;
-                Shape::polygon(corners).mapped(turn)
+                ContactOutline::polygon(corners).mapped(turn)
             }
         })
     }
 
     /// A disc of the given radius, mm, centred at the object's origin.
-    pub fn disc(radius_mm: f64) -> Shape {
-        Shape { corners: vec![Vector::zeros()], disc_mm: radius_mm, size_mm: radius_mm }
+    pub fn disc(radius_mm: f64) -> ContactOutline {
+        ContactOutline { corners: vec![Vector::zeros()], disc_mm: radius_mm, size_mm: radius_mm }
     }
 
     /// A polygon with these corners, mm, clockwise or counter-clockwise.
-    pub fn polygon(corners: &[Vector]) -> Shape {
+    pub fn polygon(corners: &[Vector]) -> ContactOutline {
         let mut corners = corners.to_vec();
         if doubled_area(&corners) < 0.0 {
             corners.reverse();
         }
         let size_mm = corners.iter().map(Vector::norm).fold(0.0, f64::max);
-        Shape { corners, disc_mm: 0.0, size_mm }
+        ContactOutline { corners, disc_mm: 0.0, size_mm }
     }
 
     /// The outline after an orthogonal map: a rotation or a reflection.
-    pub fn mapped(&self, map: Matrix2<f64>) -> Shape {
+    pub fn mapped(&self, map: Matrix2<f64>) -> ContactOutline {
         let corners: Vec<Vector> = self.corners.iter().map(|corner| map * corner).collect();
-        Shape { disc_mm: self.disc_mm, ..Shape::polygon(&corners) }.with_size(self.size_mm)
+        ContactOutline { disc_mm: self.disc_mm, ..ContactOutline::polygon(&corners) }.with_size(self.size_mm)
     }
 
-    fn with_size(self, size_mm: f64) -> Shape {
-        Shape { size_mm, ..self }
+    fn with_size(self, size_mm: f64) -> ContactOutline {
+        ContactOutline { size_mm, ..self }
     }
 
     /// Centroid of the area, mm.

@@ -1,16 +1,15 @@
 //! Overlap of an object with walls of a finger, whatever the side from which the object meets them.
 
-use crate::outline::{PoseInFinger, Shape};
+use crate::TouchedPart;
+use crate::outline::{ContactOutline, PoseInFinger};
 use crate::region::Boundary;
-use crate::{TouchedPart, Wall};
-use finray_model::finger::{Finger, Plate};
 use finray_model::frame::FrameMotion;
 use finray_model::{Mesh, Vector};
 
 /// Deepest overlap of an object with members of a deformed finger: the touched part, and the depth, mm. Members are straight between their nodes.
 pub(crate) fn deepest<'b>(
     (mesh, motion): (&Mesh, &FrameMotion),
-    (shape, pose): (&Shape, &PoseInFinger),
+    (shape, pose): (&ContactOutline, &PoseInFinger),
     members: impl Iterator<Item = &'b Boundary>,
 ) -> Option<(TouchedPart, f64)> {
     let mut deepest: Option<(TouchedPart, f64)> = None;
@@ -24,7 +23,7 @@ pub(crate) fn deepest<'b>(
         let mut s_mm = member.from_mm;
         for ends in member.line(mesh).nodes.windows(2) {
             let length_mm = (mesh.frame().position(ends[1]) - mesh.frame().position(ends[0])).norm();
-            let half_mm = half_mm(member, mesh.finger(), s_mm + 0.5 * length_mm);
+            let half_mm = member.overlapping_half_mm(mesh.finger(), s_mm + 0.5 * length_mm);
             let (distance_mm, share) = distance_mm(shape, [at(ends[0]), at(ends[1])]);
             add(TouchedPart::On(member.wall, s_mm + share * length_mm), half_mm - distance_mm);
             s_mm += length_mm;
@@ -33,17 +32,9 @@ pub(crate) fn deepest<'b>(
     deepest
 }
 
-/// Half the thickness of a member, mm, but for the back plate at most that of the front plate: a thicker back plate reaches through the front plate's
-/// surface at the tip.
-fn half_mm(member: &Boundary, finger: &Finger, s_mm: f64) -> f64 {
-    let own_mm = member.half_mm(finger, s_mm);
-    let front_mm = 0.5 * finger.thickness_mm(Plate::Front, 0.0);
-    if member.wall == Wall::Back { own_mm.min(front_mm) } else { own_mm }
-}
-
 /// Distance of a line segment from an object, mm, and the share of the segment's length at which it is smallest. The distance is negative if the
 /// segment runs into the object: minus the depth of its deepest end or middle.
-fn distance_mm(shape: &Shape, segment: [Vector; 2]) -> (f64, f64) {
+fn distance_mm(shape: &ContactOutline, segment: [Vector; 2]) -> (f64, f64) {
     let (corners, disc_mm) = shape.corners();
     let to_point = |point: &Vector| {
         let (away_mm, share) = to_segment(segment, *point);

@@ -1,6 +1,6 @@
 //! Motion of a pressed object: its starting position, and the steps of the hand.
 
-use crate::outline::{OutlineError, Shape};
+use crate::outline::{ContactOutline, OutlineError};
 use crate::pressing::Push;
 use finray_model::finger::Plate;
 use finray_model::scene::{ObjectDescription, ObjectMotion, Until};
@@ -25,7 +25,7 @@ pub enum PressError {
 #[derive(Debug, Clone)]
 pub struct PreparedObject {
     /// Outline of the object.
-    pub outline: Shape,
+    pub outline: ContactOutline,
     /// Coefficient of friction, dimensionless.
     pub friction: f64,
     /// Starting position in the finger frame, mm.
@@ -54,7 +54,7 @@ impl PreparedObject {
     /// [`PressError`] for a free object, or corners that form no valid outline.
     pub fn new(scene: &Scene, object: &ObjectDescription, corners: &[Vector]) -> Result<PreparedObject, PressError> {
         let finger = &scene.finger;
-        let outline = Shape::of_object(object, corners)?;
+        let outline = ContactOutline::of_object(object, corners)?;
         let share = |step: usize| step as f64 / object.steps as f64;
         let (start, along, steps) = match &object.motion {
             ObjectMotion::Free { .. } => return Err(PressError::Free),
@@ -81,7 +81,7 @@ impl PreparedObject {
 }
 
 /// Position of an object (mm, finger frame) on its line of motion at which it first meets the straight line over the undeformed finger's rods.
-fn first_touch(finger: &Finger, rod_radius_mm: f64, outline: &Shape, at_mm: f64, along: Vector) -> Vector {
+fn first_touch(finger: &Finger, rod_radius_mm: f64, outline: &ContactOutline, at_mm: f64, along: Vector) -> Vector {
     let inward = finger.direction(0.0);
     let surface_mm = rod_radius_mm.max(0.5 * finger.description().front.thickness_mm);
     let distance_mm = (outline.reach_mm(inward, 0.0) + surface_mm) / along.dot(&inward);

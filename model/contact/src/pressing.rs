@@ -5,7 +5,7 @@
 //! moved into the clamped end of the plate stops there. Every step is an equilibrium of one finger and a held object. The hand moves in short
 //! increments, because friction depends on the whole path.
 
-use crate::outline::Shape;
+use crate::outline::ContactOutline;
 use crate::world::{Drive, GraspFailure, Moment, World, WorldError};
 use crate::{ContactError, Touch};
 use finray_model::finger::Plate;
@@ -102,7 +102,7 @@ impl<'m> Pressing<'m> {
     pub fn new(
         mesh: &'m Mesh,
         rod_radius_mm: f64,
-        (shape, friction): (Shape, f64),
+        (shape, friction): (ContactOutline, f64),
         start: Vector,
         along: Vector,
     ) -> Result<Pressing<'m>, ContactError> {

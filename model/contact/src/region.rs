@@ -116,6 +116,13 @@ impl Boundary {
         }
     }
 
+    /// Half the thickness of the member, mm, that an object may not overlap: for the back plate at most that of the front plate, because a thicker
+    /// back plate reaches through the front plate's surface at the tip.
+    pub(crate) fn overlapping_half_mm(&self, finger: &Finger, s_mm: f64) -> f64 {
+        let own_mm = self.half_mm(finger, s_mm);
+        if self.wall == Wall::Back { own_mm.min(0.5 * finger.thickness_mm(Plate::Front, 0.0)) } else { own_mm }
+    }
+
     /// The member in the mesh.
     pub(crate) fn line<'m>(&self, mesh: &'m Mesh) -> &'m Line {
         &mesh.lines()[self.line]

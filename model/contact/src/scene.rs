@@ -1,7 +1,7 @@
 //! Fingers, object and support, their state, and the loads on the object.
 
 use crate::ContactError;
-use crate::outline::{Feature, Shape};
+use crate::outline::{ContactOutline, Feature};
 use crate::region::Region;
 use crate::surface::Surface;
 use finray_model::frame::FrameMotion;
@@ -62,7 +62,7 @@ pub(crate) struct Scene<'m> {
     /// The fingers, the left one first.
     pub fingers: Vec<PlacedFinger<'m>>,
     /// Outline of the object.
-    pub shape: Shape,
+    pub shape: ContactOutline,
     /// Coefficient of Coulomb friction, dimensionless.
     pub friction: f64,
     /// Centre of mass in the object's frame, mm.

@@ -1,7 +1,7 @@
 //! Parts of a finger that can touch an object: discs of the rods, and pieces of the surfaces of walls.
 
 use crate::carrier::{Carrier, Mount};
-use crate::outline::{Feature, PoseInFinger, Shape};
+use crate::outline::{ContactOutline, Feature, PoseInFinger};
 use crate::pair::Pair;
 use crate::part::{Part, Touches};
 use crate::region::{Boundary, Region};
@@ -83,7 +83,7 @@ impl Surface {
     pub(crate) fn near(
         &self,
         motion: &FrameMotion,
-        (shape, pose): (&Shape, &PoseInFinger),
+        (shape, pose): (&ContactOutline, &PoseInFinger),
         within_mm: f64,
         is_relevant: impl Fn(&Carrier) -> bool,
         mut add: impl FnMut(usize, Feature, Pair, f64),

@@ -1,6 +1,6 @@
 //! Objects that touch a finger elsewhere than on its front plate: on the back plate, at the tip and the base, and between ribs.
 
-use finray_contact::outline::Shape;
+use finray_contact::outline::ContactOutline;
 use finray_contact::pressing::{Pressed, Pressing, Push};
 use finray_contact::{ContactError, Touch, TouchedPart, Wall};
 use finray_model::finger::Plate;
@@ -16,7 +16,7 @@ const SAME: f64 = 1e-6;
 fn pressed(
     mesh: &Mesh,
     rod_radius_mm: f64,
-    object: (Shape, f64),
+    object: (ContactOutline, f64),
     [from, to]: [Vector; 2],
 ) -> Result<Pressed, ContactError> {
     let along = (to - from).normalize();
@@ -44,10 +44,12 @@ fn fingers() -> [Finger; 2] {
 /// tip.
 #[test]
 fn the_back_plate_is_the_front_plate_of_the_mirror_image() {
-    let square = Shape::polygon(&[[-6.0, -6.0], [6.0, -6.0], [6.0, 6.0], [-6.0, 6.0]].map(Vector::from));
+    let square = ContactOutline::polygon(&[[-6.0, -6.0], [6.0, -6.0], [6.0, 6.0], [-6.0, 6.0]].map(Vector::from));
     let turn = nalgebra::Rotation2::new(0.3).into_inner();
     for (finger, s_mm) in fingers().into_iter().flat_map(|finger| [(finger.clone(), 81.0), (finger, 144.0)]) {
-        for (shape, friction) in [(Shape::disc(12.0), 0.0), (Shape::disc(12.0), 0.3), (square.mapped(turn), 0.0)] {
+        for (shape, friction) in
+            [(ContactOutline::disc(12.0), 0.0), (ContactOutline::disc(12.0), 0.3), (square.mapped(turn), 0.0)]
+        {
             let image = mirrored(&finger);
             let ways = path(&image, Plate::Front, s_mm, shape.reach_mm(image.inward(Plate::Front), 0.0), [1.0, 6.0]);
             let [ours, theirs] = [(&finger, true), (&image, false)].map(|(finger, is_back)| {
@@ -105,7 +107,7 @@ fn walls_between_ribs_yield_like_the_linear_finger() {
         let radius_mm = 2.0;
         let touching = at(node) - normal * (radius_mm + 0.75);
         let ways = [touching - normal * 0.1, touching + normal * TRAVEL_MM];
-        let found = pressed(&mesh, 0.0, (Shape::disc(radius_mm), 0.0), ways).expect("an equilibrium");
+        let found = pressed(&mesh, 0.0, (ContactOutline::disc(radius_mm), 0.0), ways).expect("an equilibrium");
         let is_there = |touch: &Touch| matches!(touch.part, TouchedPart::On(touched, _) if touched == wall);
         assert!(!found.touches.is_empty() && found.touches.iter().all(is_there), "{wall:?}: {:?}", found.touches);
         let expected_n = TRAVEL_MM / compliance(&mesh, node, normal);
@@ -123,7 +125,7 @@ fn the_base_stops_an_object_on_both_sides() {
     let mesh = Mesh::with_elements_per_member(&paper(), 2);
     for (from_mm, to_mm) in [(-20.0, 30.0), (6.0, -30.0)] {
         let ways = [from_mm, to_mm].map(|x_mm| Vector::new(x_mm, 2.0));
-        let found = pressed(&mesh, 1.5, (Shape::disc(5.0), 0.2), ways).expect("an equilibrium");
+        let found = pressed(&mesh, 1.5, (ContactOutline::disc(5.0), 0.2), ways).expect("an equilibrium");
         let expected_mm = if from_mm < 0.0 { -5.0 } else { 5.0 };
         assert!((found.object.x - expected_mm).abs() < 1e-6, "{:?}", found.object);
     }
@@ -135,7 +137,9 @@ fn an_object_across_a_wall_is_refused() {
     let finger = paper();
     let mesh = Mesh::with_elements_per_member(&finger, 2);
     let refused = |at: Vector, radius_mm: f64| {
-        pressed(&mesh, 1.5, (Shape::disc(radius_mm), 0.0), [at, at + Vector::x()]).map(|_| ()).expect_err("an overlap")
+        pressed(&mesh, 1.5, (ContactOutline::disc(radius_mm), 0.0), [at, at + Vector::x()])
+            .map(|_| ())
+            .expect_err("an overlap")
     };
     let back = refused(finger.plate_point(Plate::Back, 60.0), 4.0);
     let ContactError::Overlap { part: Some(TouchedPart::On(Wall::Back, s_mm)), overlap_mm } = back else {
@@ -146,7 +150,7 @@ fn an_object_across_a_wall_is_refused() {
     let rib = refused(on_rib, 1.0);
     assert!(matches!(rib, ContactError::Overlap { part: Some(TouchedPart::On(Wall::Rib(3), _)), .. }), "{rib:?}");
     // A box that covers the plates has no corner near them.
-    let wide = Shape::polygon(&[[-20.0, -60.0], [20.0, -60.0], [20.0, 60.0], [-20.0, 60.0]].map(Vector::from));
+    let wide = ContactOutline::polygon(&[[-20.0, -60.0], [20.0, -60.0], [20.0, 60.0], [-20.0, 60.0]].map(Vector::from));
     let ways = [Vector::new(60.0, 0.0), Vector::new(61.0, 0.0)];
     let wide = pressed(&mesh, 1.5, (wide, 0.0), ways).map(|_| ()).expect_err("an overlap");
     assert!(matches!(wide, ContactError::Overlap { .. }), "{wide:?}");
@@ -162,7 +166,7 @@ fn a_thick_back_plate_is_not_touched_from_the_front() {
     let mesh = Mesh::with_elements_per_member(&finger, 2);
     let (along, inward) = (finger.front_tangent(), finger.inward(Plate::Front));
     let corners = [[-15.0, 0.0], [15.0, 0.0], [15.0, -10.0], [-15.0, -10.0]];
-    let shape = Shape::polygon(&corners.map(|[x, y]| along * x + inward * y));
+    let shape = ContactOutline::polygon(&corners.map(|[x, y]| along * x + inward * y));
     let at = finger.plate_point(Plate::Front, 145.0) - inward * 0.75;
     let found = pressed(&mesh, 0.0, (shape, 0.0), [at, at + inward * 2.0]).expect("an equilibrium");
     assert!(!found.touches.is_empty());
@@ -177,7 +181,7 @@ fn a_wall_without_a_contact_model_is_named() {
     let mesh = Mesh::with_elements_per_member(&hinged, 2);
     let centre = 0.5 * (hinged.position(hinged.rib_nodes(4)[0]) + hinged.position(hinged.rib_nodes(4)[1]));
     let start = centre + Vector::new(6.0, 0.0);
-    let press = |to: Vector| pressed(&mesh, 1.5, (Shape::disc(2.0), 0.0), [start, to]);
+    let press = |to: Vector| pressed(&mesh, 1.5, (ContactOutline::disc(2.0), 0.0), [start, to]);
     assert!(press(start - Vector::x()).expect("no contact").touches.is_empty());
     let outcome = press(start - Vector::x() * 6.0).map(|_| ());
     assert!(matches!(outcome, Err(ContactError::Unmodelled { part: TouchedPart::On(Wall::Rib(4), _) })), "{outcome:?}");

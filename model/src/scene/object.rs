@@ -6,7 +6,8 @@ use crate::Vector;
 use crate::finger::{Finger, Plate};
 use crate::keys::{Kind, OBJECT};
 
-/// Outline of an object, relative to the object's reference point. Motions of the object refer to its reference point.
+/// Outline of a pressed or grasped object, relative to the object's reference point. Motions of the object refer to its reference point. The crate
+/// `finray-contact` turns it into corners with a radius about each (`outline::ContactOutline`).
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outline {
     /// A disc; its reference point is its centre.

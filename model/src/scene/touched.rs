@@ -4,14 +4,14 @@ use super::SceneError;
 use super::reader::TableReader;
 use crate::Vector;
 use crate::keys::TOUCHED;
-use crate::sensing::{ObjectShape, TouchedObject};
+use crate::sensing::{TouchedObject, TouchedOutline};
 use nalgebra::Isometry2;
 
 /// An object of known shape that touches the front plate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TouchedDescription {
     /// Outline of the object.
-    pub shape: ObjectShape,
+    pub shape: TouchedOutline,
     /// Pose of the object with its uncertainty; `None` if the scene does not state it.
     pub place: Option<ObjectPlace>,
 }
@@ -66,20 +66,20 @@ pub(super) fn read_touched(table: &TableReader) -> Result<TouchedDescription, Sc
 }
 
 /// Function that reads the keys of one type of outline.
-type ShapeReader = fn(&TableReader) -> Result<ObjectShape, SceneError>;
+type ShapeReader = fn(&TableReader) -> Result<TouchedOutline, SceneError>;
 
-fn read_shape(table: &TableReader) -> Result<ObjectShape, SceneError> {
-    let disc: ShapeReader = |table| Ok(ObjectShape::Disc { radius_mm: table.get(&TOUCHED.radius_mm)? });
-    let ellipse: ShapeReader = |table| Ok(ObjectShape::Ellipse { semi_axes_mm: table.get(&TOUCHED.semi_axes_mm)? });
+fn read_shape(table: &TableReader) -> Result<TouchedOutline, SceneError> {
+    let disc: ShapeReader = |table| Ok(TouchedOutline::Disc { radius_mm: table.get(&TOUCHED.radius_mm)? });
+    let ellipse: ShapeReader = |table| Ok(TouchedOutline::Ellipse { semi_axes_mm: table.get(&TOUCHED.semi_axes_mm)? });
     let polygon: ShapeReader = |table| {
         let corners = table.get(&TOUCHED.corners_mm)?.into_iter().map(Vector::from).collect();
-        ObjectShape::polygon(corners)
+        TouchedOutline::polygon(corners)
             .map_err(|error| table.wrong(TOUCHED.corners_mm.name, &error.to_string(), "others"))
     };
     table.shape(&TOUCHED, &TOUCHED.shape, [disc, ellipse, polygon])?(table)
 }
 
-fn read_place(table: &TableReader, shape: &ObjectShape, pose_mm: [f64; 2]) -> Result<ObjectPlace, SceneError> {
+fn read_place(table: &TableReader, shape: &TouchedOutline, pose_mm: [f64; 2]) -> Result<ObjectPlace, SceneError> {
     let turned = table.first_of(&[TOUCHED.rotation_deg.name, TOUCHED.rotation_sigma_deg.name]);
     if let Some(name) = turned.filter(|_| shape.is_round()) {
         return Err(table.not_of(name, "a disc"));

@@ -25,7 +25,7 @@ pub(crate) use force::{LinearisedAssembly, linearise_assembly};
 pub use lean::{Lean, MeasuredNormal, Normal};
 pub use linear::{ForcePrior, LinearEstimator};
 pub use linearisation::Linearisation;
-pub use object::{NotConvex, ObjectShape, TouchedObject};
+pub use object::{NotConvex, TouchedObject, TouchedOutline};
 pub use pad::Pad;
 pub(crate) use pad_force::{PadForce, plate_turn};
 pub(crate) use residual_test::noise_of;

@@ -1,11 +1,12 @@
-//! An object of known shape that touches the front plate.
+//! An object of known outline that touches the front plate while forces are sensed. Sensing needs only the point of the outline at which a tangent
+//! has a given direction, so the outline may be any convex curve; a pressed or grasped object has an [`Outline`](crate::scene::Outline) of its own.
 
 use crate::Vector;
 use nalgebra::{Isometry2, UnitComplex};
 
-/// A convex outline in the object's own frame, mm.
+/// A convex outline of a touched object in the object's own frame, mm.
 #[derive(Debug, Clone, PartialEq)]
-pub enum ObjectShape {
+pub enum TouchedOutline {
     /// A disc centred at the origin.
     Disc {
         /// Radius, mm.
@@ -28,13 +29,13 @@ pub enum ObjectShape {
 #[error("three or more corners of a convex polygon, listed in order")]
 pub struct NotConvex;
 
-impl ObjectShape {
+impl TouchedOutline {
     /// A polygon with the given corners, mm, listed in order along the outline, clockwise or counterclockwise.
     ///
     /// # Errors
     /// [`NotConvex`] for fewer than three corners, repeated corners, three successive corners on one line, or an outline that does not make one full
     /// turn in a single sense.
-    pub fn polygon(mut corners: Vec<Vector>) -> Result<ObjectShape, NotConvex> {
+    pub fn polygon(mut corners: Vec<Vector>) -> Result<TouchedOutline, NotConvex> {
         let count = corners.len();
         let at = |i: usize| corners[i % count];
         let turn = |i: usize| (at(i + 1) - at(i)).perp(&(at(i + 2) - at(i + 1)));
@@ -48,31 +49,31 @@ impl ObjectShape {
         if area < 0.0 {
             corners.reverse();
         }
-        Ok(ObjectShape::Polygon { corners })
+        Ok(TouchedOutline::Polygon { corners })
     }
 
     /// Whether every rotation about the origin leaves the outline unchanged.
     pub fn is_round(&self) -> bool {
-        matches!(self, ObjectShape::Disc { .. })
+        matches!(self, TouchedOutline::Disc { .. })
     }
 
     /// Largest distance of the outline from the origin, mm.
     pub(super) fn largest_radius_mm(&self) -> f64 {
         match self {
-            ObjectShape::Disc { radius_mm } => *radius_mm,
-            ObjectShape::Ellipse { semi_axes_mm: [a, b] } => a.max(*b),
-            ObjectShape::Polygon { corners } => corners.iter().map(Vector::norm).fold(0.0, f64::max),
+            TouchedOutline::Disc { radius_mm } => *radius_mm,
+            TouchedOutline::Ellipse { semi_axes_mm: [a, b] } => a.max(*b),
+            TouchedOutline::Polygon { corners } => corners.iter().map(Vector::norm).fold(0.0, f64::max),
         }
     }
 
     /// Point of the outline, in mm, that is farthest in the direction of the unit vector `along`. The outward normal at this point is `along`.
     fn furthest(&self, along: Vector) -> Vector {
         match self {
-            ObjectShape::Disc { radius_mm } => along * *radius_mm,
-            ObjectShape::Ellipse { semi_axes_mm: [a, b] } => {
+            TouchedOutline::Disc { radius_mm } => along * *radius_mm,
+            TouchedOutline::Ellipse { semi_axes_mm: [a, b] } => {
                 Vector::new(a * a * along.x, b * b * along.y) / (a * along.x).hypot(b * along.y)
             }
-            ObjectShape::Polygon { corners } => {
+            TouchedOutline::Polygon { corners } => {
                 let further = |p: &&Vector, q: &&Vector| p.dot(&along).total_cmp(&q.dot(&along));
                 corners.iter().max_by(further).copied().unwrap_or_default()
             }
@@ -84,7 +85,7 @@ impl ObjectShape {
 #[derive(Debug, Clone, PartialEq)]
 pub struct TouchedObject {
     /// Outline of the object.
-    pub shape: ObjectShape,
+    pub shape: TouchedOutline,
     /// Pose in the finger frame of the measurement: origin of the outline, mm, and rotation from x to y, rad.
     pub pose: Isometry2<f64>,
     /// Standard deviation of each coordinate of the origin, mm. Zero if the origin is known exactly.

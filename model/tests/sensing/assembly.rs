@@ -6,7 +6,7 @@ use finray_model::mesh::Load;
 use finray_model::observation::{Observation, ObservedBase, ObservedMarker};
 use finray_model::scene::{ObjectFrame, ObjectPlace, TouchedDescription};
 use finray_model::sensing::{
-    AssemblyErrors, Contact, ContactPosition, ContactQuestion, Direction, Lean, MeasuredContact, Normal, ObjectShape,
+    AssemblyErrors, Contact, ContactPosition, ContactQuestion, Direction, Lean, MeasuredContact, Normal, TouchedOutline,
 };
 use finray_model::sensor::{SensedForce, Sensor, SensorContacts, SensorOptions};
 use finray_model::statics::Statics;
@@ -247,7 +247,7 @@ enum Known {
 
 const POSITION_SD_MM: f64 = 0.5;
 const DIRECTION_SD_RAD: f64 = 0.02;
-const DISC: ObjectShape = ObjectShape::Disc { radius_mm: 30.0 };
+const DISC: TouchedOutline = TouchedOutline::Disc { radius_mm: 30.0 };
 const POSE_SD_MM: f64 = 0.3;
 
 /// Errors of the forces of `count` contacts, in stated standard deviations, on one newly mounted finger. `None` if the sensor refuses.
@@ -340,7 +340,7 @@ fn touching(mounted: &Mounted, s_mm: f64, force_n: f64) -> (Load, Isometry2<f64>
         let along = inward - tangent * inward.dot(&tangent);
         let normal = along.normalize();
         load = Load::at_position(s_mm, normal * force_n);
-        let ObjectShape::Disc { radius_mm } = DISC else { panic!("no disc") };
+        let TouchedOutline::Disc { radius_mm } = DISC else { panic!("no disc") };
         let reach_mm = radius_mm + 0.5 * finger.description().front.thickness_mm;
         place = Isometry2::new(at - normal * reach_mm, 0.0);
     }

@@ -6,8 +6,8 @@ use finray_model::finger::Plate;
 use finray_model::measurement::{BaseUncertainty, Marker, Measurement};
 use finray_model::mesh::Load;
 use finray_model::sensing::{
-    ContactQuestion, Direction, Lean, NonlinearEstimate, NonlinearEstimator, Normal, NotConvex, ObjectShape, Pad,
-    SensingError, TouchedObject,
+    ContactQuestion, Direction, Lean, NonlinearEstimate, NonlinearEstimator, Normal, NotConvex, Pad, SensingError,
+    TouchedObject, TouchedOutline,
 };
 use finray_model::statics::Statics;
 use finray_model::{Finger, Kinematics, Mesh, NodeId, Vector};
@@ -26,24 +26,24 @@ fn bracketed() -> Finger {
     finger_of(finray_fixtures::BRACKETED_SCENE)
 }
 
-fn shapes() -> [ObjectShape; 3] {
+fn shapes() -> [TouchedOutline; 3] {
     let corners = [[-25.0, -15.0], [20.0, -18.0], [24.0, 12.0], [-5.0, 22.0]].map(Vector::from);
     [
-        ObjectShape::Disc { radius_mm: 30.0 },
-        ObjectShape::Ellipse { semi_axes_mm: [36.0, 22.0] },
-        ObjectShape::polygon(corners.to_vec()).expect("convex"),
+        TouchedOutline::Disc { radius_mm: 30.0 },
+        TouchedOutline::Ellipse { semi_axes_mm: [36.0, 22.0] },
+        TouchedOutline::polygon(corners.to_vec()).expect("convex"),
     ]
 }
 
 /// Point of the unrotated outline at which `normal` is the outward normal.
-fn outline_point(shape: &ObjectShape, normal: Vector) -> Vector {
+fn outline_point(shape: &TouchedOutline, normal: Vector) -> Vector {
     match shape {
-        ObjectShape::Disc { radius_mm } => normal * *radius_mm,
-        ObjectShape::Ellipse { semi_axes_mm: [a, b] } => {
+        TouchedOutline::Disc { radius_mm } => normal * *radius_mm,
+        TouchedOutline::Ellipse { semi_axes_mm: [a, b] } => {
             Vector::new(a * a * normal.x, b * b * normal.y) / (a * normal.x).hypot(b * normal.y)
         }
         // The corner that is farthest in the direction of the normal.
-        ObjectShape::Polygon { corners } => {
+        TouchedOutline::Polygon { corners } => {
             *corners.iter().max_by(|p, q| p.dot(&normal).total_cmp(&q.dot(&normal))).expect("corners")
         }
     }
@@ -51,8 +51,8 @@ fn outline_point(shape: &ObjectShape, normal: Vector) -> Vector {
 
 /// A rotation with which an object touches the plate at one point. A polygon touches the plate with a corner, and none of its sides is parallel to
 /// the plate.
-fn turn_rad(shape: &ObjectShape, finger: &Finger, any_rad: f64) -> f64 {
-    let ObjectShape::Polygon { corners } = shape else { return any_rad };
+fn turn_rad(shape: &TouchedOutline, finger: &Finger, any_rad: f64) -> f64 {
+    let TouchedOutline::Polygon { corners } = shape else { return any_rad };
     let [before, corner, after] = [0, 1, 2].map(|i| corners[i]);
     let outward = (corner - before).normalize() + (corner - after).normalize();
     let inward = finger.direction(0.0);
@@ -72,7 +72,7 @@ fn pressed(
     at: f64,
     force_n: f64,
     lean_deg: f64,
-    shape: &ObjectShape,
+    shape: &TouchedOutline,
     turn_rad: f64,
     pad_mm: f64,
 ) -> Pressed {
@@ -186,7 +186,7 @@ fn sigmas_are_responses_to_noise_and_pose() {
     const SD_MM: f64 = 0.1;
     let finger = bracketed();
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
-    let (shape, lean) = (ObjectShape::Disc { radius_mm: 30.0 }, Lean::of_friction(0.3, 0.0));
+    let (shape, lean) = (TouchedOutline::Disc { radius_mm: 30.0 }, Lean::of_friction(0.3, 0.0));
     let truth = pressed(&mesh, 72.0, 7.0, lean.angle_deg, &shape, 0.0, 0.0);
     let sensed = |moved: Option<(NodeId, Vector)>, off: Vector| {
         let marker = |marker: &Marker| match moved {
@@ -220,7 +220,7 @@ fn sigmas_are_responses_to_noise_and_pose() {
 fn an_object_touches_the_pad() {
     let finger = bracketed();
     let (fine, mesh) = (Mesh::with_elements_per_member(&finger, FINE), Mesh::with_elements_per_member(&finger, 16));
-    let shape = ObjectShape::Disc { radius_mm: 30.0 };
+    let shape = TouchedOutline::Disc { radius_mm: 30.0 };
     let pad = Pad { length_mm: 0.0, thickness_mm: 3.0 };
     let truth = pressed(&fine, 72.0, 4.0, 0.0, &shape, 0.0, pad.thickness_mm);
     let object = TouchedObject { shape, pose: truth.pose, sd_mm: 0.05, sd_rad: 0.0 };
@@ -244,7 +244,7 @@ fn a_wide_range_of_friction_is_answered() {
     const NOISE_MM: f64 = 0.06;
     let finger = bracketed();
     let (fine, mesh) = (Mesh::with_elements_per_member(&finger, 8), Mesh::with_elements_per_member(&finger, ELEMENTS));
-    let shape = ObjectShape::Disc { radius_mm: 30.0 };
+    let shape = TouchedOutline::Disc { radius_mm: 30.0 };
     let lean = Lean::within([0.0, 0.6]);
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     let mut within = 0;
@@ -267,7 +267,7 @@ fn a_wide_range_of_friction_is_answered() {
 fn an_object_that_cannot_touch_is_refused() {
     let finger = bracketed();
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
-    let shape = ObjectShape::Disc { radius_mm: 30.0 };
+    let shape = TouchedOutline::Disc { radius_mm: 30.0 };
     let truth = pressed(&mesh, 72.0, 4.0, 0.0, &shape, 0.0, 0.0);
     for off_mm in [2.0, -2.0] {
         let pose = Isometry2::new(truth.pose.translation.vector - finger.direction(0.0) * off_mm, 0.0);
@@ -283,8 +283,8 @@ fn an_object_that_cannot_touch_is_refused() {
     assert_eq!(lost, Err(SensingError::NoObject { contact: 1 }));
 }
 
-fn polygon(corners: &[[f64; 2]]) -> Result<ObjectShape, NotConvex> {
-    ObjectShape::polygon(corners.iter().map(|c| Vector::new(c[0], c[1])).collect())
+fn polygon(corners: &[[f64; 2]]) -> Result<TouchedOutline, NotConvex> {
+    TouchedOutline::polygon(corners.iter().map(|c| Vector::new(c[0], c[1])).collect())
 }
 
 #[test]

@@ -5,7 +5,7 @@ use super::*;
 /// At a point of an ellipse, the normal has the direction of the gradient.
 #[test]
 fn points_of_an_outline_have_its_normal() {
-    let shape = ObjectShape::Ellipse { semi_axes_mm: [30.0, 12.0] };
+    let shape = TouchedOutline::Ellipse { semi_axes_mm: [30.0, 12.0] };
     let object = TouchedObject { shape, pose: Isometry2::new(Vector::new(5.0, -3.0), 0.4), sd_mm: 0.0, sd_rad: 0.0 };
     for step in 0..72 {
         let (sin, cos) = (f64::from(step) * 5.0_f64.to_radians()).sin_cos();

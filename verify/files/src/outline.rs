@@ -2,7 +2,7 @@
 
 use crate::FileError;
 use crate::table::Table;
-use finray_contact::outline::{OutlineError, Shape};
+use finray_contact::outline::{ContactOutline, OutlineError};
 use finray_model::scene::Outline;
 use finray_model::{Scene, Vector};
 use std::path::Path;
@@ -19,7 +19,7 @@ pub fn outline_corners(scene: &Scene, folder: &Path) -> Result<Vec<Vector>, File
     let table = Table::read(&file, &["x_mm", "y_mm"])?;
     let corner = |row| Ok(Vector::new(table.number(row, "x_mm")?, table.number(row, "y_mm")?));
     let corners: Vec<Vector> = table.rows.iter().map(corner).collect::<Result<_, FileError>>()?;
-    match Shape::of_object(object, &corners) {
+    match ContactOutline::of_object(object, &corners) {
         Ok(_) => Ok(corners),
         Err(error @ OutlineError::TooFar { corner }) => Err(table.wrong(&table.rows[corner - 1], error)),
         Err(error) => Err(FileError::content(&file, error)),

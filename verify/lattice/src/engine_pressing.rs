@@ -14,7 +14,7 @@ use crate::settling::{self, Dynamics, Settling, mass_for, own, rapier};
 use crate::skin::{Skin, add_skin, groups_of_object, require_one_thickness};
 use crate::springs::BodyIndex;
 use crate::{Lattice, LatticeError};
-use finray_contact::outline::Shape;
+use finray_contact::outline::ContactOutline;
 use finray_contact::path::PreparedObject;
 use finray_contact::pressing::{Pressed, Push};
 use finray_contact::{ContactError, Touch, TouchedPart, Wall};
@@ -334,7 +334,7 @@ impl<'l> EnginePressing<'l> {
 }
 
 /// The outline of an object for the physics engine; a non-convex outline is divided into convex pieces.
-fn engine_shape(outline: &Shape) -> SharedShape {
+fn engine_shape(outline: &ContactOutline) -> SharedShape {
     let (corners, disc_mm) = outline.corners();
     if disc_mm > 0.0 {
         return SharedShape::ball(disc_mm);

@@ -10,7 +10,7 @@
 
 use super::SeenContact;
 use super::contacts::{HalfSpan, member_mm};
-use crate::outline::Shape;
+use crate::outline::ContactOutline;
 use crate::{Touch, TouchedPart};
 use finray_model::finger::PlatePosition;
 use finray_model::sensing::{Contact, ContactPosition, MeasuredContact};
@@ -62,7 +62,13 @@ const ON_FACE_MM: f64 = 1e-2;
 /// Distance between the two outline points that show the direction of the surfaces at a touch, mm. If a flat face of the object touches, the points
 /// are the ends of that face. For a touch on a rod without a flat face, one point is the rod's centre. The other point is the touching corner, or the
 /// centre of the touching disc. For a touch elsewhere on the plate without a flat face, the points are the ends of the plate segment.
-pub fn baseline_mm(finger: &Finger, rod_radius_mm: f64, outline: &Shape, object: Vector, touch: &Touch) -> f64 {
+pub fn baseline_mm(
+    finger: &Finger,
+    rod_radius_mm: f64,
+    outline: &ContactOutline,
+    object: Vector,
+    touch: &Touch,
+) -> f64 {
     let (_, disc_mm) = outline.corners();
     let face = outline.sides().map(|[a, b]| (a + object, b - a)).find(|(from, face)| {
         let length_mm = face.norm();

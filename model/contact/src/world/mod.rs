@@ -9,7 +9,7 @@ mod observed;
 pub use account::Account;
 pub use ends::{GraspFailure, ObjectContact, TouchedBody, WorldError};
 
-use crate::outline::{PoseInFinger, Shape};
+use crate::outline::{ContactOutline, PoseInFinger};
 use crate::region::{Boundary, Region, boundaries};
 use crate::scene::{PlacedFinger, Scene, State, Surroundings};
 use crate::status::{ContactPair, touched};
@@ -78,7 +78,7 @@ impl<'m> World<'m> {
     pub fn new(
         meshes: &[&'m Mesh],
         rod_radius_mm: f64,
-        (shape, friction): (Shape, f64),
+        (shape, friction): (ContactOutline, f64),
         object: [f64; 3],
         drive: Drive,
         support: Option<(Vector, Vector)>,

@@ -3,7 +3,7 @@
 use super::motion::AT_REST;
 use super::{Account, ObjectContact, TouchedBody, World};
 use crate::Touch;
-use crate::outline::Shape;
+use crate::outline::ContactOutline;
 use crate::pair::Touching;
 use crate::status::{ContactPair, touched};
 use finray_model::frame::FrameMotion;
@@ -30,7 +30,7 @@ impl World<'_> {
     }
 
     /// Outline of the object.
-    pub fn shape(&self) -> &Shape {
+    pub fn shape(&self) -> &ContactOutline {
         &self.scene.shape
     }
 

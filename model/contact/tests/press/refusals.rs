@@ -2,7 +2,7 @@
 
 use super::{COARSE, prepared, scene, steps};
 use finray_contact::ContactError;
-use finray_contact::outline::{OutlineError, Shape};
+use finray_contact::outline::{ContactOutline, OutlineError};
 use finray_contact::path::PressError;
 use finray_contact::press::ContactScene;
 use finray_model::Vector;
@@ -14,7 +14,7 @@ fn what_is_no_outline_is_refused() {
     let object = given.object.expect("an object");
     let outline = |corners: &[[f64; 2]]| {
         let corners: Vec<Vector> = corners.iter().map(|&corner| corner.into()).collect();
-        Shape::of_object(&object, &corners)
+        ContactOutline::of_object(&object, &corners)
     };
     let crossed = [[0.0, 0.0], [10.0, 10.0], [10.0, 0.0], [0.0, 10.0]];
     assert_eq!(outline(&crossed), Err(OutlineError::Crossed));

@@ -26,7 +26,7 @@ pub use summary::{SensedSummary, Summary};
 use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use course::Course;
-use finray_contact::outline::{OutlineError, Shape};
+use finray_contact::outline::{ContactOutline, OutlineError};
 use finray_contact::press::simulated;
 use finray_contact::{Account, TouchedBody, World, WorldError};
 use finray_model::estimators::network::Networks;
@@ -95,7 +95,7 @@ pub struct GraspScene {
     gripper: Gripper,
     grasp: GraspDescription,
     object: ObjectDescription,
-    shape: Shape,
+    shape: ContactOutline,
     mass_g: f64,
     centre_mm: Vector,
     fineness: usize,
@@ -150,7 +150,7 @@ impl GraspScene {
         let keys = [OBJECT.shape.name, OBJECT.mass_g.name, OBJECT.centre_mm.name];
         let object = scene.object.clone().ok_or_else(|| missing(&OBJECT, OBJECT.with(&keys)))?;
         let ObjectMotion::Free { mass_g, centre_mm } = object.motion else { return Err(GraspError::NotFree) };
-        let shape = Shape::of_object(&ObjectDescription { rotation_deg: 0.0, ..object.clone() }, corners)?;
+        let shape = ContactOutline::of_object(&ObjectDescription { rotation_deg: 0.0, ..object.clone() }, corners)?;
         let down = grasp.gravity_m_s2.try_normalize(0.0);
         if let Some(down) = down.filter(|_| grasp.support.is_some()) {
             let depth = |point: &Vector| point.dot(&down);

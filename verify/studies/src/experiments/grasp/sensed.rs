@@ -4,7 +4,7 @@ use super::GraspScene;
 use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use finray_contact::Touch;
-use finray_contact::outline::Shape;
+use finray_contact::outline::ContactOutline;
 use finray_contact::press::{
     OutlineEstimator, SeenContact, SensedContact, SensedStep, baseline_mm, contacts_sensed, seen_contacts,
 };
@@ -191,7 +191,7 @@ impl GraspScene {
     }
 
     /// Outline of the object about its reference point, in the frame of a finger.
-    fn outline_of(&self, seen: &SeenFinger) -> Shape {
+    fn outline_of(&self, seen: &SeenFinger) -> ContactOutline {
         let turn = Rotation2::new(seen.object[2]).into_inner();
         self.shape.mapped(seen.placement.axes().transpose() * turn)
     }

@@ -1,7 +1,7 @@
 //! A grasp ends when the fingers touch each other or a table.
 
 use super::world::{disc, steps_of};
-use finray_contact::outline::Shape;
+use finray_contact::outline::ContactOutline;
 use finray_contact::{Drive, World};
 use finray_model::gripper::Placement;
 use finray_model::{Mesh, Scene, Vector};
@@ -80,7 +80,7 @@ fn distances_are_those_of_the_nearest_parts() {
         let right = Placement { origin: Vector::new(0.0, apart_mm), angle_rad: turned_rad, mirrored: true };
         let drive = Drive { placements: vec![left, right], weight: Vector::zeros(), gripper: Vector::zeros() };
         let object = [1e4, 0.0, 0.0];
-        let world = World::new(&[&mesh, &mesh], ROD_MM, (Shape::disc(1.0), 0.0), object, drive, None).unwrap();
+        let world = World::new(&[&mesh, &mesh], ROD_MM, (ContactOutline::disc(1.0), 0.0), object, drive, None).unwrap();
         (world.between_fingers_mm(), world.height_mm(0, (Vector::zeros(), Vector::y())))
     };
     // The front plates are along x and face each other.

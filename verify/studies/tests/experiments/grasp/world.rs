@@ -1,7 +1,7 @@
 //! Equilibria of fingers and object satisfy the laws of statics.
 
 use super::energy::object;
-use finray_contact::outline::Shape;
+use finray_contact::outline::ContactOutline;
 use finray_contact::{Drive, GraspFailure, TouchedBody, World};
 use finray_model::gripper::Placement;
 use finray_model::scene::ObjectMotion;
@@ -156,7 +156,7 @@ fn a_force_that_is_nothing_beside_the_weight_is_no_contact() {
     let corners = [[0.0, 0.0], [30.0, 0.0], [30.0, 20.0], [0.0, 20.0]].map(|[x, y]| Vector::new(x, y));
     let support = Some((Vector::zeros(), Vector::y()));
     let mut x_mm = -25.0;
-    let object = (Shape::polygon(&corners), 0.5);
+    let object = (ContactOutline::polygon(&corners), 0.5);
     let mut world = World::new(&[&mesh], 1.5, object, [0.0; 3], drive(x_mm), support).unwrap();
     let pushed_n = |world: &World| world.on_base(0).0.norm();
     while pushed_n(&world) < 10.0 * LEAST_N {
@@ -203,7 +203,7 @@ fn a_triangle_rests_on_its_corners_by_the_lever_rule() {
     let mesh = Mesh::with_elements_per_member(&finger, 1);
     let far = Placement { origin: Vector::new(1e3, 0.0), ..Placement::IDENTITY };
     let drive = Drive { placements: vec![far], weight: Vector::new(0.0, -1.0), gripper: Vector::zeros() };
-    let triangle = Shape::polygon(&[Vector::zeros(), Vector::new(30.0, 0.0), Vector::new(0.0, 20.0)]);
+    let triangle = ContactOutline::polygon(&[Vector::zeros(), Vector::new(30.0, 0.0), Vector::new(0.0, 20.0)]);
     let support = Some((Vector::zeros(), Vector::new(0.0, 1.0)));
     let mut world = World::new(&[&mesh], 1.5, (triangle, 0.5), [0.0; 3], drive.clone(), support).unwrap();
     world.advance(&drive).unwrap();
