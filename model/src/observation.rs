@@ -152,9 +152,10 @@ impl Observation {
         Observation { markers, ..Observation::default() }
     }
 
-    /// Converts the observation to a measurement for sensing forces. If a marker has no stated standard deviation, its largest accepted motion on a
-    /// clamped node follows from `stated_noise_mm`, in mm. `base_is_sought` states whether the base is estimated together with the forces. If it is, the
-    /// uncertainty of the base is separate from the uncertainty of the markers.
+    /// Converts the observation to a measurement for sensing forces. `stated_noise_mm`, the standard deviation of one coordinate in mm, applies to
+    /// all markers; without it, the standard deviations of the observation apply. Both are multiplied by the scene's noise factor, and its
+    /// calibration error is added. `base_is_sought` states whether the base is estimated together with the forces. If it is, the uncertainty of the
+    /// base is separate from the uncertainty of the markers.
     ///
     /// # Errors
     /// [`ObservationError`] for the first marker that does not fit the finger, or for a base with negative standard deviations.
@@ -164,7 +165,8 @@ impl Observation {
         base_is_sought: bool,
         stated_noise_mm: Option<f64>,
     ) -> Result<ObservedMeasurement, ObservationError> {
-        Reading { errors: scene.marker_errors, base_is_sought, by_position: false, stated_noise_mm }.of(self, scene)
+        let errors = scene.marker_errors;
+        Reading { errors, base_is_sought, by_position: false, stated_noise_mm, fallback_noise_mm: None }.of(self, scene)
     }
 
     /// Converts the observation to a measurement for calibrating the scene. Uses the stated standard deviations and the positions of the markers.
@@ -174,8 +176,14 @@ impl Observation {
     /// # Errors
     /// [`ObservationError`] for the first marker that does not fit the finger, or if no standard deviation is known.
     pub fn for_calibration(&self, scene: &Scene) -> Result<(ObservedMeasurement, BaseUncertainty), ObservationError> {
-        let (errors, stated_noise_mm) = (MarkerErrors::default(), scene.noise_mm);
-        let found = Reading { errors, base_is_sought: true, by_position: true, stated_noise_mm }.of(self, scene)?;
+        let reading = Reading {
+            errors: MarkerErrors::default(),
+            base_is_sought: true,
+            by_position: true,
+            stated_noise_mm: None,
+            fallback_noise_mm: scene.noise_mm,
+        };
+        let found = reading.of(self, scene)?;
         let marker_noise_mm = found.marker_noise_mm.or(scene.noise_mm).ok_or(ObservationError::NoNoise)?;
         let known = found.measurement.base().unwrap_or_default();
         let base = BaseUncertainty { sd_mm: known.sd_mm.max(EXACT.0), sd_rad: known.sd_rad.max(EXACT.1), ..known };
@@ -211,14 +219,16 @@ impl Observation {
 
 /// Options for the conversion of an observation.
 struct Reading {
-    /// Factor on the stated standard deviations of the markers, and error of the finger model at a marker.
+    /// Factor on the standard deviations of the markers, and calibration error.
     errors: MarkerErrors,
     /// Whether the base is estimated. If the base is estimated, the errors of the markers exclude the error of the base, which all markers share.
     base_is_sought: bool,
     /// Whether positions have priority over displacements.
     by_position: bool,
-    /// Standard deviation of one coordinate, mm, if it is stated outside the observation.
+    /// Standard deviation of one coordinate, mm, that replaces those of the observation.
     stated_noise_mm: Option<f64>,
+    /// Standard deviation of one coordinate, mm, of an observation without standard deviations.
+    fallback_noise_mm: Option<f64>,
 }
 
 impl Reading {
@@ -241,11 +251,15 @@ impl Reading {
             rows.push((index, Marker { node: marker.node, displacement, weight: 1.0 }, sd_mm));
         }
         self.without_clamped(finger, seen, &mut rows)?;
+        let stated_mm = self.stated_noise_mm.map(|noise_mm| self.errors.sd_mm(noise_mm));
         let sds: Option<Vec<f64>> = rows.iter().map(|(.., sd_mm)| *sd_mm).collect();
-        let marker_noise_mm = sds.filter(|sds| !sds.is_empty()).map(|sds| root_mean_square(&sds));
+        let of_markers_mm = sds.filter(|sds| !sds.is_empty()).map(|sds| root_mean_square(&sds));
+        let marker_noise_mm = stated_mm.or(of_markers_mm);
         let mut measurement = Measurement::empty();
         for (index, marker, sd_mm) in rows {
-            let weight = marker_noise_mm.zip(sd_mm).map_or(1.0, |(noise_mm, sd_mm)| noise_mm / sd_mm);
+            // A stated noise applies to all markers, and may be zero.
+            let of_marker = marker_noise_mm.zip(sd_mm).filter(|_| stated_mm.is_none());
+            let weight = of_marker.map_or(1.0, |(noise_mm, sd_mm)| noise_mm / sd_mm);
             let wrong = |error: MeasurementError| ObservationError::Marker { index, reason: error.into() };
             measurement.add(finger, Marker { weight, ..marker }).map_err(wrong)?;
         }
@@ -270,12 +284,13 @@ impl Reading {
         displacement.ok_or(MarkerError::NoCoordinates { node: marker.node })
     }
 
-    /// Total standard deviation of a marker's coordinate, mm. `None` if no standard deviation is stated.
+    /// Standard deviation of a marker's coordinate, mm, including the errors of the scene. `None` if neither the observation nor the caller states
+    /// one.
     fn sd_mm(&self, marker: &ObservedMarker, is_own: bool) -> Result<Option<f64>, MarkerError> {
-        let stated = if is_own { marker.own_sd_mm } else { marker.sd_mm };
-        match stated {
+        let observed = if is_own { marker.own_sd_mm } else { marker.sd_mm };
+        match observed {
             Some(sd_mm) if !(sd_mm > 0.0 && sd_mm.is_normal()) => Err(MarkerError::Deviation { sd_mm, is_own }),
-            stated => Ok(stated.map(|sd_mm| self.errors.sd_mm(sd_mm))),
+            observed => Ok(self.stated_noise_mm.or(observed).map(|sd_mm| self.errors.sd_mm(sd_mm))),
         }
     }
 
@@ -286,11 +301,18 @@ impl Reading {
         seen: &Observation,
         rows: &mut Vec<(usize, Marker, Option<f64>)>,
     ) -> Result<(), ObservationError> {
-        let of_all =
-            LargestClampedMotion::of(self.stated_noise_mm, rows.iter().map(|(_, marker, _)| marker.displacement));
+        let of_all = LargestClampedMotion::of(self.fallback_noise_mm, rows.iter().map(|(_, it, _)| it.displacement));
         for (index, marker, sd_mm) in rows.iter() {
-            // The motion of a clamped marker includes the error of the base, even if the base is estimated.
-            let sd_mm = seen.markers[*index].sd_mm.map(|sd_mm| self.errors.sd_mm(sd_mm)).or(*sd_mm);
+            // The motion of a clamped marker includes the error of the base, even if the base is estimated or the noise is stated.
+            let ObservedMarker { sd_mm: all_mm, own_sd_mm: own_mm, .. } = seen.markers[*index];
+            let sd_mm = match self.stated_noise_mm {
+                Some(noise_mm) => {
+                    let of_base_mm2 =
+                        all_mm.zip(own_mm).map_or(0.0, |(all_mm, own_mm)| all_mm.powi(2) - own_mm.powi(2));
+                    Some(self.errors.sd_mm(noise_mm).hypot(of_base_mm2.max(0.0).sqrt()))
+                }
+                None => all_mm.map(|all_mm| self.errors.sd_mm(all_mm)).or(*sd_mm),
+            };
             let largest = sd_mm.map_or(of_all, |sd_mm| LargestClampedMotion::of(Some(sd_mm), []));
             largest.check(finger, marker).map_err(|reason| ObservationError::Marker { index: *index, reason })?;
         }

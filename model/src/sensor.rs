@@ -2,6 +2,23 @@
 //!
 //! A [`Sensor`] combines a scene with contacts, an estimator and a noise level. It turns each [`Observation`] into forces with standard deviations and
 //! warnings, or refuses it with a reason. An observation comes from an image, a table or a simulation.
+//!
+//! # From the noise of a marker to the interval of a force
+//! Each step is the standard deviation of one coordinate, mm, until forces follow:
+//! 1. `stated_noise_mm`: [`SensorOptions::noise_mm`], else `noise_mm` of the scene's camera. It applies to all markers. Without it, the standard
+//!    deviation of each observed marker applies.
+//! 2. `marker_noise_mm`, in [`Observation::for_sensing`]: sqrt((`noise_factor` x)^2 + `calibration_error_mm`^2) for a stated or observed x
+//!    ([`MarkerErrors`](crate::measurement::MarkerErrors)). It belongs to a marker of weight 1; the weight of a marker is `marker_noise_mm` over its
+//!    own standard deviation. The same standard deviation limits the motion of clamped markers.
+//! 3. The error of beam theory is added to each marker (`beam_theory`), in proportion to the largest displacement and to `model_error` of the scene.
+//!    The result is the `marker_noise_mm` that an estimator gets, or `None`. It scales priors and decides which minima explain the markers.
+//! 4. `residual_sd_mm` follows from the residual and its degrees of freedom, and `trusted_noise_mm` from both
+//!    ([`ResidualTest`](crate::sensing::ResidualTest)): `marker_noise_mm`, or `residual_sd_mm` if it contradicts `marker_noise_mm` or if
+//!    `marker_noise_mm` is unknown.
+//! 5. The covariance of the forces is `trusted_noise_mm`^2 (A^T A)^-1 (`sensing::force::assessment`), with the weighted derivatives A.
+//! 6. [`Estimate`](crate::sensing::Estimate) widens it: by other minima and positions, by `method_error_n` (mesh, linearisation, or training of a
+//!    network), for a misfit, and by the relative error of all forces (scatter between images and beam theory).
+//! 7. [`SensedForce::interval_n`] is the force with 1.96 of the resulting standard deviations on either side.
 
 mod beam_theory;
 mod contact_spec;
@@ -273,12 +290,12 @@ impl Sensor {
         let (scene, estimator) = (self.scene(), self.options.estimator);
         let stated_noise_mm = self.options.noise_mm.or(scene.noise_mm);
         let found = seen.for_sensing(scene, estimator.searches(), stated_noise_mm)?;
-        // Weights are equal if the noise is stated, because it applies to all nodes, and for networks, because they are trained on equally accurate
-        // nodes.
-        let of_stated_mm = stated_noise_mm.map(|stated_mm| scene.marker_errors.sd_mm(stated_mm));
-        let is_uniform = of_stated_mm.is_some() || estimator == EstimatorId::Network;
         let ObservedMeasurement { measurement, marker_noise_mm, frame } = found;
-        let measurement = if is_uniform { measurement.with_markers(|marker| marker.weight = 1.0) } else { measurement };
+        // Networks are trained on equally accurate nodes.
+        let measurement = match estimator {
+            EstimatorId::Network => measurement.with_markers(|marker| marker.weight = 1.0),
+            _ => measurement,
+        };
         let object = scene.touched.as_ref().and_then(|touched| touched.seen_from(&frame));
         let unloaded = scene.assembly.clone().map(|assembly| self.unloaded(assembly, &frame, seen));
         let is_from_rest = unloaded.as_ref().is_some_and(|it| it.measured_in_frame_sd_rad.is_some());
@@ -286,12 +303,12 @@ impl Sensor {
             None => measurement,
             Some(stated) => measurement.with_base(stated.map(BaseUncertainty::of_two_images)),
         };
-        self.estimate(&measurement, of_stated_mm.or(marker_noise_mm), object.as_ref(), unloaded.as_ref(), near)
+        self.estimate(&measurement, marker_noise_mm, object.as_ref(), unloaded.as_ref(), near)
     }
 
-    /// Estimates the forces of displacements in the finger frame, like [`sense_near`](Sensor::sense_near). `marker_noise_mm` is the standard deviation of one
-    /// coordinate of weight 1, mm, including all errors of the markers; `None` if it is unknown. The scene's object and assembly errors, whose
-    /// place depends on an image, are left out.
+    /// Estimates the forces of displacements in the finger frame, like [`sense_near`](Sensor::sense_near). `marker_noise_mm` is the standard
+    /// deviation of one coordinate of weight 1, mm, including all errors of the markers; `None` if it is unknown. The scene's object and assembly
+    /// errors, whose place depends on an image, are left out.
     ///
     /// # Errors
     /// [`Refusal`] if the estimator returns no forces, or a force is not finite.

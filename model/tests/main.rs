@@ -9,6 +9,7 @@ mod hard_cases;
 mod measurement {
     mod noise;
 }
+mod observation;
 mod scene {
     mod cameras;
     mod errors;

@@ -104,13 +104,11 @@ impl StreamSensor {
     /// Whether the noise of the markers and the uncertainty of the base explain all displacements. False if the noise is unknown.
     fn is_noise(&self, seen: &Observation) -> Result<bool, Refusal> {
         let Sensor { prepared: scene, options, .. } = &self.sensors[0];
-        let stated_mm = options.noise_mm.or(scene.noise_mm);
-        let found = seen.for_sensing(scene, options.estimator.searches(), stated_mm)?;
-        let stated_mm = stated_mm.map(|noise_mm| scene.marker_errors.sd_mm(noise_mm));
-        let Some(noise_mm) = stated_mm.or(found.marker_noise_mm) else { return Ok(false) };
+        let stated_noise_mm = options.noise_mm.or(scene.noise_mm);
+        let found = seen.for_sensing(scene, options.estimator.searches(), stated_noise_mm)?;
+        let Some(marker_noise_mm) = found.marker_noise_mm else { return Ok(false) };
         let markers = found.measurement.markers().iter().map(|marker| {
-            let sd_mm = noise_mm / if stated_mm.is_some() { 1.0 } else { marker.weight };
-            (scene.finger.marker_position(marker.node), marker.displacement, sd_mm)
+            (scene.finger.marker_position(marker.node), marker.displacement, marker_noise_mm / marker.weight)
         });
         let test = noise_test(markers, found.measurement.base().unwrap_or_default());
         Ok(test.is_some_and(|test| test.p_value() >= FALSE_ALARM))
