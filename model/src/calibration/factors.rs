@@ -101,8 +101,8 @@ const SMALLEST_STEP: f64 = 1e-10;
 /// Estimates factors on moduli that minimise the sum of squared distances between measured and computed positions of the nodes.
 ///
 /// Each unknown is a factor on the scene's modulus, and the search starts at a factor of 1. The search varies the logarithms of the factors, so
-/// factors stay positive. Factors that are not identifiable are refused, for example [`UnknownFactor::Modulus`] together with a group of zones that covers
-/// the whole finger.
+/// factors stay positive. Factors that are not identifiable are refused, for example [`UnknownFactor::Modulus`] together with a group of zones that
+/// covers the whole finger.
 ///
 /// # Reference
 /// Eq. (11) of Xu et al. (2021), extended to several unknowns, with squared distances in place of distances, minimised by [`LevenbergMarquardt`]. In

@@ -2,8 +2,8 @@
 
 use super::{Answer, EstimatorError, EstimatorRow, Question};
 use crate::sensing::{
-    Discretisation, LinearisedAssembly, NearForces, NonlinearEstimate, NonlinearEstimator, check_questions,
-    linearise_assembly,
+    Discretisation, LinearisedAssembly, NearForces, NonlinearEstimate, NonlinearEstimator, SensingError,
+    check_questions, linearise_assembly,
 };
 use crate::{Finger, Mesh};
 
@@ -28,9 +28,10 @@ fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError
         let sensed = sense(finger, question)?;
         return Ok((sensed.contacts, sensed.forces));
     };
-    // Without a stated noise, the noise is the residual of the scene's finger.
     let marker_noise_mm = match question.marker_noise_mm {
         Some(marker_noise_mm) => marker_noise_mm,
+        None if unloaded.is_uncertain(finger) => return Err(SensingError::NoiseNotStated.into()),
+        // Without uncertain errors, the noise is the residual of the scene's finger.
         None => sense(finger, question)?.forces.trusted_noise_mm,
     };
     let linearised = linearise_assembly(finger, contacts, object, unloaded, measurement, marker_noise_mm, near)?;

@@ -232,6 +232,11 @@ impl UnloadedFinger {
         ))
     }
 
+    /// Whether an error has a standard deviation, so that it is estimated together with the forces.
+    pub(crate) fn is_uncertain(&self, finger: &Finger) -> bool {
+        !self.independent_errors(finger).is_empty()
+    }
+
     /// All independent errors, each with the size of one standard deviation. A joint without a bracket lies on its plate, so its error
     /// perpendicular to the plate is zero. Ribs with a common junction move together, and a joint in a corner of the base does not move.
     fn independent_errors(&self, finger: &Finger) -> Vec<UnloadedError> {

@@ -129,10 +129,10 @@ pub enum SensingError {
             forces on the co-rotational finger reproduce the linear estimate: use the nonlinear estimator"
     )]
     NotLinearised,
-    /// The base, the friction or a contact has a standard deviation, but the noise of the displacements is not stated. To use the standard deviation
-    /// of base, friction or contact, the estimator also needs the noise of the displacements.
+    /// The base, the friction, a contact or the assembly has a standard deviation, but the noise of the displacements is not stated. To use the
+    /// standard deviation of base, friction, contact or assembly, the estimator also needs the noise of the displacements.
     #[error(
-        "base, friction or contact has a standard deviation, so the noise of the displacements must be known as \
+        "base, friction, contact or [assembly] has a standard deviation, so the noise of the displacements must be known as \
             well: state the noise (noise_mm)"
     )]
     NoiseNotStated,

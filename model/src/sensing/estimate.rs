@@ -59,8 +59,8 @@ pub struct Estimate {
     pub sigmas_n: Vec<f64>,
     /// Covariance of the forces, N^2, in the order of the contacts. Its diagonal contains the squares of `sigmas_n`.
     pub covariance_n2: DMatrix<f64>,
-    /// Error of each force due to linearisation, mesh, or training of a network, in N. Each standard deviation includes this error of the method. The error
-    /// is signed if its sign is known.
+    /// Error of each force due to linearisation, mesh, or training of a network, in N. Each standard deviation includes this error of the method. The
+    /// error is signed if its sign is known.
     pub method_error_n: Vec<f64>,
     /// Standard deviation of one measured coordinate, mm, from which `sigmas_n` follow: the stated noise, or the residual standard deviation. Without
     /// a stated noise, the residual standard deviation is widened to account for few degrees of freedom.
@@ -143,8 +143,8 @@ impl Estimate {
         }
     }
 
-    /// Widens each force's standard deviation by the method's error of this force, in N. Sets a warning if such an error exceeds the standard deviation
-    /// so far and is not negligible.
+    /// Widens each force's standard deviation by the method's error of this force, in N. Sets a warning if such an error exceeds the standard
+    /// deviation so far and is not negligible.
     pub(super) fn add_method_error(&mut self, error_n: Vec<f64>, warning: fn(MethodError) -> Warning) {
         let largest_n = self.forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         let over = |i: usize| error_n[i].abs() / self.sigmas_n[i];

@@ -116,9 +116,9 @@ impl LinearEstimator {
 
     /// Estimates the forces from the displacements of the markers for which the estimator is prepared.
     ///
-    /// `marker_noise_mm` is the standard deviation of one coordinate, mm. If `marker_noise_mm` is `None` or zero, the noise is estimated from the residual. If the
-    /// residual contradicts the stated noise, the estimate contains a warning, and its standard deviations follow from the residual. Only
-    /// [`estimate_on`](LinearEstimator::estimate_on) includes the error of linearisation.
+    /// `marker_noise_mm` is the standard deviation of one coordinate, mm. If `marker_noise_mm` is `None` or zero, the noise is estimated from the
+    /// residual. If the residual contradicts the stated noise, the estimate contains a warning, and its standard deviations follow from the residual.
+    /// Only [`estimate_on`](LinearEstimator::estimate_on) includes the error of linearisation.
     pub fn estimate(&self, measurement: &Measurement, marker_noise_mm: Option<f64>, prior: ForcePrior) -> Estimate {
         self.solve(measurement, marker_noise_mm, prior).0
     }

@@ -6,9 +6,10 @@ use finray_model::mesh::Load;
 use finray_model::observation::{Observation, ObservedBase, ObservedMarker};
 use finray_model::scene::{ObjectFrame, ObjectPlace, TouchedDescription};
 use finray_model::sensing::{
-    AssemblyErrors, Contact, ContactPosition, ContactQuestion, Direction, Lean, MeasuredContact, Normal, TouchedOutline,
+    AssemblyErrors, Contact, ContactPosition, ContactQuestion, Direction, Lean, MeasuredContact, Normal, SensingError,
+    TouchedOutline,
 };
-use finray_model::sensor::{SensedForce, Sensor, SensorContacts, SensorOptions};
+use finray_model::sensor::{Refusal, SensedForce, Sensor, SensorContacts, SensorOptions};
 use finray_model::statics::Statics;
 use finray_model::{Finger, Kinematics, Mesh, Scene, Vector, statics};
 use finray_tests::{Figure, STANDARD_ERRORS, TWO_SIDED_95, case_count, random_stream, record_figures, share_error};
@@ -367,4 +368,26 @@ fn intervals_at_contacts_hold_on_fingers_that_were_assembled_anew() {
         assert!(share > 0.93 - 2.5 * share_error(0.95, answered), "{known:?}: {share}");
         assert!(square < 1.0 + STANDARD_ERRORS * (2.0 / answered as f64).sqrt(), "{known:?}: {square}");
     }
+}
+
+/// The noise scales the priors of an assembly's errors, so these errors are refused without a stated noise. Errors without a standard deviation need
+/// no noise.
+#[test]
+fn errors_of_the_assembly_require_a_stated_noise() {
+    let scene = Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("a scene");
+    let mesh = Mesh::with_elements_per_member(&scene.finger, 4);
+    let contact = Contact { position: ContactPosition::at(80.0), angle_deg: 0.0 };
+    let load = contact.load(&scene.finger, 2.0);
+    let shape = statics::solve(&mesh, &[load], Kinematics::Corotational).expect("carried");
+    let seen = Observation::of_shape(&scene.finger, &shape);
+    let sense = |assembly: AssemblyErrors, noise_mm: Option<f64>| {
+        let scene = Scene { assembly: Some(assembly), noise_mm: None, ..scene.clone() };
+        let options = SensorOptions { noise_mm, ..SensorOptions::default() };
+        Sensor::new(scene, SensorContacts::known(&[contact]), options).expect("a question").sense(&seen)
+    };
+    let not_stated = Err(Refusal::from(SensingError::NoiseNotStated));
+    assert_eq!(sense(ASSEMBLY, None), not_stated);
+    assert!(sense(ASSEMBLY, Some(0.02)).is_ok());
+    let exact = AssemblyErrors { joint_sd_mm: 0.0, preload_sd_nmm: 0.0, height_sd_mm: 0.0, ..ASSEMBLY };
+    assert!(sense(exact, None).is_ok());
 }

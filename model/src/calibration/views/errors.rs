@@ -26,7 +26,8 @@ struct CoordinateResidual {
     stated_mm: f64,
 }
 
-/// Estimates the factor on the stated marker noise, and the calibration error, from the residuals of a fit. `covariance` is the covariance of the fit.
+/// Estimates the factor on the stated marker noise, and the calibration error, from the residuals of a fit. `covariance` is the covariance of the
+/// fit.
 pub(super) fn marker_errors(problem: &Problem, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> MarkerErrors {
     let mut left = Vec::new();
     for (view, _, rows, _) in problem.parts(&fitted.point) {

@@ -42,7 +42,8 @@ pub(crate) struct LinearisedAssembly {
     pub forces_n: Vec<f64>,
 }
 
-/// Linearises the errors of a finger at the forces that explain a measurement best. `marker_noise_mm` is the standard deviation of one coordinate, mm.
+/// Linearises the errors of a finger at the forces that explain a measurement best. `marker_noise_mm` is the standard deviation of one coordinate,
+/// mm.
 ///
 /// # Errors
 /// [`SensingError`] if no forces explain the measurement, the search does not settle, or a finger with one of the errors is impossible.

@@ -3,11 +3,10 @@
 //! Without an object, they follow from the factored tangent ([`MarkerRates`]). With an object, they are differences of states.
 
 use super::linearised::Linearised;
-use super::marker_motion::MarkerRates;
+use super::marker_motion::{MarkerRates, marker_displacement};
 use super::problem::{ForceProblem, State};
 use crate::sensing::{PadForce, SensingError};
 use crate::statics::StaticsError;
-use nalgebra::UnitComplex;
 
 /// Step of the difference quotients, as a share of each unknown's scale. The differenced quantities are almost linear within such a small step.
 const STEP: f64 = 1e-5;
@@ -32,10 +31,7 @@ pub(super) fn look_ahead(problem: &mut ForceProblem, state: &mut State) -> Optio
     differentiate(problem, state).ok()?;
     let State { motion, nuisances, linearised, .. } = state;
     problem.statics.equations().corrected_markers(motion, &mut linearised.ahead);
-    let turn = nuisances.base.rotation;
-    if turn != UnitComplex::identity() {
-        linearised.ahead.iter_mut().for_each(|ahead| *ahead = turn * *ahead);
-    }
+    linearised.ahead.iter_mut().for_each(|ahead| *ahead = marker_displacement(nuisances, *ahead));
     Some(())
 }
 
@@ -43,8 +39,7 @@ pub(super) fn look_ahead(problem: &mut ForceProblem, state: &mut State) -> Optio
 pub(super) fn differentiate(problem: &mut ForceProblem, state: &mut State) -> Result<(), SensingError> {
     problem.rescale(state);
     state.linearised.turn_signs.clone_from(&problem.priors.turn_signs);
-    state.linearised.prior_rows.clear();
-    state.linearised.prior_rows.extend(problem.priors.rows(&state.nuisances, &state.forces_n));
+    problem.write_prior_rows(state);
     if problem.object.is_some() {
         return differentiate_by_differences(problem, state);
     }

@@ -80,8 +80,8 @@ impl<'m> NonlinearEstimator<'m> {
         (self.last, self.scan) = (None, None);
     }
 
-    /// Estimates the forces. `marker_noise_mm` is the standard deviation of one coordinate, mm. The noise is estimated from the residual if `marker_noise_mm` is `None` or
-    /// contradicts the residual.
+    /// Estimates the forces. `marker_noise_mm` is the standard deviation of one coordinate, mm. The noise is estimated from the residual if
+    /// `marker_noise_mm` is `None` or contradicts the residual.
     ///
     /// # Errors
     /// [`SensingError`] if the unknowns are not identifiable, no equilibrium explains the measurement, or the search does not converge.
@@ -164,7 +164,13 @@ pub(super) struct Near {
 /// The minimum near a state of an earlier estimate, so near that the rest is negligible compared with the noise. The estimate then corrects forces and
 /// contacts further if needed. `None` if there is no minimum, or if the state has other unknowns.
 fn minimum_of_earlier(problem: &mut ForceProblem, mut state: State, seen: Seen) -> Option<State> {
-    (state.linearised.scales.len() == problem.unknowns.len()).then_some(())?;
+    (state.linearised.unknowns == problem.unknowns).then_some(())?;
+    match problem.shared_errors.is_empty() {
+        // The noise of the measurement scales the priors.
+        true => problem.write_prior_rows(&mut state),
+        // The markers' displacements by shared errors are those of the earlier measurement.
+        false => state = carry_over(problem, state, seen).ok()?,
+    }
     correct_below_noise(problem, &mut state, seen)?;
     Some(state)
 }

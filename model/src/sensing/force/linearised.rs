@@ -9,6 +9,7 @@ use crate::mesh::Mesh;
 use crate::optimise::{GramSchmidt, Prediction, SingularParts};
 use crate::sensing::{LARGEST_SPAN, SensingError};
 use nalgebra::DMatrix;
+use std::sync::Arc;
 
 /// A marker is down-weighted if its residual exceeds this many standard deviations (Cauchy's weight).
 const OUTLIER_SIGMAS: f64 = 4.5;
@@ -27,6 +28,8 @@ pub(super) struct Seen<'m> {
 /// Derivatives of the shape, and weights of the markers. Derivatives and weights are stored by key node, so they are valid for any set of markers.
 #[derive(Debug, Clone)]
 pub(super) struct Linearised {
+    /// The unknowns.
+    pub unknowns: Arc<[Unknown]>,
     /// Point of the mesh to which each marker belongs.
     pub marker_points: Vec<MarkerPoint>,
     /// Displacements of all key nodes, mm per unit of each unknown, one unknown after the other.
@@ -63,10 +66,12 @@ fn distance(points: &[MarkerPoint], marker: &Marker, shape: Posed) -> Vector {
 }
 
 impl Linearised {
-    pub(super) fn new(mesh: &Mesh, unknowns: &[Unknown]) -> Linearised {
+    pub(super) fn new(mesh: &Mesh, unknowns: &Arc<[Unknown]>) -> Linearised {
+        let of = unknowns.clone();
         let unknowns = unknowns.len();
         let key_nodes = mesh.finger().key_node_count();
         Linearised {
+            unknowns: of,
             marker_points: MarkerPoint::of_key_nodes(mesh),
             rates: vec![Vector::zeros(); key_nodes * unknowns],
             room: vec![Vector::zeros(); key_nodes],

@@ -1,8 +1,8 @@
 //! Displacement of each marker as a function of the unknowns, beside the derivatives of this displacement.
 //!
-//! A marker moves with its point of the deformed finger, with the base, and by the errors that all markers share:
-//! [`MarkerPoint::displacement`]. [`MarkerRates`] differentiates the same sum: forces, positions and directions act through the tangent of the finger;
-//! base and shared errors displace the markers directly.
+//! A marker moves with its point of the deformed finger, with the base, and by the errors that all markers share: [`MarkerPoint::displacement`].
+//! [`MarkerRates`] differentiates the same sum: forces, positions and directions act through the tangent of the finger; base and shared errors
+//! displace the markers directly.
 
 use super::unknowns::{PosePart, Unknown};
 use super::values::Nuisances;
@@ -13,7 +13,7 @@ use crate::measurement::SharedError;
 use crate::mesh::{LoadError, Mesh};
 use crate::sensing::{Contact, ContactQuestion, Direction, PadForce};
 use crate::statics::Ladder;
-use nalgebra::{Point2, UnitComplex};
+use nalgebra::Point2;
 
 /// A shape of the finger: its deformation, its forces, and the pose of its base.
 #[derive(Clone, Copy)]
@@ -60,6 +60,11 @@ impl MarkerPoint {
     }
 }
 
+/// Displacement of a marker for a small displacement `by` of its point of the finger, both mm.
+pub(super) fn marker_displacement(nuisances: &Nuisances, by: Vector) -> Vector {
+    nuisances.base.rotation * by
+}
+
 /// Derivative of every marker's displacement with respect to an unknown that displaces the markers by the same pattern in every shape, mm per unit
 /// of the unknown. `None` if the displacement depends on the shape.
 pub(super) fn fixed_pattern(unknown: Unknown, shared_errors: &[SharedError], key_node: usize) -> Option<Vector> {
@@ -91,8 +96,8 @@ pub(super) struct MarkerRates<'r, 'm> {
 }
 
 impl MarkerRates<'_, '_> {
-    /// Writes the derivative of each marker's displacement with respect to `unknown` to `rates`, mm per unit of the unknown. `points` and `rates` are in
-    /// the order of the key nodes.
+    /// Writes the derivative of each marker's displacement with respect to `unknown` to `rates`, mm per unit of the unknown. `points` and `rates` are
+    /// in the order of the key nodes.
     ///
     /// # Errors
     /// [`LoadError`] for a contact off its plate.
@@ -144,14 +149,14 @@ impl MarkerRates<'_, '_> {
             for load in force.turned(back_deg, force.force_n).loads(self.mesh) {
                 self.ladder.added_load(self.motion, &load?, self.room);
                 for (rate, across) in rates.iter_mut().zip(&*self.room) {
-                    *rate -= base.rotation * *across;
+                    *rate -= marker_displacement(self.nuisances, *across);
                 }
             }
         }
         Ok(())
     }
 
-    /// Sums the effects `of` the loads of a force on each key node, and writes the sums, seen from the expected pose of the base, to `rates`.
+    /// Sums the effects `of` the loads of a force on each key node, and writes the sums, as displacements of the markers, to `rates`.
     fn add_up(
         &mut self,
         force: PadForce,
@@ -167,10 +172,7 @@ impl MarkerRates<'_, '_> {
                 }
             }
         }
-        let turn = self.nuisances.base.rotation;
-        if turn != UnitComplex::identity() {
-            rates.iter_mut().for_each(|rate| *rate = turn * *rate);
-        }
+        rates.iter_mut().for_each(|rate| *rate = marker_displacement(self.nuisances, *rate));
         Ok(())
     }
 }

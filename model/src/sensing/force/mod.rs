@@ -65,8 +65,8 @@ use super::{UNEXPLAINED_SHARE, UNEXPLAINED_SIGMAS};
 /// a force is 1e-6 of the force.
 const SETTLED_ANGLE_DEG: f64 = 1e-4;
 
-/// Largest residual that noise and errors of the finger explain, mm, root mean square over the coordinates. `marker_noise_mm` is the standard deviation of a coordinate,
-/// `moved_rms_mm` the root mean square displacement, both mm.
+/// Largest residual that noise and errors of the finger explain, mm, root mean square over the coordinates. `marker_noise_mm` is the standard
+/// deviation of a coordinate, `moved_rms_mm` the root mean square displacement, both mm.
 fn largest_explained_rms_mm(marker_noise_mm: f64, moved_rms_mm: f64) -> f64 {
     f64::max(UNEXPLAINED_SIGMAS * marker_noise_mm, UNEXPLAINED_SHARE * moved_rms_mm)
 }

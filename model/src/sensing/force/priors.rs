@@ -51,7 +51,8 @@ pub(super) struct PriorRow {
     pub index: usize,
     /// Derivative with respect to the unknown, mm per unit of the unknown.
     pub by_unknown: f64,
-    /// Derivative with respect to each force on the front plate, mm/N; on the back plate, the sign is opposite. Zero unless the expected value or its standard deviation depends on the forces.
+    /// Derivative with respect to each force on the front plate, mm/N; on the back plate, the sign is opposite. Zero unless the expected value or its
+    /// standard deviation depends on the forces.
     pub by_force: f64,
     /// Right-hand side of the row, mm.
     pub left_mm: f64,
@@ -96,9 +97,14 @@ impl Priors {
         self.turn_signs.iter().zip(forces_n).map(|(sign, force_n)| sign * force_n).sum()
     }
 
-    /// Number of priors.
+    /// Number of priors that count as measured. Exact markers outweigh every prior, so none counts without noise.
     pub fn count(&self) -> usize {
-        self.priors.len()
+        if self.marker_noise_mm > 0.0 { self.priors.len() } else { 0 }
+    }
+
+    /// Whether no unknown has a prior.
+    pub fn is_empty(&self) -> bool {
+        self.priors.is_empty()
     }
 
     /// Sum of the squared deviations from the expected values, in standard deviations, times the squared noise, mm^2.

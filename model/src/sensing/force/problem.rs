@@ -29,7 +29,7 @@ pub(super) struct ForceProblem<'m> {
     pub mesh: &'m Mesh,
     pub questions: Vec<ContactQuestion>,
     pub object: Option<Touching>,
-    pub unknowns: Vec<Unknown>,
+    pub unknowns: Arc<[Unknown]>,
     /// Errors that all markers of the measurement share.
     pub shared_errors: Vec<SharedError>,
     pub priors: Priors,
@@ -155,7 +155,7 @@ impl<'m> ForceProblem<'m> {
             mesh,
             questions: questions.to_vec(),
             object: None,
-            unknowns: Unknown::list(questions, None, &Measurement::empty()),
+            unknowns: Unknown::list(questions, None, &Measurement::empty()).into(),
             shared_errors: Vec::new(),
             priors: Priors::default(),
             statics: Statics::ladder(mesh, Kinematics::Corotational),
@@ -166,7 +166,7 @@ impl<'m> ForceProblem<'m> {
     pub fn with_object(self, object: Option<&TouchedObject>) -> ForceProblem<'m> {
         let object = object.and_then(|object| Touching::new(&self.questions, object));
         let unknowns = Unknown::list(&self.questions, object.as_ref().map(|it| &it.object), &Measurement::empty());
-        ForceProblem { object, unknowns, shared_errors: Vec::new(), ..self }
+        ForceProblem { object, unknowns: unknowns.into(), shared_errors: Vec::new(), ..self }
     }
 
     /// The problem for other contacts, with the same mesh and object.
@@ -187,13 +187,13 @@ impl<'m> ForceProblem<'m> {
         }
         let object = self.object.as_ref().map(|touching| &touching.object);
         let unknowns = Unknown::list(&self.questions, object, measurement);
-        let is_other = unknowns != self.unknowns || self.shared_errors != measurement.shared_errors();
+        let is_other = unknowns[..] != self.unknowns[..] || self.shared_errors != measurement.shared_errors();
         if is_other {
             self.shared_errors = measurement.shared_errors().to_vec();
+            self.unknowns = unknowns.into();
         }
-        self.unknowns = unknowns;
         self.priors = Priors::new(&self.unknowns, &self.questions, object, measurement, marker_noise_mm);
-        if (self.priors.count() > 0 || object.is_some()) && marker_noise_mm.is_none() {
+        if !(self.priors.is_empty() && object.is_none()) && marker_noise_mm.is_none() {
             return Err(SensingError::NoiseNotStated);
         }
         Ok(is_other)
@@ -203,9 +203,18 @@ impl<'m> ForceProblem<'m> {
         self.mesh.finger()
     }
 
-    /// Number of rows that are no markers: priors and conditions of contact with an object.
+    /// Number of rows that are no markers but count as measured: priors and conditions of contact with an object. Without noise there are none,
+    /// because exact markers outweigh them.
     pub fn known_count(&self) -> usize {
-        self.priors.count() + self.object.as_ref().map_or(0, Touching::row_count)
+        let of_object = self.object.as_ref().filter(|_| self.priors.marker_noise_mm() > 0.0);
+        self.priors.count() + of_object.map_or(0, Touching::row_count)
+    }
+
+    /// Writes the rows of the priors at a state.
+    pub fn write_prior_rows(&self, state: &mut State) {
+        let State { linearised, nuisances, forces_n, .. } = state;
+        linearised.prior_rows.clear();
+        linearised.prior_rows.extend(self.priors.rows(nuisances, forces_n));
     }
 
     /// Whether all unknowns are forces, or are measured: positions and directions of measured contacts.
@@ -263,7 +272,7 @@ impl<'m> ForceProblem<'m> {
 
     /// Sets the [scale](Unknown::scale) of each unknown.
     pub fn rescale(&self, state: &mut State) {
-        for (scale, unknown) in state.linearised.scales.iter_mut().zip(&self.unknowns) {
+        for (scale, unknown) in state.linearised.scales.iter_mut().zip(self.unknowns.iter()) {
             *scale = unknown.scale(&self.questions, &state.forces_n, self.finger());
         }
     }

@@ -2,8 +2,8 @@
 //! which it counts as identifiable.
 //!
 //! An unknown is defined in three files: here, in [`values`](super::values) (its value, and how a step changes the value), and in
-//! [`marker_motion`](super::marker_motion) (the displacement that it causes at a marker, beside the derivative of this displacement). All other files treat
-//! the unknowns alike.
+//! [`marker_motion`](super::marker_motion) (the displacement that it causes at a marker, beside the derivative of this displacement). All other files
+//! treat the unknowns alike.
 
 use crate::finger::{Finger, Plate};
 use crate::measurement::{BaseUncertainty, Measurement};
@@ -145,8 +145,8 @@ impl Unknown {
         }
     }
 
-    /// Relative size of a change of the unknown by `by`. Changes of forces are relative to the largest force, `largest_n`, and changes of positions and
-    /// translations to the plate's length. Changes of rotations are in rad.
+    /// Relative size of a change of the unknown by `by`. Changes of forces are relative to the largest force, `largest_n`, and changes of positions
+    /// and translations to the plate's length. Changes of rotations are in rad.
     pub(super) fn relative_change(self, by: f64, largest_n: f64, length_mm: f64) -> f64 {
         match self {
             Unknown::Force(_) | Unknown::Across(_) => by.abs() / largest_n,
@@ -188,7 +188,8 @@ impl Unknown {
         }
     }
 
-    /// Largest standard deviation at which the unknown is identifiable. `None` without a limit. A measured contact is at least as certain as measured.
+    /// Largest standard deviation at which the unknown is identifiable. `None` without a limit. A measured contact is at least as certain as
+    /// measured.
     pub(super) fn limit(self, questions: &[ContactQuestion], finger: &Finger) -> Option<IdentifiableLimit> {
         match self {
             _ if self.is_measured(questions) => None,

@@ -28,7 +28,8 @@ pub(super) struct Values<'v> {
 pub(super) struct Nuisances {
     /// Motion of the base from its expected pose, in the finger frame of the measurement, mm and rad.
     pub base: Isometry2<f64>,
-    /// Difference between the lean of each force (its angle from the normal) and the mean lean, degrees. The mean lean from a measured normal is zero.
+    /// Difference between the lean of each force (its angle from the normal) and the mean lean, degrees. The mean lean from a measured normal is
+    /// zero.
     pub further_leans_deg: Vec<f64>,
     /// Difference between the position of each contact and its measured position, mm. Meaningless for an unknown position.
     pub shifts_mm: Vec<f64>,
@@ -98,8 +99,8 @@ impl Nuisances {
         }
     }
 
-    /// Value to which the prior of an unknown applies, in mm, rad, degrees, tangents or standard deviations. `is_of_tangent` states whether the value of
-    /// a direction is the tangent of the lean, and not the lean in degrees.
+    /// Value to which the prior of an unknown applies, in mm, rad, degrees, tangents or standard deviations. `is_of_tangent` states whether the value
+    /// of a direction is the tangent of the lean, and not the lean in degrees.
     pub fn value(&self, unknown: Unknown, is_of_tangent: bool) -> f64 {
         match unknown {
             Unknown::Base(PosePart::X) => self.base.translation.x,

@@ -147,8 +147,8 @@ impl NetworkEstimator {
     }
 
     /// Estimates forces with their standard deviations. The standard deviations combine three errors: noise, hidden markers, and the network's error
-    /// on held-out samples. The network's derivatives linearise the effects of noise and hidden markers. `marker_noise_mm` is the standard deviation of one
-    /// coordinate, mm. The noise is estimated from the residual if `marker_noise_mm` is `None` or contradicts the residual.
+    /// on held-out samples. The network's derivatives linearise the effects of noise and hidden markers. `marker_noise_mm` is the standard deviation
+    /// of one coordinate, mm. The noise is estimated from the residual if `marker_noise_mm` is `None` or contradicts the residual.
     ///
     /// The residual is the part of the displacements outside the principal directions. The singular values of the estimate are the reciprocals of the
     /// singular values of the forces' derivatives with respect to the displacements.

@@ -1,8 +1,10 @@
 //! Sensing with an uncertain base and uncertain friction. Stated standard deviations include the uncertainties of base and friction.
 
-use finray_model::measurement::{BaseUncertainty, Marker, Measurement};
+use finray_model::measurement::{BaseUncertainty, Marker, Measurement, SharedError};
+use finray_model::mesh::MeshLevels;
 use finray_model::sensing::{
-    Contact, ContactPosition, ContactQuestion, Direction, Estimate, Lean, NonlinearEstimator, Normal, SensingError,
+    Contact, ContactPosition, ContactQuestion, Direction, Estimate, Lean, NearForces, NonlinearEstimator, Normal,
+    Refinement, SensingError,
 };
 use finray_model::statics::{Statics, StaticsError};
 use finray_model::{Finger, Kinematics, Mesh, NodeId, Vector};
@@ -316,4 +318,60 @@ fn responses_of(base: BaseUncertainty, turned_rad: f64) {
     let responses = variance.sqrt();
     // The responses are central differences of forces that have converged to a hundredth of their standard deviation.
     assert!((stated / responses - 1.0).abs() < 0.01, "stated {stated} N, responses {responses} N");
+}
+
+/// Exact markers outweigh every prior, so a prior then counts neither as a measured coordinate nor as a degree of freedom. With ten degrees of
+/// freedom, half a 95 % interval is 2.2281 residual standard deviations (Student's t distribution), and 1.96 trusted ones.
+#[test]
+fn priors_do_not_count_without_noise() {
+    let finger = bracketed();
+    let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
+    let (contact, seen) = leaning(&mesh, 8, 6.0, 0.0).expect("carried");
+    let seen = noisy(&seen, NOISE_MM, &mut ChaCha8Rng::seed_from_u64(21)).with_base(MOUNTED);
+    let estimate = |markers: usize| {
+        let hidden: Vec<NodeId> = seen.markers().iter().skip(markers).map(|marker| marker.node).collect();
+        let mut estimator = NonlinearEstimator::new(&mesh, &[contact.into()]).expect("on the plate");
+        estimator.estimate(&seen.clone().without(&hidden), Some(0.0)).map(|found| found.forces)
+    };
+    assert_eq!(estimate(1), Err(SensingError::TooFewMarkers { unknowns: 4, coordinates: 2 }));
+    let found = estimate(7).expect("identifiable");
+    let residual_sd_mm = found.residual_rms_mm * (14.0_f64 / 10.0).sqrt();
+    assert!((found.trusted_noise_mm / residual_sd_mm / (2.228_139 / 1.959_964) - 1.0).abs() < 1e-5, "{found:?}");
+}
+
+/// From one frame of a stream to the next, an uncertain base becomes exact and as many errors that all markers share become uncertain, or the
+/// reverse. The shapes of the frame before belong to other unknowns, and do not change the estimate.
+#[test]
+fn shapes_for_other_unknowns_of_the_same_number_are_not_used() {
+    let finger = bracketed();
+    let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
+    let (contact, seen) = leaning(&mesh, 8, 6.0, 0.0).expect("carried");
+    let base = BaseUncertainty { sd_mm: 0.5, sd_rad: 0.01, ..BaseUncertainty::default() };
+    let seen = from_another_base(&finger, &seen, Vector::new(0.4, -0.3), 0.006);
+    let seen = noisy(&seen, NOISE_MM, &mut ChaCha8Rng::seed_from_u64(22));
+    // To first order, the shared errors are the three motions of the base.
+    let positions: Vec<Vector> =
+        (1..=finger.key_node_count()).map(|node| finger.marker_position(NodeId(node))).collect();
+    let pattern =
+        |of: &dyn Fn(&Vector) -> Vector| SharedError { pattern_mm: positions.iter().map(of).collect(), start: 0.0 };
+    let errors = vec![
+        pattern(&|_| Vector::new(base.sd_mm, 0.0)),
+        pattern(&|_| Vector::new(0.0, base.sd_mm)),
+        pattern(&|at| Vector::new(-at.y, at.x) * base.sd_rad),
+    ];
+    let of_base = seen.clone().with_base(base);
+    let of_errors = seen.with_shared_errors(errors);
+    for [first, second] in [[&of_base, &of_errors], [&of_errors, &of_base]] {
+        let refinement = || Refinement::new(MeshLevels::new(&finger), &[contact.into()]);
+        let mut stream = refinement();
+        let before = stream.sense(None, first, Some(NOISE_MM), None).expect("identifiable");
+        let near = NearForces { contacts: &before.contacts, forces_n: &before.forces.forces_n, shape: None };
+        assert!(stream.keeps(near));
+        let [found, alone] = [stream, refinement()].map(|mut refinement| {
+            refinement.sense(None, second, Some(NOISE_MM), Some(near)).expect("identifiable").forces
+        });
+        let off = (found.forces_n[0] - alone.forces_n[0]) / alone.sigmas_n[0];
+        assert!(off.abs() < 1e-3 && (found.sigmas_n[0] / alone.sigmas_n[0] - 1.0).abs() < 1e-3, "{found:?} {alone:?}");
+        assert!((alone.forces_n[0] - 6.0).abs() < 4.0 * alone.sigmas_n[0], "{alone:?}");
+    }
 }

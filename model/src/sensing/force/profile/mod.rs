@@ -8,6 +8,7 @@
 
 use super::alternatives::AS_GOOD;
 use super::linearised::Seen;
+use super::marker_motion::marker_displacement;
 use super::problem::{ForceProblem, State};
 use super::unknowns::Unknown;
 use crate::Vector;
@@ -228,7 +229,7 @@ fn response(
         problem.statics.equations_mut().added_load(&state.motion, &load?, &mut of_load);
         sum.iter_mut().zip(&of_load).for_each(|(sum, further)| *sum += further);
     }
-    Ok(column(state, measurement, |marker| state.nuisances.base.rotation * sum[marker.node.0 - 1]))
+    Ok(column(state, measurement, |marker| marker_displacement(&state.nuisances, sum[marker.node.0 - 1])))
 }
 
 /// Weighted coordinates of the markers, mm, from a vector for each marker.
