@@ -13,16 +13,34 @@ use nalgebra::{Point2, UnitComplex};
 const STEP: f64 = 1e-5;
 /// Number of times that the loads are updated to the bent shape, which determines their directions and levers.
 const FOLLOWED: usize = 3;
+/// A tangent that is not positive definite belongs to no stable equilibrium.
+const UNSTABLE: SensingError = SensingError::Statics(StaticsError::NoEquilibrium { converged_fraction: 1.0 });
 
 /// Factors the tangent at a state and computes the derivatives of the shape with respect to the unknowns.
 ///
 /// # Errors
 /// [`SensingError::Statics`] if the tangent is not positive definite.
 pub(super) fn linearise(problem: &mut ForceProblem, state: &mut State) -> Result<(), SensingError> {
-    if !problem.statics.linearise(&state.motion, &state.loads) {
-        return Err(SensingError::Statics(StaticsError::NoEquilibrium { converged_fraction: 1.0 }));
-    }
+    factor(problem, state)?;
     differentiate(problem, state)
+}
+
+fn factor(problem: &mut ForceProblem, state: &State) -> Result<(), SensingError> {
+    let is_stable = problem.statics.linearise(&state.motion, &state.loads);
+    is_stable.then_some(()).ok_or(UNSTABLE)
+}
+
+/// Factors the tangent at a state and computes the derivatives of the shape, including the effect of the shape on loads that follow it.
+///
+/// # Errors
+/// [`SensingError::Statics`] if the tangent is not positive definite.
+pub(super) fn linearise_with_loads(problem: &mut ForceProblem, state: &mut State) -> Result<(), SensingError> {
+    if !problem.loads_follow_plate() {
+        return linearise(problem, state);
+    }
+    factor(problem, state)?;
+    prepare(problem, state);
+    differentiate_by_differences(problem, state)
 }
 
 /// Linearises a shape that is near an equilibrium under its loads. Residuals are those after Newton's correction of the shape, which is left to
@@ -39,13 +57,18 @@ pub(super) fn look_ahead(problem: &mut ForceProblem, state: &mut State) -> Optio
     Some(())
 }
 
-/// Computes the derivatives of the shape with respect to the unknowns from the factored tangent.
-pub(super) fn differentiate(problem: &mut ForceProblem, state: &mut State) -> Result<(), SensingError> {
-    let finger = problem.finger();
+/// Scales the unknowns and linearises the priors.
+fn prepare(problem: &ForceProblem, state: &mut State) {
     problem.rescale(state);
     state.linearised.turn_signs.clone_from(&problem.priors.turn_signs);
     state.linearised.prior_rows.clear();
     state.linearised.prior_rows.extend(problem.priors.rows(&state.nuisances, &state.forces_n));
+}
+
+/// Computes the derivatives of the shape with respect to the unknowns from the factored tangent.
+pub(super) fn differentiate(problem: &mut ForceProblem, state: &mut State) -> Result<(), SensingError> {
+    let finger = problem.finger();
+    prepare(problem, state);
     if problem.object.is_some() {
         return differentiate_by_differences(problem, state);
     }
@@ -127,15 +150,17 @@ fn add_up(
     Ok(())
 }
 
-/// Computes the same derivatives as [`differentiate`], but by first-order differences of states. Here,
-/// directions follow the object, and the differences include the effect of changed directions on the shape.
+/// Computes the same derivatives as [`differentiate`], but by first-order differences of states. The differences include the effect of the shape on
+/// loads that follow it.
 ///
 /// # Errors
-/// [`SensingError::Statics`] if the tangent does not belong to an equilibrium.
+/// [`SensingError::Statics`] if a state is not finite.
 fn differentiate_by_differences(problem: &mut ForceProblem, state: &mut State) -> Result<(), SensingError> {
-    let Some(touching) = problem.object.clone() else { return Ok(()) };
-    let noise_mm = problem.priors.noise_mm();
-    let misses = |state: &State| -> Vec<f64> { touching.misses_mm(problem.mesh, state.posed(), noise_mm).collect() };
+    let (object, noise_mm) = (problem.object.clone(), problem.priors.noise_mm());
+    let mesh = problem.mesh;
+    let misses = |state: &State| -> Vec<f64> {
+        object.iter().flat_map(|object| object.misses_mm(mesh, state.posed(), noise_mm)).collect()
+    };
     let before = followed(problem, state, None)?;
     let before_misses = misses(&before);
     let at_state = misses(state);
@@ -151,11 +176,17 @@ fn differentiate_by_differences(problem: &mut ForceProblem, state: &mut State) -
     Ok(())
 }
 
-/// State after a step of one unknown (index and change). The tangent determines the new shape, and the new shape determines the loads. If `step`
-/// is `None`, no unknown changes.
-fn followed(problem: &mut ForceProblem, state: &State, step: Option<(usize, f64)>) -> Result<State, SensingError> {
-    let none = SensingError::Statics(StaticsError::NoEquilibrium { converged_fraction: 1.0 });
-    let mut state = state.clone();
+/// State after a step of one unknown (index and change), to first order: the tangent factored at `from` determines the new shape, and the new shape
+/// determines the loads. If `step` is `None`, no unknown changes.
+///
+/// # Errors
+/// [`SensingError::Statics`] if the state is not finite.
+pub(super) fn followed(
+    problem: &mut ForceProblem,
+    from: &State,
+    step: Option<(usize, f64)>,
+) -> Result<State, SensingError> {
+    let mut state = from.clone();
     state.linearised.step.clear();
     state.linearised.step.resize(problem.unknowns.len(), 0.0);
     if let Some((unknown, by)) = step {
@@ -163,7 +194,8 @@ fn followed(problem: &mut ForceProblem, state: &State, step: Option<(usize, f64)
     }
     for _ in 0..FOLLOWED {
         problem.advance(&mut state)?;
-        problem.statics.corrected(&mut state.motion, &state.loads).ok_or(none.clone())?;
+        state.motion.clone_from(&from.motion);
+        problem.statics.corrected_under(&mut state.motion, &from.loads, &state.loads).ok_or(UNSTABLE)?;
         state.linearised.step.fill(0.0);
     }
     Ok(state)

@@ -22,6 +22,7 @@ mod minima;
 mod nuisances;
 mod object_start;
 mod position;
+mod pressed;
 mod problem;
 mod profile;
 mod projection;
@@ -38,6 +39,7 @@ pub(crate) use assembled::{LinearisedAssembly, linearise_assembly};
 pub use discretisation::Discretisation;
 pub use estimate::NonlinearEstimate;
 pub use estimator::{NearForces, NonlinearEstimator};
+pub(crate) use pressed::{ForceUnknowns, LoadedShape, Press, PressedFinger};
 pub use refine::{Refinement, sense_refining};
 
 use super::{UNEXPLAINED_SHARE, UNEXPLAINED_SIGMAS};

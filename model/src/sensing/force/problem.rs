@@ -37,6 +37,8 @@ pub(super) struct ForceProblem<'m> {
     pub mesh: &'m Mesh,
     pub questions: Vec<ContactQuestion>,
     pub object: Option<Touching>,
+    /// Loads beside those of the contacts.
+    pub further_loads: Vec<FrameLoad>,
     pub unknowns: Vec<Unknown>,
     /// Errors that all markers of the measurement share.
     pub shared_errors: Vec<SharedError>,
@@ -163,6 +165,7 @@ impl<'m> ForceProblem<'m> {
             mesh,
             questions: questions.to_vec(),
             object: None,
+            further_loads: Vec::new(),
             unknowns: Unknown::of(questions, false, None, 0),
             shared_errors: Vec::new(),
             priors: Priors::default(),
@@ -393,6 +396,7 @@ impl<'m> ForceProblem<'m> {
                 loads.push(load?);
             }
         }
+        loads.extend_from_slice(&self.further_loads);
         Ok(largest_turn_deg)
     }
 }
