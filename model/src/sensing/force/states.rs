@@ -100,11 +100,13 @@ pub(super) fn unit_motions(problem: &mut ForceProblem, state: &State) -> Option<
     if !(are_forces && are_all) || problem.object.is_some() || problem.follows_plate() || has_pad {
         return None;
     }
+    problem.statics.linearise(&state.motion, &state.loads).then_some(())?;
+    let mut applied = state.loads.clone();
     let unit_motion = |(i, contact): (usize, &Contact)| {
-        problem.statics.linearise(&state.motion, &state.loads).then_some(())?;
         let (mut loads, mut motion) = (state.loads.clone(), state.motion.clone());
         loads[i] = problem.mesh.frame_load(&contact.load(problem.finger(), state.forces_n[i] + 1.0)).ok()?;
-        problem.statics.corrected_under(&mut motion, &state.loads, &loads)?;
+        problem.statics.corrected_under(&mut motion, &applied, &loads)?;
+        applied = loads;
         motion.add(&state.motion, -1.0);
         Some(motion)
     };
