@@ -1,4 +1,4 @@
-//! Supplies the optimiser with residuals and their derivatives by differences, priors, and bounds of the positions.
+//! Supplies the optimiser with residuals and their derivatives, priors, and bounds of the positions.
 
 use super::problem::{Candidate, OWN, Point, Problem, free_part_mm};
 use crate::calibration::CalibrationError;
@@ -6,8 +6,8 @@ use crate::optimise::{LeastSquaresProblem, Prior, Refusal, StepBounds};
 use crate::sensing::PressedFinger;
 use nalgebra::{DMatrix, DVector, Translation2, UnitComplex};
 
-/// Steps of the difference quotients by shared quantities: `SHARE_STEP` for the logarithm of a factor, and `STEP` in the unit of any other quantity.
-/// The differences are of first order in the step and have ten correct digits.
+/// Steps of the derivatives by shared quantities: `SHARE_STEP` for the logarithm of a factor, and `STEP` in the unit of any other quantity. The shape of
+/// the changed finger follows from its tangent, with about nine correct digits.
 const STEP: f64 = 1e-3;
 const SHARE_STEP: f64 = 1e-4;
 /// Refusal of a point at which the finger is impossible or has no equilibrium.
@@ -46,15 +46,10 @@ impl LeastSquaresProblem for Problem<'_> {
             changed[k] += step;
             let other = self.candidate(&changed).ok_or(NOWHERE)?;
             for ((view, own, rows, _), pressed) in self.parts(point).zip(&pressed) {
-                // If the frames differ, the equilibria of both fingers are compared.
-                let [before, after] = match pressed.residual_of(self.press(&other, view)) {
-                    Some(after) => [pressed.residual_of(self.press(&candidate, view)).ok_or(NOWHERE)?, after],
-                    None => {
-                        let other = self.pressed(&other, view, own, None).ok_or(NOWHERE)?;
-                        [pressed.residual(), other.residual()]
-                    }
-                };
-                for (row, (after, before)) in rows.zip(after.iter().zip(before)) {
+                let press = || self.press(&other, view);
+                let from_rest = || PressedFinger::new(press(), own, None).map(|pressed| pressed.residual());
+                let after = pressed.residual_of(press()).or_else(from_rest).ok_or(NOWHERE)?;
+                for ((row, after), before) in rows.zip(after).zip(pressed.residual()) {
                     jacobian[(row, k)] = (after - before) / step;
                 }
             }
@@ -70,7 +65,7 @@ impl LeastSquaresProblem for Problem<'_> {
             let [least_mm, most_mm] = free_part_mm(self.finger);
             own.s_mm = (own.s_mm + step[0]).clamp(least_mm, most_mm);
             own.base.append_translation_mut(&Translation2::new(step[1], step[2]));
-            own.base.append_rotation_mut(&UnitComplex::new(step[3]));
+            own.base.append_rotation_wrt_center_mut(&UnitComplex::new(step[3]));
             own.force_n += step.get(OWN).unwrap_or(&0.0);
             own.further_lean_deg += step.get(OWN + 1).unwrap_or(&0.0);
         }
@@ -103,3 +98,7 @@ impl Problem<'_> {
         pressed.collect()
     }
 }
+
+#[cfg(test)]
+#[path = "../../../tests/units/view_derivatives.rs"]
+mod tests;

@@ -30,8 +30,8 @@ pub enum Quantity {
     BaseTurn,
     /// Moment that the plates of the unloaded finger exert on each other at the tip, N mm.
     Preload,
-    /// Deviation of the lean (angle between force and normal) from the scene's mean lean, degrees, common to all forces that were not measured. All
-    /// forces that were not measured share the deviation, because one object has one coefficient of friction.
+    /// Deviation of the lean of a sliding force (angle between force and normal) from the scene's mean lean, degrees, common to all forces that were not
+    /// measured, because one object has one coefficient of friction.
     Lean,
 }
 

@@ -3,11 +3,12 @@
 use super::problem::{ForceProblem, State};
 use super::unknowns::{BaseMotion, Unknown};
 use crate::Vector;
+use crate::element::quarter_turn;
 use crate::frame::FrameLoad;
 use crate::mesh::LoadError;
 use crate::sensing::{Direction, PadForce, SensingError};
 use crate::statics::StaticsError;
-use nalgebra::{Point2, UnitComplex};
+use nalgebra::UnitComplex;
 
 /// Step of the difference quotients, as a share of each unknown's scale. The differenced quantities are almost linear within such a small step.
 const STEP: f64 = 1e-5;
@@ -103,11 +104,11 @@ pub(super) fn differentiate(problem: &mut ForceProblem, state: &mut State) -> Re
             }
             Unknown::Base(way) => {
                 for (rate, point) in rates.iter_mut().zip(points) {
-                    let position = base * Point2::from(point.rest + motion.displacements[point.node]);
+                    let arm = base.rotation * (point.rest + motion.displacements[point.node]);
                     *rate = match way {
                         BaseMotion::X => Vector::x(),
                         BaseMotion::Y => Vector::y(),
-                        BaseMotion::Turn => Vector::new(-position.y, position.x),
+                        BaseMotion::Turn => quarter_turn(arm),
                     };
                 }
                 // In the frame of the rotated base, a force of known direction rotates opposite to the base.
@@ -161,13 +162,14 @@ fn differentiate_by_differences(problem: &mut ForceProblem, state: &mut State) -
     let misses = |state: &State| -> Vec<f64> {
         object.iter().flat_map(|object| object.misses_mm(mesh, state.posed(), noise_mm)).collect()
     };
-    let before = followed(problem, state, None)?;
+    let mut applied = state.loads.clone();
+    let before = followed(problem, state, None, &mut applied)?;
     let before_misses = misses(&before);
     let at_state = misses(state);
     state.linearised.take_misses(at_state);
     for unknown in 0..problem.unknowns.len() {
         let step = STEP * state.linearised.scales[unknown];
-        let after = followed(problem, state, Some((unknown, step)))?;
+        let after = followed(problem, state, Some((unknown, step)), &mut applied)?;
         let after_misses = misses(&after);
         let states = [(&before, &before_misses), (&after, &after_misses)]
             .map(|(state, misses)| (state.posed(), misses.as_slice()));
@@ -177,7 +179,7 @@ fn differentiate_by_differences(problem: &mut ForceProblem, state: &mut State) -
 }
 
 /// State after a step of one unknown (index and change), to first order: the tangent factored at `from` determines the new shape, and the new shape
-/// determines the loads. If `step` is `None`, no unknown changes.
+/// determines the loads. If `step` is `None`, no unknown changes. `applied` are the loads under which the equations were linearised or corrected last.
 ///
 /// # Errors
 /// [`SensingError::Statics`] if the state is not finite.
@@ -185,6 +187,7 @@ pub(super) fn followed(
     problem: &mut ForceProblem,
     from: &State,
     step: Option<(usize, f64)>,
+    applied: &mut Vec<FrameLoad>,
 ) -> Result<State, SensingError> {
     let mut state = from.clone();
     state.linearised.step.clear();
@@ -195,7 +198,8 @@ pub(super) fn followed(
     for _ in 0..FOLLOWED {
         problem.advance(&mut state)?;
         state.motion.clone_from(&from.motion);
-        problem.statics.corrected_under(&mut state.motion, &from.loads, &state.loads).ok_or(UNSTABLE)?;
+        problem.statics.corrected_under(&mut state.motion, applied, &state.loads).ok_or(UNSTABLE)?;
+        applied.clone_from(&state.loads);
         state.linearised.step.fill(0.0);
     }
     Ok(state)

@@ -3,7 +3,8 @@
 //! A [`ForceProblem`](problem::ForceProblem) holds the contacts, the unknowns and the finger's equations. An estimate starts from least squares on the
 //! linear finger ([`start`]) or from the last estimate. Near the minimum of the difference between measured and computed shape ([`linearised`]),
 //! forces and shape are corrected together ([`correction`]). Far from the minimum, every step ends at an equilibrium ([`search`]). Each result is
-//! tested before it is returned ([`assessment`], [`alternatives`]).
+//! tested before it is returned ([`assessment`], [`alternatives`]). A calibration from images evaluates the same problem at given values of its
+//! unknowns ([`pressed`]).
 
 mod alternatives;
 mod assembled;

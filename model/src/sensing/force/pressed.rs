@@ -120,10 +120,12 @@ impl<'m> PressedFinger<'m> {
         let linearised = Linearised::new(other.mesh, &problem.unknowns);
         let mut from = State { linearised, ..self.state.clone() };
         from.motion.fits(other.mesh.frame()).then_some(())?;
+        // Brackets of another length carry the ends of the ribs elsewhere.
+        other.mesh.frame().follow_links(&mut from.motion, false);
         from.loads = from.loads_under(other.mesh, &problem.questions, &from.forces_n).ok()?;
         from.loads.extend_from_slice(&problem.further_loads);
         problem.statics.linearise(&from.motion, &from.loads).then_some(())?;
-        let state = followed(&mut problem, &from, None).ok()?;
+        let state = followed(&mut problem, &from, None, &mut from.loads.clone()).ok()?;
         Some(PressedFinger { problem, measurement: other.measurement, state }.residual())
     }
 

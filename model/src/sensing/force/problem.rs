@@ -350,7 +350,9 @@ impl<'m> ForceProblem<'m> {
                 }
                 Unknown::Base(BaseMotion::X) => nuisances.base.append_translation_mut(&Translation2::new(x, 0.0)),
                 Unknown::Base(BaseMotion::Y) => nuisances.base.append_translation_mut(&Translation2::new(0.0, x)),
-                Unknown::Base(BaseMotion::Turn) => nuisances.base.append_rotation_mut(&UnitComplex::new(x)),
+                Unknown::Base(BaseMotion::Turn) => {
+                    nuisances.base.append_rotation_wrt_center_mut(&UnitComplex::new(x));
+                }
                 Unknown::Object(way) => nuisances.object[way as usize] += x,
                 Unknown::Shared(k) => nuisances.share(k, &self.shared_errors[k], x),
                 Unknown::Position(i) => {

@@ -20,14 +20,14 @@ pub(super) enum Unknown {
     Shared(usize),
 }
 
-/// A motion of a base or an object in the finger frame.
+/// A motion of a base or an object in the finger frame. A base rotates about its own origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum BaseMotion {
     /// Translation along x, mm.
     X,
     /// Translation along y, mm.
     Y,
-    /// Rotation about the origin, rad.
+    /// Rotation, rad.
     Turn,
 }
 
