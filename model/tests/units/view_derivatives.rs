@@ -11,8 +11,8 @@ use nalgebra::Isometry2;
 
 /// Steps of the central differences, in the unit of each unknown. Equilibria have ten correct digits, and the differences are of second order.
 const STEP: f64 = 1e-3;
-/// Largest deviation of a derivative, as a share of the largest derivative by the same unknown. The steps of the derivatives by shared quantities
-/// are 1e-3 mm, which changes a derivative by about this share of a millimetre's effect.
+/// Largest deviation of a derivative, as a share of the largest derivative by the same unknown. Central differences with [`STEP`] deviate by 1e-4,
+/// because lengths strain stiff beams.
 const TOLERANCE: f64 = 1e-3;
 
 /// Derivatives from the factored tangent equal central differences of equilibria that start from rest, for measured and sought forces, for directions
@@ -57,7 +57,7 @@ fn derivatives_are_those_of_equilibria() {
             pad,
             preload_nmm: 3.0,
         };
-        let errors = MarkerErrors { noise_factor: 1.0, model_mm: 0.02 };
+        let errors = MarkerErrors { noise_factor: 1.0, calibration_error_mm: 0.02 };
         let (views, sought, scatter) = (&all[..], &sought[..], Some(0.01));
         let mut problem =
             Problem { finger: &finger, views, sought, model: &model, errors, scatter, shapes: Vec::new() };

@@ -6,10 +6,12 @@ use crate::optimise::{LeastSquaresProblem, Prior, Refusal, StepBounds};
 use crate::sensing::PressedFinger;
 use nalgebra::{DMatrix, DVector, Translation2, UnitComplex};
 
-/// Steps of the derivatives by shared quantities: `SHARE_STEP` for the logarithm of a factor, and `STEP` in the unit of any other quantity. The shape of
-/// the changed finger follows from its tangent, with about nine correct digits.
-const STEP: f64 = 1e-3;
-const SHARE_STEP: f64 = 1e-4;
+/// Steps of the derivatives by shared quantities, in the unit of each quantity. A change of a length strains beams, which are stiff, so that the
+/// response of the finger is of first order only for short steps.
+const STEP: f64 = 1e-4;
+const LENGTH_STEP: f64 = 1e-7;
+/// Step between equilibria of fingers with different frames. Equilibria have ten correct digits.
+const FRAME_STEP: f64 = 1e-3;
 /// Refusal of a point at which the finger is impossible or has no equilibrium.
 const NOWHERE: Refusal<CalibrationError> = Refusal::Here(CalibrationError::NoMinimum);
 
@@ -40,18 +42,27 @@ impl LeastSquaresProblem for Problem<'_> {
                 jacobian[(rows.end - 1, column + OWN)] = 1.0 / (force.norm() * scatter);
             }
         }
+        let here =
+            self.views.iter().zip(&pressed).map(|(view, pressed)| pressed.residual_of(self.press(&candidate, view)));
+        let here = here.collect::<Option<Vec<_>>>().ok_or(NOWHERE)?;
         for (k, sought) in self.sought.iter().enumerate() {
-            let step = if sought.quantity.is_modulus() { SHARE_STEP } else { STEP };
-            let mut changed = point.shared.clone();
-            changed[k] += step;
-            let other = self.candidate(&changed).ok_or(NOWHERE)?;
-            for ((view, own, rows, _), pressed) in self.parts(point).zip(&pressed) {
-                let press = || self.press(&other, view);
-                let from_rest = || PressedFinger::new(press(), own, None).map(|pressed| pressed.residual());
-                let after = pressed.residual_of(press()).or_else(from_rest).ok_or(NOWHERE)?;
-                for ((row, after), before) in rows.zip(after).zip(pressed.residual()) {
-                    jacobian[(row, k)] = (after - before) / step;
-                }
+            let changed = |step: f64| {
+                let mut shared = point.shared.clone();
+                shared[k] += step;
+                self.candidate(&shared).ok_or(NOWHERE)
+            };
+            let step = if sought.quantity.is_length() { LENGTH_STEP } else { STEP };
+            let other = changed(step)?;
+            for (((view, own, rows, _), pressed), here) in self.parts(point).zip(&pressed).zip(&here) {
+                let by: Vec<f64> = match pressed.residual_of(self.press(&other, view)) {
+                    Some(there) => there.iter().zip(here).map(|(there, here)| (there - here) / step).collect(),
+                    None => {
+                        let there = changed(FRAME_STEP)?;
+                        let there = self.pressed(&there, view, own, None).ok_or(NOWHERE)?.residual();
+                        there.iter().zip(pressed.residual()).map(|(there, here)| (there - here) / FRAME_STEP).collect()
+                    }
+                };
+                rows.zip(by).for_each(|(row, by)| jacobian[(row, k)] = by);
             }
         }
         Ok(jacobian)

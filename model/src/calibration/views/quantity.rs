@@ -64,6 +64,18 @@ impl Quantity {
         matches!(self, Quantity::Modulus | Quantity::PlateModulus(_))
     }
 
+    /// Whether the quantity is a length of the finger.
+    pub(super) fn is_length(&self) -> bool {
+        matches!(
+            self,
+            Quantity::Bracket(_)
+                | Quantity::OwnBracket(..)
+                | Quantity::Clip
+                | Quantity::PlateClip(_)
+                | Quantity::RibPosition(..)
+        )
+    }
+
     /// Whether the quantity describes markers or base, not the finger.
     pub fn is_of_rig(&self) -> bool {
         matches!(self, Quantity::MarkerHeight | Quantity::BaseX | Quantity::BaseY | Quantity::BaseTurn)

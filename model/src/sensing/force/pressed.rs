@@ -1,11 +1,11 @@
 //! A finger under one force with given values of all unknowns: the residuals and derivatives of one image in a calibration.
 
-use super::derivatives::{followed, linearise_with_loads};
+use super::derivatives::{linearise_with_loads, state_after_step};
 use super::linearised::{Linearised, Seen};
-use super::nuisances::Nuisances;
 use super::problem::{ForceProblem, State};
 use super::states::{settle, state_of};
-use super::unknowns::{BaseMotion, Unknown};
+use super::unknowns::{PosePart, Unknown};
+use super::values::Nuisances;
 use crate::Vector;
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::measurement::{Marker, Measurement};
@@ -125,7 +125,7 @@ impl<'m> PressedFinger<'m> {
         from.loads = from.loads_under(other.mesh, &problem.questions, &from.forces_n).ok()?;
         from.loads.extend_from_slice(&problem.further_loads);
         problem.statics.linearise(&from.motion, &from.loads).then_some(())?;
-        let state = followed(&mut problem, &from, None, &mut from.loads.clone()).ok()?;
+        let state = state_after_step(&mut problem, &from, None, &mut from.loads.clone()).ok()?;
         Some(PressedFinger { problem, measurement: other.measurement, state }.residual())
     }
 
@@ -134,7 +134,7 @@ impl<'m> PressedFinger<'m> {
     pub fn jacobian(&mut self) -> Option<DMatrix<f64>> {
         linearise_with_loads(&mut self.problem, &mut self.state).ok()?;
         let mut by_unknown = self.state.linearised.derivatives(&self.measurement);
-        let base = [BaseMotion::X, BaseMotion::Y, BaseMotion::Turn].map(Unknown::Base);
+        let base = [PosePart::X, PosePart::Y, PosePart::Turn].map(Unknown::Base);
         let order = [&[Unknown::Position(0)], &base[..], &[Unknown::Force(0), Unknown::Across(0)]].concat();
         let column = |unknown: Unknown| self.problem.unknowns.iter().position(|other| *other == unknown);
         if let Some(across) = column(Unknown::Across(0)) {
@@ -154,7 +154,7 @@ impl<'m> Press<'m> {
     fn problem(&self) -> Option<ForceProblem<'m>> {
         let mut problem = ForceProblem::new(self.mesh, &[self.question]).ok()?;
         problem.further_loads.extend(self.preload);
-        problem.expect(Seen { measurement: &self.measurement, noise_mm: Some(1.0) }).ok()?;
+        problem.expect(Seen { measurement: &self.measurement, marker_noise_mm: Some(1.0) }).ok()?;
         Some(problem)
     }
 }
