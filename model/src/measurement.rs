@@ -39,11 +39,6 @@ impl BaseUncertainty {
         let both = std::f64::consts::SQRT_2;
         BaseUncertainty { sd_mm: both * self.sd_mm, sd_rad: both * self.sd_rad, ..self }
     }
-
-    /// Standard deviation of the rotation of the base, rad, under forces whose sum is `force_n`, N.
-    pub fn sd_rad_under(&self, force_n: f64) -> f64 {
-        self.sd_rad.hypot(self.turn_sd_rad_per_n * force_n)
-    }
 }
 
 /// Measured displacements of free key nodes, each node at most once. Nodes at one point of a plate share the displacement of their junction.

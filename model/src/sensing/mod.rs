@@ -21,7 +21,7 @@ pub use contact::{
 pub use error::SensingError;
 pub use estimate::{Estimate, MeasuredForces, MethodError, Warning};
 pub use force::{Discretisation, NearForces, NonlinearEstimate, NonlinearEstimator, Refinement, sense_refining};
-pub(crate) use force::{LinearisedAssembly, linearise_assembly};
+pub(crate) use force::{ForceUnknowns, LinearisedAssembly, LoadedShape, Press, PressedFinger, linearise_assembly};
 pub use lean::{Lean, MeasuredNormal, Normal};
 pub use linear::{ForcePrior, LinearEstimator};
 pub use linearisation::Linearisation;

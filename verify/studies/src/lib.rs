@@ -11,7 +11,6 @@ pub mod experiments;
 pub mod exports;
 mod prelude;
 pub mod problems;
-mod response;
 pub mod sampling;
 pub mod settings;
 pub mod statistics;

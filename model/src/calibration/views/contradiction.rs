@@ -1,12 +1,12 @@
 //! Refuses views that contradict the scene's finger or the other views so strongly that no change of the sought quantities explains the
 //! contradiction. Each view is tested before any fit.
 
-use super::problem::{Candidate, Problem, ViewUnknowns};
+use super::problem::{Candidate, Problem, residuals};
 use super::shape_motion::motion_of_shape;
 use super::{Quantity, Sought, View, ViewError};
 use crate::calibration::{CalibrationError, median};
 use crate::measurement::BaseUncertainty;
-use crate::sensing::{ContactQuestion, Direction, NonlinearEstimator};
+use crate::sensing::{ContactQuestion, Direction, ForceUnknowns, NonlinearEstimator};
 use crate::{NodeId, Vector};
 
 /// Standard deviations assumed before calibration: `UNCALIBRATED_MM` for markers, mm, and `SOUGHT_BASE` for a base whose pose is sought, mm and rad.
@@ -28,7 +28,7 @@ const NEARER: f64 = 0.5;
 /// Force and other unknowns of a view, estimated from the view's markers alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct MarkerForce {
-    pub own: ViewUnknowns,
+    pub own: ForceUnknowns,
     /// Standard deviation of the force, N.
     pub sigma_n: f64,
 }
@@ -71,7 +71,7 @@ pub(super) fn marker_force(problem: &Problem, stated: &Candidate, view: &View) -
     let measurement = view.measurement.clone().with_base(BaseUncertainty { sd_mm, sd_rad, ..view.base });
     let sensed = estimator.estimate(&measurement, Some(view.noise_mm.hypot(UNCALIBRATED_MM))).ok()?;
     let force_n = if outwards_deg > 0.0 { -sensed.forces.forces_n[0] } else { sensed.forces.forces_n[0] };
-    let own = ViewUnknowns::at(sensed.contacts[0].position_mm(problem.finger)?, force_n);
+    let own = ForceUnknowns::at(sensed.contacts[0].position_mm(problem.finger)?, force_n);
     Some(MarkerForce { own, sigma_n: sensed.forces.sigmas_n[0] })
 }
 
@@ -96,11 +96,10 @@ pub(super) fn check_forces(problem: &Problem, marker_forces: &[Option<MarkerForc
 }
 
 /// Finds a marker of a view at the computed position of another node, after the best rigid motion of the finger. `None` if every marker has the right node.
-pub(super) fn wrong_name(problem: &Problem, stated: &Candidate, view: &View, own: &ViewUnknowns) -> Option<ViewError> {
-    let pressed = problem.pressed(stated, view, own)?;
+pub(super) fn wrong_name(problem: &Problem, stated: &Candidate, view: &View, own: &ForceUnknowns) -> Option<ViewError> {
+    let pressed = problem.pressed(stated, view, own, None)?;
     // Node, observed position and computed position of each marker.
-    let places: Vec<(NodeId, Vector, Vector)> = problem
-        .residuals(stated, view, own, &pressed)
+    let places: Vec<(NodeId, Vector, Vector)> = residuals(stated, view, &pressed)
         .map(|(marker, left)| {
             let seen = problem.finger.marker_position(marker.node) + marker.displacement;
             (marker.node, seen, seen + left)

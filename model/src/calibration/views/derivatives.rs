@@ -1,17 +1,17 @@
-//! Supplies the optimiser with residuals and their derivatives by differences, priors, and bounds of the positions.
+//! Supplies the optimiser with residuals and their derivatives, priors, and bounds of the positions.
 
-use super::Quantity;
-use super::problem::{Point, Pressed, Problem, ViewUnknowns, free_part_mm};
+use super::problem::{Candidate, OWN, Point, Problem, free_part_mm};
 use crate::calibration::CalibrationError;
 use crate::optimise::{LeastSquaresProblem, Prior, Refusal, StepBounds};
-use nalgebra::{DMatrix, DVector};
+use crate::sensing::PressedFinger;
+use nalgebra::{DMatrix, DVector, Translation2, UnitComplex};
 
-/// Steps of the difference quotients. `LENGTH_STEP` is for lengths (mm), and for shared quantities other than factors (in the quantity's unit).
-/// `SHARE_STEP` is for relative changes of factors and forces, and for rotations (rad). `ANGLE_STEP_DEG` is for the lean of a view (angle between
-/// force and normal), degrees. Equilibria have ten correct digits.
-const LENGTH_STEP: f64 = 1e-3;
-const SHARE_STEP: f64 = 1e-4;
-const ANGLE_STEP_DEG: f64 = 1e-2;
+/// Steps of the derivatives by shared quantities, in the unit of each quantity. A change of a length strains beams, which are stiff, so that the
+/// response of the finger is of first order only for short steps.
+const STEP: f64 = 1e-4;
+const LENGTH_STEP: f64 = 1e-7;
+/// Step between equilibria of fingers with different frames. Equilibria have ten correct digits.
+const FRAME_STEP: f64 = 1e-3;
 /// Refusal of a point at which the finger is impossible or has no equilibrium.
 const NOWHERE: Refusal<CalibrationError> = Refusal::Here(CalibrationError::NoMinimum);
 
@@ -21,38 +21,48 @@ impl LeastSquaresProblem for Problem<'_> {
 
     fn residual(&mut self, point: &Point) -> Result<DVector<f64>, Refusal<CalibrationError>> {
         let candidate = self.candidate(&point.shared).ok_or(NOWHERE)?;
-        let of_views = self.views.iter().zip(&point.own).map(|(view, own)| self.weighted(None, &candidate, view, own));
-        let of_views = of_views.collect::<Option<Vec<_>>>().ok_or(NOWHERE)?;
-        Ok(DVector::from_vec(of_views.concat()))
+        let pressed = self.all_pressed(&candidate, point)?;
+        let rows = self.parts(point).zip(&pressed);
+        let rows = rows.flat_map(|((view, own, ..), pressed)| self.with_force_row(pressed.residual(), view, own));
+        let residual = DVector::from_vec(rows.collect());
+        self.shapes = pressed.into_iter().map(PressedFinger::into_shape).collect();
+        Ok(residual)
     }
 
     fn jacobian(&mut self, point: &Point, residual: &DVector<f64>) -> Result<DMatrix<f64>, Refusal<CalibrationError>> {
-        let (shared, residual) = (self.sought.len(), residual.as_slice());
-        let unknowns = shared + self.views.iter().map(|view| self.own_count(view)).sum::<usize>();
-        let mut jacobian = DMatrix::zeros(residual.len(), unknowns);
         let candidate = self.candidate(&point.shared).ok_or(NOWHERE)?;
-        let here = self.views.iter().zip(&point.own).map(|(view, own)| self.pressed(&candidate, view, own));
-        let here = here.collect::<Option<Vec<Pressed>>>().ok_or(NOWHERE)?;
-        for (k, sought) in self.sought.iter().enumerate() {
-            let step = match sought.quantity {
-                Quantity::Modulus | Quantity::PlateModulus(_) => SHARE_STEP,
-                _ => LENGTH_STEP,
-            };
-            let mut changed = point.shared.clone();
-            changed[k] += step;
-            let other = self.candidate(&changed).ok_or(NOWHERE)?;
-            for ((view, own, rows, _), here) in self.parts(point).zip(&here) {
-                let after = self.weighted(Some(here), &other, view, own);
-                let by = differences(after, &residual[rows.clone()], step)?;
-                jacobian.view_mut((rows.start, k), (rows.len(), 1)).copy_from(&by);
+        let mut pressed = self.all_pressed(&candidate, point)?;
+        let unknowns = self.sought.len() + self.views.iter().map(|view| self.own_count(view)).sum::<usize>();
+        let mut jacobian = DMatrix::zeros(residual.len(), unknowns);
+        for ((view, _, rows, column), pressed) in self.parts(point).zip(&mut pressed) {
+            let by_own = pressed.jacobian().ok_or(NOWHERE)?;
+            let own = by_own.columns(0, self.own_count(view));
+            jacobian.view_mut((rows.start, column), own.shape()).copy_from(&own);
+            if let (Some(force), Some(scatter)) = (view.force, self.scatter) {
+                jacobian[(rows.end - 1, column + OWN)] = 1.0 / (force.norm() * scatter);
             }
         }
-        for ((view, own, rows, column), here) in self.parts(point).zip(&here) {
-            for j in 0..self.own_count(view) {
-                let step = own.step(j);
-                let after = self.weighted(Some(here), &candidate, view, &own.moved(self.finger, j, step));
-                let by = differences(after, &residual[rows.clone()], step)?;
-                jacobian.view_mut((rows.start, column + j), (rows.len(), 1)).copy_from(&by);
+        let here =
+            self.views.iter().zip(&pressed).map(|(view, pressed)| pressed.residual_of(self.press(&candidate, view)));
+        let here = here.collect::<Option<Vec<_>>>().ok_or(NOWHERE)?;
+        for (k, sought) in self.sought.iter().enumerate() {
+            let changed = |step: f64| {
+                let mut shared = point.shared.clone();
+                shared[k] += step;
+                self.candidate(&shared).ok_or(NOWHERE)
+            };
+            let step = if sought.quantity.is_length() { LENGTH_STEP } else { STEP };
+            let other = changed(step)?;
+            for (((view, own, rows, _), pressed), here) in self.parts(point).zip(&pressed).zip(&here) {
+                let by: Vec<f64> = match pressed.residual_of(self.press(&other, view)) {
+                    Some(there) => there.iter().zip(here).map(|(there, here)| (there - here) / step).collect(),
+                    None => {
+                        let there = changed(FRAME_STEP)?;
+                        let there = self.pressed(&there, view, own, None).ok_or(NOWHERE)?.residual();
+                        there.iter().zip(pressed.residual()).map(|(there, here)| (there - here) / FRAME_STEP).collect()
+                    }
+                };
+                rows.zip(by).for_each(|(row, by)| jacobian[(row, k)] = by);
             }
         }
         Ok(jacobian)
@@ -60,15 +70,15 @@ impl LeastSquaresProblem for Problem<'_> {
 
     fn moved(&self, point: &Point, step: &DVector<f64>) -> Point {
         let mut moved = point.clone();
-        for (change, step) in moved.shared.iter_mut().zip(step) {
-            *change += step;
-        }
-        let mut column = self.sought.len();
-        for (view, own) in self.views.iter().zip(&mut moved.own) {
-            for j in 0..self.own_count(view) {
-                *own = own.moved(self.finger, j, step[column]);
-                column += 1;
-            }
+        moved.shared.iter_mut().zip(step).for_each(|(change, step)| *change += step);
+        for ((view, _, _, column), own) in self.parts(point).zip(&mut moved.own) {
+            let step = &step.as_slice()[column..column + self.own_count(view)];
+            let [least_mm, most_mm] = free_part_mm(self.finger);
+            own.s_mm = (own.s_mm + step[0]).clamp(least_mm, most_mm);
+            own.base.append_translation_mut(&Translation2::new(step[1], step[2]));
+            own.base.append_rotation_wrt_center_mut(&UnitComplex::new(step[3]));
+            own.force_n += step.get(OWN).unwrap_or(&0.0);
+            own.further_lean_deg += step.get(OWN + 1).unwrap_or(&0.0);
         }
         moved
     }
@@ -87,20 +97,19 @@ impl LeastSquaresProblem for Problem<'_> {
     }
 }
 
-/// Difference quotients of the residuals of one view: the change from `before` to `after`, divided by `step`.
-fn differences(after: Option<Vec<f64>>, before: &[f64], step: f64) -> Result<DVector<f64>, Refusal<CalibrationError>> {
-    let after = after.ok_or(NOWHERE)?;
-    Ok(DVector::from_iterator(before.len(), after.iter().zip(before).map(|(after, before)| (after - before) / step)))
-}
-
-impl ViewUnknowns {
-    /// Step of the difference quotients for an unknown, given by its index, in mm, rad, N or degrees.
-    fn step(&self, unknown: usize) -> f64 {
-        match unknown {
-            0..=2 => LENGTH_STEP,
-            3 => SHARE_STEP,
-            4 => SHARE_STEP * self.force_n,
-            _ => ANGLE_STEP_DEG,
-        }
+impl Problem<'_> {
+    /// Equilibria of all views at a point. The search starts from the shapes of the last point.
+    fn all_pressed<'c>(
+        &self,
+        candidate: &'c Candidate,
+        point: &Point,
+    ) -> Result<Vec<PressedFinger<'c>>, Refusal<CalibrationError>> {
+        let own = self.views.iter().zip(&point.own).enumerate();
+        let pressed = own.map(|(i, (view, own))| self.pressed(candidate, view, own, self.shapes.get(i)).ok_or(NOWHERE));
+        pressed.collect()
     }
 }
+
+#[cfg(test)]
+#[path = "../../../tests/units/view_derivatives.rs"]
+mod tests;

@@ -34,12 +34,12 @@ use crate::Vector;
 use crate::finger::Finger;
 use crate::measurement::MarkerErrors;
 use crate::optimise::{Convergence, LevenbergMarquardt, Refusal};
-use crate::sensing::{Lean, Normal, Pad, UnloadedError};
+use crate::sensing::{ForceUnknowns, Lean, Normal, Pad, UnloadedError};
 use errors::{marker_errors, new_marker_errors};
 use forces::scatter_of;
 use nalgebra::{DMatrix, Isometry2};
 use outliers::{check_use, outliers};
-use problem::{Candidate, OWN, Point, Problem, ViewUnknowns};
+use problem::{Candidate, OWN, Point, Problem, residuals};
 use scatter::{AddedForceError, Scatter};
 use start::start_at_scene;
 use unloaded::unloaded_errors;
@@ -175,7 +175,7 @@ fn have_settled(before: (MarkerErrors, Option<f64>), after: (MarkerErrors, Optio
 ///
 /// # Reference
 /// Nonlinear least squares over all views at once, including each view's own unknowns, by the method of Levenberg and Marquardt. This is bundle
-/// adjustment (Triggs et al. 2000) with the co-rotational finger in place of points; derivatives are differences of equilibria. The variance of the
+/// adjustment (Triggs et al. 2000) with the co-rotational finger in place of points; derivatives follow from the tangent stiffness at each equilibrium. The variance of the
 /// residuals beyond the noise is estimated with the fit, so that priors have the right weight. The stated noise is reduced if residuals are smaller
 /// than this noise. If a modulus is sought, the relative variance of measured forces is also estimated. The relative variance of measured forces
 /// covers errors of the force sensor, and errors of the model that markers do not show. All variances follow by restricted maximum likelihood
@@ -217,7 +217,7 @@ fn views_from(
     let is_scaled = sought.iter().any(|sought| sought.quantity.is_modulus()) && views.iter().any(|v| v.force.is_some());
     let scatter = is_scaled.then_some(FIRST_SCATTER);
     let errors = MarkerErrors { noise_factor: 1.0, calibration_error_mm: FIRST_CALIBRATION_ERROR_MM };
-    let mut problem = Problem { finger, views, sought, model, errors, scatter };
+    let mut problem = Problem { finger, views, sought, model, errors, scatter, shapes: Vec::new() };
     let names = |quantities: &mut dyn Iterator<Item = usize>| {
         quantities.map(|k| sought[k].quantity.to_string()).collect::<Vec<_>>().join(", ")
     };
@@ -310,17 +310,21 @@ fn found_view(
     problem: &Problem,
     candidate: &Candidate,
     view: &View,
-    own: &ViewUnknowns,
+    own: &ForceUnknowns,
     force_sigma_n: f64,
 ) -> Option<FoundView> {
-    let pressed = problem.pressed(candidate, view, own)?;
+    let pressed = problem.pressed(candidate, view, own, None)?;
+    let over_mm = match problem.model.lean.from {
+        Normal::Deformed { over_mm } => over_mm,
+        Normal::Undeformed | Normal::Object => 0.0,
+    };
     Some(FoundView {
         s_mm: own.s_mm,
-        force: pressed.force * (view.force.map_or(own.force_n, |force| force.norm()) / own.force_n),
+        force: pressed.force() * (view.force.map_or(own.force_n, |force| force.norm()) / own.force_n),
         force_sigma_n,
         base: candidate.base * own.base,
-        normal_turn_rad: pressed.normal_turn_rad,
-        residuals_mm: problem.residuals(candidate, view, own, &pressed).map(|(_, left)| left).collect(),
+        normal_turn_rad: pressed.normal_turn_rad(over_mm).ok()?,
+        residuals_mm: residuals(candidate, view, &pressed).map(|(_, left)| left).collect(),
     })
 }
 

@@ -2,14 +2,14 @@
 
 use super::quantity::changed;
 use super::{Quantity, Sought, View, ViewModel};
+use crate::Vector;
 use crate::finger::{Finger, Plate, RibPositions};
-use crate::frame::{FrameLoad, FrameMotion};
 use crate::measurement::{Marker, MarkerErrors};
 use crate::mesh::Mesh;
-use crate::sensing::{AssemblyErrors, Contact, ContactPosition, Normal, PadForce, plate_turn};
-use crate::statics::Statics;
-use crate::{Kinematics, Vector};
-use nalgebra::{Isometry2, Point2, UnitComplex};
+use crate::sensing::{
+    AssemblyErrors, ContactQuestion, Direction, ForceUnknowns, Lean, LoadedShape, Normal, Press, PressedFinger,
+};
+use nalgebra::{Isometry2, Point2};
 use std::ops::Range;
 
 /// Number of unknowns that every view has: position, base x, base y, rotation of the base. The fifth unknown of a view is the force, unless the force
@@ -26,30 +26,13 @@ const SETTLED_DEG: f64 = 1e-3;
 /// friction of one object may be the same in all views. Each view also has its own part of the lean, because friction may build up and objects may
 /// differ.
 const OWN_LEAN: f64 = std::f64::consts::FRAC_1_SQRT_2;
-/// The normal has settled if its rotation changes by at most this angle in a step, rad. The iteration fails after `NORMAL_STEPS` steps.
-const SETTLED_RAD: f64 = 1e-9;
-const NORMAL_STEPS: usize = 60;
-
 /// All unknowns, as one point of the search.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Point {
     /// Changes of the quantities that all views share: the logarithm of a factor, or a change in mm, degrees, N mm or standard deviations.
     pub shared: Vec<f64>,
     /// Unknowns of each view.
-    pub own: Vec<ViewUnknowns>,
-}
-
-/// The unknowns of one view.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct ViewUnknowns {
-    /// Position of the force along the front plate, mm.
-    pub s_mm: f64,
-    /// Deviation of this view's base from the shared pose, mm and rad.
-    pub base: Isometry2<f64>,
-    /// Magnitude of the force, N.
-    pub force_n: f64,
-    /// Difference between the lean of the force (its angle from the normal) and the mean lean, degrees.
-    pub further_lean_deg: f64,
+    pub own: Vec<ForceUnknowns>,
 }
 
 /// A finger and its rig, with the changes of the sought quantities applied.
@@ -61,8 +44,9 @@ pub(super) struct Candidate {
     pub base: Isometry2<f64>,
     /// Moment that the plates of the unloaded finger exert on each other at the tip, N mm.
     pub preload_nmm: f64,
-    /// Deviation of the lean (angle between force and normal) from the mean lean, degrees, common to all forces that were not measured.
-    pub lean_deg: f64,
+    /// Lean (angle between force and normal) of forces that were not measured. The standard deviation is that of the part that a view does not share
+    /// with the other views.
+    pub lean: Lean,
 }
 
 /// Least-squares problem of a calibration.
@@ -75,18 +59,8 @@ pub(super) struct Problem<'p> {
     pub errors: MarkerErrors,
     /// Relative standard deviation of measured forces, dimensionless. `None` if they are exact.
     pub scatter: Option<f64>,
-}
-
-/// Equilibrium of a finger under the force of a view.
-pub(super) struct Pressed {
-    /// The force in the finger frame, N.
-    pub force: Vector,
-    /// Displacements and rotations of the mesh.
-    pub motion: FrameMotion,
-    /// Rotation of the plate's normal at the contact, rad.
-    pub normal_turn_rad: f64,
-    loads: Vec<FrameLoad>,
-    plate_rad: f64,
+    /// Shape of each view at the last point. Empty before the first point.
+    pub shapes: Vec<LoadedShape>,
 }
 
 impl Problem<'_> {
@@ -112,7 +86,8 @@ impl Problem<'_> {
     pub(super) fn candidate(&self, shared: &[f64]) -> Option<Candidate> {
         let mut description = self.finger.description().clone();
         let (mut marker_height_mm, mut at, mut turn_deg) = (self.model.marker_height_mm, Vector::zeros(), 0.0);
-        let (mut preload_nmm, mut lean_deg) = (self.model.preload_nmm, 0.0);
+        let mut preload_nmm = self.model.preload_nmm;
+        let mut lean = Lean { sd_deg: self.further_lean_sd_deg(), ..self.model.lean };
         for (sought, &change) in self.sought.iter().zip(shared) {
             match sought.quantity {
                 Quantity::MarkerHeight => marker_height_mm += change,
@@ -120,21 +95,21 @@ impl Problem<'_> {
                 Quantity::BaseY => at.y += change,
                 Quantity::BaseTurn => turn_deg += change,
                 Quantity::Preload => preload_nmm += change,
-                Quantity::Lean => lean_deg += change,
+                Quantity::Lean => lean.angle_deg += change,
                 of_finger => changed(&mut description, self.finger.rib_count(), of_finger, change),
             }
         }
         let finger = Finger::new(description).ok()?;
         let base = Isometry2::new(at, turn_deg.to_radians());
         let mesh = Mesh::with_elements_per_member(&finger, self.model.elements);
-        Some(Candidate { mesh, marker_height_mm, base, preload_nmm, lean_deg })
+        Some(Candidate { mesh, marker_height_mm, base, preload_nmm, lean })
     }
 
     /// Each view with its unknowns at a point, the rows of its residuals, and the first column of its unknowns.
     pub(super) fn parts<'s, 'p>(
         &'s self,
         point: &'p Point,
-    ) -> impl Iterator<Item = (&'s View, &'p ViewUnknowns, Range<usize>, usize)> {
+    ) -> impl Iterator<Item = (&'s View, &'p ForceUnknowns, Range<usize>, usize)> {
         self.views.iter().zip(&point.own).scan((0, self.sought.len()), |(row, column), (view, own)| {
             let (rows, first) = (*row..*row + self.row_count(view), *column);
             (*row, *column) = (rows.end, first + self.own_count(view));
@@ -159,144 +134,68 @@ impl Problem<'_> {
         (share * self.model.lean.sd_deg).max(SETTLED_DEG)
     }
 
-    /// Number of residuals of a view: for the markers, for the base, and for a measured force that is not exact. Without a measured force, the last
-    /// residual is for the lean (angle between force and normal).
+    /// Number of residuals of a view: for the markers, for the lean (angle between force and normal) unless the force was measured, for the base, and
+    /// for a measured force that is not exact.
     pub(super) fn row_count(&self, view: &View) -> usize {
         let further = usize::from(view.force.is_none() || self.scatter.is_some());
         view.measurement.coordinate_count() + BASE_ROWS + further
     }
 
-    /// Equilibrium under the force of a view. `None` if the finger has no equilibrium under the force of the view.
-    pub(super) fn pressed(&self, candidate: &Candidate, view: &View, own: &ViewUnknowns) -> Option<Pressed> {
-        self.pressed_from(None, candidate, view, own)
-    }
-
-    /// Equilibrium under the force of a view. The search starts from `near`, the equilibrium of almost the same finger and force, unless a changed
-    /// length gives the fingers different frames: for instance, two ribs at one junction may move apart.
-    fn pressed_from(
-        &self,
-        near: Option<&Pressed>,
-        candidate: &Candidate,
-        view: &View,
-        own: &ViewUnknowns,
-    ) -> Option<Pressed> {
-        let finger = candidate.mesh.finger();
-        let near = near.filter(|near| near.motion.fits(candidate.mesh.frame()));
-        let over_mm = match self.model.lean.from {
-            Normal::Deformed { over_mm } => over_mm,
-            Normal::Undeformed | Normal::Object => 0.0,
+    /// The force of a view on the finger of a candidate. The displacements of the markers refer to this finger and the base of the candidate.
+    pub(super) fn press<'c>(&self, candidate: &'c Candidate, view: &View) -> Press<'c> {
+        let (mesh, to_candidate) = (&candidate.mesh, candidate.base.inverse());
+        let finger = mesh.finger();
+        let direction = match (view.force, candidate.lean.from) {
+            (Some(force), _) => Direction::Angle(finger.angle_deg(to_candidate * force)),
+            // Calibration knows no outlines of objects.
+            (None, Normal::Object) => Direction::Leaning(Lean { from: Normal::Undeformed, ..candidate.lean }),
+            (None, _) => Direction::Leaning(candidate.lean),
         };
-        let mut statics = Statics::ladder(&candidate.mesh, Kinematics::Corotational);
-        let pad = self.model.pad;
-        let measured = view
-            .force
-            .map(|force| (candidate.base * own.base).rotation.inverse() * force * (own.force_n / force.norm()));
-        let lean_deg = self.model.lean.mean_deg(own.force_n) + candidate.lean_deg + own.further_lean_deg;
-        // The direction of a force and the load of a pad may depend on the normal, which the force itself rotates. A few iterations settle this
-        // rotation.
         let preload = AssemblyErrors::load(finger, candidate.preload_nmm);
-        let preload = candidate.mesh.frame_load(&preload).ok().filter(|_| candidate.preload_nmm != 0.0);
-        let turns_lean = matches!((view.force, self.model.lean.from), (None, Normal::Deformed { .. }));
-        let mut normal_rad = near.filter(|_| turns_lean).map_or(0.0, |near| near.normal_turn_rad);
-        let mut plate_rad = near.map_or(0.0, |near| near.plate_rad);
-        let mut last = near.map(|near| (near.motion.clone(), near.loads.clone()));
-        for _ in 0..NORMAL_STEPS {
-            let leaning = || finger.direction(lean_deg + normal_rad.to_degrees()) * own.force_n;
-            let force = measured.unwrap_or_else(leaning);
-            let angle_deg = finger.angle_deg(force);
-            let contact = Contact { position: ContactPosition::at(own.s_mm), angle_deg };
-            let force_on_pad = PadForce { contact, force_n: force.norm(), pad, plate_turn_rad: plate_rad };
-            let mut loads = force_on_pad.loads(&candidate.mesh).collect::<Result<Vec<_>, _>>().ok()?;
-            loads.extend(preload);
-            // The normal turns little per step, so the search starts from the last equilibrium.
-            let near = last.take().and_then(|(motion, from)| statics.shifted(&motion, &from, &loads).ok());
-            let motion = near.map_or_else(|| statics.equilibrium(&loads), Ok).ok()?.motion;
-            let load = contact.unit_load(finger);
-            let normal_turn_rad = candidate.mesh.normal_turn(&motion, &load, over_mm).ok()?;
-            let before = [normal_rad, plate_rad];
-            if turns_lean {
-                normal_rad = normal_turn_rad;
-            }
-            plate_rad = plate_turn(pad, &candidate.mesh, &contact, &motion).ok()?;
-            if (normal_rad - before[0]).abs().max((plate_rad - before[1]).abs()) <= SETTLED_RAD {
-                return Some(Pressed { force, motion, normal_turn_rad, loads, plate_rad });
-            }
-            last = Some((motion, loads));
-        }
-        None
-    }
-
-    /// Computed minus observed position of each marker of a view, mm, in the frame of the view.
-    pub(super) fn residuals<'v>(
-        &self,
-        candidate: &'v Candidate,
-        view: &'v View,
-        own: &ViewUnknowns,
-        pressed: &'v Pressed,
-    ) -> impl Iterator<Item = (&'v Marker, Vector)> {
-        let (finger, stated) = (candidate.mesh.finger(), self.finger);
-        let placed = candidate.base * own.base;
         let height_mm = self.model.camera_height_mm;
         // Markers above their stated height appear farther from the camera's axis than they are.
         let nearer = (height_mm - candidate.marker_height_mm) / (height_mm - self.model.marker_height_mm);
-        view.measurement.markers().iter().map(move |marker| {
-            let (at, node) = (finger.marker_position(marker.node), candidate.mesh.marker_node(marker.node));
-            let bent = at + pressed.motion.displacements[node];
-            let seen = stated.marker_position(marker.node) + marker.displacement;
-            (marker, (placed * Point2::from(bent)).coords - (view.eye + (seen - view.eye) * nearer))
-        })
+        let measurement = view.measurement.clone().with_base(view.base).with_markers(|marker| {
+            let seen = self.finger.marker_position(marker.node) + marker.displacement;
+            let at = to_candidate * Point2::from(view.eye + (seen - view.eye) * nearer);
+            marker.displacement = at.coords - finger.marker_position(marker.node);
+            marker.weight = 1.0 / self.errors.sd_mm(view.noise_mm / marker.weight);
+        });
+        Press {
+            mesh,
+            question: ContactQuestion { pad: self.model.pad, ..ContactQuestion::new(None, direction) },
+            preload: mesh.frame_load(&preload).ok().filter(|_| candidate.preload_nmm != 0.0),
+            measurement,
+        }
     }
 
-    /// Residuals of one view divided by their standard deviations, priors last. The search for the equilibrium starts from `near`. `None` if no equilibrium is
-    /// found.
-    pub(super) fn weighted(
+    /// Equilibrium under the force of a view. `None` if the finger has no equilibrium under this force.
+    pub(super) fn pressed<'c>(
         &self,
-        near: Option<&Pressed>,
-        candidate: &Candidate,
+        candidate: &'c Candidate,
         view: &View,
-        own: &ViewUnknowns,
-    ) -> Option<Vec<f64>> {
-        let pressed = self.pressed_from(near, candidate, view, own)?;
-        let mut rows = Vec::with_capacity(view.measurement.coordinate_count() + OWN);
-        for (marker, residual) in self.residuals(candidate, view, own, &pressed) {
-            let sd_mm = self.errors.sd_mm(view.noise_mm / marker.weight);
-            rows.extend((residual / sd_mm).iter());
-        }
-        let at = own.base.translation.vector / view.base.sd_mm;
-        let turn_rad = own.base.rotation.angle() - view.base.turn_rad_per_n * own.force_n;
-        rows.extend([at.x, at.y, turn_rad / view.base.sd_rad_under(own.force_n)]);
+        own: &ForceUnknowns,
+        near: Option<&LoadedShape>,
+    ) -> Option<PressedFinger<'c>> {
+        PressedFinger::new(self.press(candidate, view), own, near)
+    }
+
+    /// Residuals of a view divided by their standard deviations. `rows` are those of the markers and priors. Priors are last.
+    pub(super) fn with_force_row(&self, mut rows: Vec<f64>, view: &View, own: &ForceUnknowns) -> Vec<f64> {
         if let (Some(force), Some(scatter)) = (view.force, self.scatter) {
             rows.push((own.force_n / force.norm() - 1.0) / scatter);
         }
-        if view.force.is_none() {
-            rows.push(own.further_lean_deg / self.further_lean_sd_deg());
-        }
-        Some(rows)
+        rows
     }
 }
 
-impl ViewUnknowns {
-    /// Unknowns of a view in which the force has the mean lean and the base has the shared pose.
-    pub(super) fn at(s_mm: f64, force_n: f64) -> ViewUnknowns {
-        ViewUnknowns { s_mm, base: Isometry2::identity(), force_n, further_lean_deg: 0.0 }
-    }
-
-    /// A copy in which one unknown (by index) is changed by `by`, in mm, rad, N or degrees.
-    pub(super) fn moved(&self, finger: &Finger, unknown: usize, by: f64) -> ViewUnknowns {
-        let mut moved = *self;
-        match unknown {
-            0 => {
-                let [least_mm, most_mm] = free_part_mm(finger);
-                moved.s_mm = (self.s_mm + by).clamp(least_mm, most_mm);
-            }
-            1 => moved.base.translation.x += by,
-            2 => moved.base.translation.y += by,
-            3 => moved.base.rotation = UnitComplex::new(by) * self.base.rotation,
-            4 => moved.force_n += by,
-            _ => moved.further_lean_deg += by,
-        }
-        moved
-    }
+/// Computed minus observed position of each marker of a view, mm, in the frame of the view.
+pub(super) fn residuals<'v>(
+    candidate: &'v Candidate,
+    view: &'v View,
+    pressed: &'v PressedFinger,
+) -> impl Iterator<Item = (&'v Marker, Vector)> {
+    view.measurement.markers().iter().zip(pressed.misses_mm().map(|missed| candidate.base.rotation * missed))
 }
 
 /// Lower and upper limit of sought contact positions along the front plate, mm.

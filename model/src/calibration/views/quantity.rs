@@ -30,8 +30,8 @@ pub enum Quantity {
     BaseTurn,
     /// Moment that the plates of the unloaded finger exert on each other at the tip, N mm.
     Preload,
-    /// Deviation of the lean (angle between force and normal) from the scene's mean lean, degrees, common to all forces that were not measured. All
-    /// forces that were not measured share the deviation, because one object has one coefficient of friction.
+    /// Deviation of the lean of a sliding force (angle between force and normal) from the scene's mean lean, degrees, common to all forces that were not
+    /// measured, because one object has one coefficient of friction.
     Lean,
 }
 
@@ -62,6 +62,18 @@ impl Quantity {
     /// the factor. For a quantity that is not a factor on a modulus, the search varies the change of the quantity.
     pub fn is_modulus(&self) -> bool {
         matches!(self, Quantity::Modulus | Quantity::PlateModulus(_))
+    }
+
+    /// Whether the quantity is a length of the finger.
+    pub(super) fn is_length(&self) -> bool {
+        matches!(
+            self,
+            Quantity::Bracket(_)
+                | Quantity::OwnBracket(..)
+                | Quantity::Clip
+                | Quantity::PlateClip(_)
+                | Quantity::RibPosition(..)
+        )
     }
 
     /// Whether the quantity describes markers or base, not the finger.

@@ -2,15 +2,16 @@
 
 use super::contradiction::MarkerForce;
 use super::contradiction::{check_forces, marker_force, wrong_name};
-use super::problem::{Candidate, Point, Problem, ViewUnknowns};
+use super::problem::{Candidate, Point, Problem, residuals};
 use super::shape_motion::misfit_of_shape;
 use super::unloaded::unloaded_error;
 use super::{FIRST_CALIBRATION_ERROR_MM, View, ViewError};
 use crate::calibration::CalibrationError;
 use crate::finger::Plate;
+use crate::measurement::Marker;
 use crate::sensing::{
-    AssemblyErrors, CameraAbove, ContactQuestion, Direction, Lean, NonlinearEstimator, UnloadedError, UnloadedFinger,
-    linearise_assembly,
+    AssemblyErrors, CameraAbove, ContactQuestion, Direction, ForceUnknowns, Lean, NonlinearEstimator, UnloadedError,
+    UnloadedFinger, linearise_assembly,
 };
 use nalgebra::Isometry2;
 
@@ -21,7 +22,7 @@ const PLACES: usize = 50;
 struct Beginning {
     /// Starting point with the measured force, or with the force from the markers if no force was measured. `None` if the finger has no equilibrium
     /// under the measured force.
-    own: Option<ViewUnknowns>,
+    own: Option<ForceUnknowns>,
     /// Force estimated from the markers, for comparison with the measured force. `None` if no force was measured or the markers do not determine the
     /// force.
     of_markers: Option<MarkerForce>,
@@ -66,34 +67,27 @@ fn beginning(problem: &Problem, stated: &Candidate, view: &View) -> Result<Begin
 
 /// Position along the plate at which the measured force explains the markers best, after the best rigid motion of the finger. `None` if the finger has no
 /// equilibrium under the force at any position.
-fn start_of_known(problem: &Problem, stated: &Candidate, view: &View, force_n: f64) -> Option<ViewUnknowns> {
+fn start_of_known(problem: &Problem, stated: &Candidate, view: &View, force_n: f64) -> Option<ForceUnknowns> {
     let length_mm = problem.finger.plate_length_mm(Plate::Front);
-    let at = |i: usize| ViewUnknowns {
-        s_mm: length_mm * i as f64 / PLACES as f64,
-        base: Isometry2::identity(),
-        force_n,
-        further_lean_deg: 0.0,
+    let mut near = None;
+    let mut misfit = |own: &ForceUnknowns| {
+        let pressed = problem.pressed(stated, view, own, near.as_ref())?;
+        let at =
+            |(marker, left): (&Marker, _)| (problem.finger.marker_position(marker.node) + marker.displacement, left);
+        let misfit = misfit_of_shape(&residuals(stated, view, &pressed).map(at).collect::<Vec<_>>());
+        near = Some(pressed.into_shape());
+        Some(misfit)
     };
-    let misfit = |own: &ViewUnknowns| {
-        let pressed = problem.pressed(stated, view, own)?;
-        Some(misfit_of_shape(
-            &problem
-                .residuals(stated, view, own, &pressed)
-                .map(|(marker, left)| (problem.finger.marker_position(marker.node) + marker.displacement, left))
-                .collect::<Vec<_>>(),
-        ))
-    };
-    let tried = (1..PLACES).map(at).filter_map(|own| misfit(&own).map(|misfit| (misfit, own)));
+    let tried = (1..PLACES).map(|i| ForceUnknowns::at(length_mm * i as f64 / PLACES as f64, force_n));
+    let tried = tried.filter_map(|own| misfit(&own).map(|misfit| (misfit, own)));
     tried.min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, own)| own)
 }
 
 /// Force and position with which the scene's finger explains the view best. If the scene's finger does not explain the view, the search also varies the
 /// sought quantities within their priors.
-fn start_of_unknown(problem: &Problem, stated: &Candidate, view: &View) -> Result<ViewUnknowns, ViewError> {
+fn start_of_unknown(problem: &Problem, stated: &Candidate, view: &View) -> Result<ForceUnknowns, ViewError> {
     let direction = Direction::Leaning(Lean { sd_deg: 0.0, ..problem.model.lean });
     let question = ContactQuestion { pad: problem.model.pad, ..ContactQuestion::new(None, direction) };
-    let own =
-        |s_mm: f64, force_n: f64| ViewUnknowns { s_mm, base: Isometry2::identity(), force_n, further_lean_deg: 0.0 };
     let questions = [question];
     let mut estimator = NonlinearEstimator::new(&stated.mesh, &questions)?;
     let measurement = view.measurement.clone().with_base(view.base);
@@ -101,7 +95,7 @@ fn start_of_unknown(problem: &Problem, stated: &Candidate, view: &View) -> Resul
     let refused = match sensed {
         Ok(sensed) => {
             let s_mm = sensed.contacts[0].position_mm(problem.finger).unwrap_or_default();
-            return Ok(own(s_mm, sensed.forces.forces_n[0]));
+            return Ok(ForceUnknowns::at(s_mm, sensed.forces.forces_n[0]));
         }
         Err(refused) => refused,
     };
@@ -121,5 +115,6 @@ fn start_of_unknown(problem: &Problem, stated: &Candidate, view: &View) -> Resul
     let noise_mm = view.noise_mm.hypot(FIRST_CALIBRATION_ERROR_MM);
     let found = linearise_assembly(problem.finger, &questions, None, &unloaded, &measurement, noise_mm, None);
     let found = found.map_err(|_| refused)?;
-    Ok(own(found.contacts[0].position_mm(problem.finger).unwrap_or_default(), found.forces_n[0]))
+    let s_mm = found.contacts[0].position_mm(problem.finger).unwrap_or_default();
+    Ok(ForceUnknowns::at(s_mm, found.forces_n[0]))
 }

@@ -5,7 +5,7 @@
 //! if the residuals are small. For a frame of a stream, two or three linearisations replace an equilibrium for every trial.
 
 use super::SETTLED_ANGLE_DEG;
-use super::derivatives::{differentiate, look_ahead};
+use super::derivatives::{linearise, look_ahead};
 use super::linearised::Seen;
 use super::problem::{ForceProblem, State};
 use crate::finger::Plate;
@@ -108,7 +108,7 @@ fn corrected(problem: &mut ForceProblem, state: &mut State, seen: Seen, negligib
         }
         match problem.object {
             None => look_ahead(problem, state)?,
-            Some(_) => differentiate(problem, state).ok()?,
+            Some(_) => linearise(problem, state).ok()?,
         }
         state.weigh(seen);
     }

@@ -1,27 +1,48 @@
 //! Linearises states: derivatives of the markers' displacements with respect to the unknowns of a force problem.
 //!
-//! Without an object, they follow from the factored tangent ([`MarkerRates`]). With an object, they are differences of states.
+//! Without an object, they follow from the factored tangent ([`MarkerRates`]). With an object, they are differences of states to first order, from the
+//! same tangent.
 
 use super::linearised::Linearised;
 use super::marker_motion::{MarkerRates, marker_displacement};
 use super::problem::{ForceProblem, State};
+use crate::frame::FrameLoad;
 use crate::sensing::{PadForce, SensingError};
 use crate::statics::StaticsError;
 
 /// Step of the difference quotients, as a share of each unknown's scale. The differenced quantities are almost linear within such a small step.
 const STEP: f64 = 1e-5;
-/// Number of times that the loads are updated to the bent shape, which determines their directions and levers.
-const FOLLOWED: usize = 3;
+/// Number of times that the loads are updated to the bent shape, which determines their directions and levers. Each update removes at least four fifths
+/// of the change that remains.
+const FOLLOWED: usize = 6;
+/// A tangent that is not positive definite belongs to no stable equilibrium.
+const UNSTABLE: SensingError = SensingError::Statics(StaticsError::NoEquilibrium { converged_fraction: 1.0 });
 
 /// Factors the tangent at a state and computes the derivatives of the shape with respect to the unknowns.
 ///
 /// # Errors
 /// [`SensingError::Statics`] if the tangent is not positive definite.
 pub(super) fn linearise(problem: &mut ForceProblem, state: &mut State) -> Result<(), SensingError> {
-    if !problem.statics.linearise(&state.motion, &state.loads) {
-        return Err(SensingError::Statics(StaticsError::NoEquilibrium { converged_fraction: 1.0 }));
-    }
+    factor(problem, state)?;
     differentiate(problem, state)
+}
+
+fn factor(problem: &mut ForceProblem, state: &State) -> Result<(), SensingError> {
+    let is_stable = problem.statics.linearise(&state.motion, &state.loads);
+    is_stable.then_some(()).ok_or(UNSTABLE)
+}
+
+/// Factors the tangent at a state and computes the derivatives of the shape, including the effect of the shape on loads that follow it.
+///
+/// # Errors
+/// [`SensingError::Statics`] if the tangent is not positive definite.
+pub(super) fn linearise_with_loads(problem: &mut ForceProblem, state: &mut State) -> Result<(), SensingError> {
+    if !problem.loads_follow_plate() {
+        return linearise(problem, state);
+    }
+    factor(problem, state)?;
+    prepare(problem, state);
+    differentiate_by_differences(problem, state)
 }
 
 /// Linearises a shape that is near an equilibrium under its loads. Residuals are those after Newton's correction of the shape, which is left to
@@ -35,11 +56,16 @@ pub(super) fn look_ahead(problem: &mut ForceProblem, state: &mut State) -> Optio
     Some(())
 }
 
-/// Computes the derivatives of the shape with respect to the unknowns from the factored tangent.
-pub(super) fn differentiate(problem: &mut ForceProblem, state: &mut State) -> Result<(), SensingError> {
+/// Scales the unknowns and linearises the priors.
+fn prepare(problem: &ForceProblem, state: &mut State) {
     problem.rescale(state);
     state.linearised.turn_signs.clone_from(&problem.priors.turn_signs);
     problem.write_prior_rows(state);
+}
+
+/// Computes the derivatives of the shape with respect to the unknowns from the factored tangent.
+pub(super) fn differentiate(problem: &mut ForceProblem, state: &mut State) -> Result<(), SensingError> {
+    prepare(problem, state);
     if problem.object.is_some() {
         return differentiate_by_differences(problem, state);
     }
@@ -56,23 +82,25 @@ pub(super) fn differentiate(problem: &mut ForceProblem, state: &mut State) -> Re
     Ok(())
 }
 
-/// Computes the same derivatives as [`differentiate`], but by first-order differences of states. Here,
-/// directions follow the object, and the differences include the effect of changed directions on the shape.
+/// Computes the same derivatives as [`differentiate`], but by first-order differences of states. The differences include the effect of the shape on
+/// loads that follow it.
 ///
 /// # Errors
-/// [`SensingError::Statics`] if the tangent does not belong to an equilibrium.
+/// [`SensingError::Statics`] if a state is not finite.
 fn differentiate_by_differences(problem: &mut ForceProblem, state: &mut State) -> Result<(), SensingError> {
-    let Some(touching) = problem.object.clone() else { return Ok(()) };
-    let marker_noise_mm = problem.priors.marker_noise_mm();
-    let misses =
-        |state: &State| -> Vec<f64> { touching.misses_mm(problem.mesh, state.posed(), marker_noise_mm).collect() };
-    let before = state_after_step(problem, state, None)?;
+    let (object, marker_noise_mm) = (problem.object.clone(), problem.priors.marker_noise_mm());
+    let mesh = problem.mesh;
+    let misses = |state: &State| -> Vec<f64> {
+        object.iter().flat_map(|object| object.misses_mm(mesh, state.posed(), marker_noise_mm)).collect()
+    };
+    let mut applied = state.loads.clone();
+    let before = state_after_step(problem, state, None, &mut applied)?;
     let before_misses = misses(&before);
     let at_state = misses(state);
     state.linearised.take_misses(at_state);
     for unknown in 0..problem.unknowns.len() {
         let step = STEP * state.linearised.scales[unknown];
-        let after = state_after_step(problem, state, Some((unknown, step)))?;
+        let after = state_after_step(problem, state, Some((unknown, step)), &mut applied)?;
         let after_misses = misses(&after);
         let states = [(&before, &before_misses), (&after, &after_misses)]
             .map(|(state, misses)| (state.posed(), misses.as_slice()));
@@ -81,15 +109,18 @@ fn differentiate_by_differences(problem: &mut ForceProblem, state: &mut State) -
     Ok(())
 }
 
-/// State after a step of one unknown (index and change). The tangent determines the new shape, and the new shape determines the loads. If `step`
-/// is `None`, no unknown changes.
-fn state_after_step(
+/// State after a step of one unknown (index and change), to first order: the tangent factored at `from` determines the new shape, and the new shape
+/// determines the loads. If `step` is `None`, no unknown changes. `applied` are the loads under which the equations were linearised or corrected last.
+///
+/// # Errors
+/// [`SensingError::Statics`] if the state is not finite.
+pub(super) fn state_after_step(
     problem: &mut ForceProblem,
-    state: &State,
+    from: &State,
     step: Option<(usize, f64)>,
+    applied: &mut Vec<FrameLoad>,
 ) -> Result<State, SensingError> {
-    let none = SensingError::Statics(StaticsError::NoEquilibrium { converged_fraction: 1.0 });
-    let mut state = state.clone();
+    let mut state = from.clone();
     state.linearised.step.clear();
     state.linearised.step.resize(problem.unknowns.len(), 0.0);
     if let Some((unknown, by)) = step {
@@ -97,7 +128,9 @@ fn state_after_step(
     }
     for _ in 0..FOLLOWED {
         problem.advance(&mut state)?;
-        problem.statics.corrected(&mut state.motion, &state.loads).ok_or(none.clone())?;
+        state.motion.clone_from(&from.motion);
+        problem.statics.corrected_under(&mut state.motion, applied, &state.loads).ok_or(UNSTABLE)?;
+        applied.clone_from(&state.loads);
         state.linearised.step.fill(0.0);
     }
     Ok(state)

@@ -261,6 +261,18 @@ impl Linearised {
         Ok(SingularParts::of(triangle))
     }
 
+    /// Derivatives of the weighted displacements of the markers, and of the priors, rows x unknowns, mm per unit of the unknown.
+    pub(super) fn derivatives(&mut self, measurement: &Measurement) -> DMatrix<f64> {
+        self.pose(measurement, 0);
+        let rows = measurement.coordinate_count() + self.prior_rows.len() + self.misses_mm.len();
+        let mut derivatives = DMatrix::zeros(rows, self.scales.len());
+        for (j, mut column) in derivatives.column_iter_mut().enumerate() {
+            column.copy_from_slice(self.problem.column_mut(j));
+            column /= self.scales[j];
+        }
+        derivatives
+    }
+
     /// Fills the matrix of the derivatives with the rows of markers, priors and contact conditions, and `rows_below` zero rows.
     fn pose(&mut self, measurement: &Measurement, rows_below: usize) {
         let markers = measurement.markers();

@@ -7,13 +7,14 @@
 use super::unknowns::{PosePart, Unknown};
 use super::values::Nuisances;
 use crate::Vector;
+use crate::element::quarter_turn;
 use crate::finger::NodeId;
 use crate::frame::{FrameLoad, FrameMotion, NodeIndex};
 use crate::measurement::SharedError;
 use crate::mesh::{LoadError, Mesh};
 use crate::sensing::{Contact, ContactQuestion, Direction, PadForce};
 use crate::statics::Ladder;
-use nalgebra::Point2;
+use nalgebra::{Point2, UnitComplex};
 
 /// A shape of the finger: its deformation, its forces, and the pose of its base.
 #[derive(Clone, Copy)]
@@ -140,8 +141,7 @@ impl MarkerRates<'_, '_> {
     fn by_turn_of_base(&mut self, points: &[MarkerPoint], rates: &mut [Vector]) -> Result<(), LoadError> {
         let base = self.nuisances.base;
         for (rate, point) in rates.iter_mut().zip(points) {
-            let position = base * Point2::from(point.rest + self.motion.displacements[point.node]);
-            *rate = Vector::new(-position.y, position.x);
+            *rate = quarter_turn(base.rotation * (point.rest + self.motion.displacements[point.node]));
         }
         // In the frame of the rotated base, a force of known direction rotates opposite to the base.
         for (force, _) in self.forces.iter().zip(self.questions).filter(|(_, q)| q.direction.stated_deg().is_some()) {

@@ -20,6 +20,7 @@
 //! - [`alternatives`], [`linear_range`], [`position`], [`leaning`]: other explanations of the measurement, which refuse the estimate or widen its
 //!   intervals.
 //! - [`discretisation`], [`refine`]: the error of the mesh, and estimates on finer meshes.
+//! - [`pressed`]: the problem at given values of its unknowns, for calibrations from images.
 //! - [`assembled`]: fingers that differ from the scene's.
 
 mod alternatives;
@@ -38,6 +39,7 @@ mod marker_motion;
 mod minima;
 mod object_start;
 mod position;
+mod pressed;
 mod priors;
 mod problem;
 mod profile;
@@ -57,6 +59,7 @@ pub(crate) use assembled::{LinearisedAssembly, linearise_assembly};
 pub use discretisation::Discretisation;
 pub use estimate::NonlinearEstimate;
 pub use estimator::{NearForces, NonlinearEstimator};
+pub(crate) use pressed::{ForceUnknowns, LoadedShape, Press, PressedFinger};
 pub use refine::{Refinement, sense_refining};
 
 use super::{UNEXPLAINED_SHARE, UNEXPLAINED_SIGMAS};

@@ -29,6 +29,8 @@ pub(super) struct ForceProblem<'m> {
     pub mesh: &'m Mesh,
     pub questions: Vec<ContactQuestion>,
     pub object: Option<Touching>,
+    /// Loads beside those of the contacts.
+    pub further_loads: Vec<FrameLoad>,
     pub unknowns: Arc<[Unknown]>,
     /// Errors that all markers of the measurement share.
     pub shared_errors: Vec<SharedError>,
@@ -155,6 +157,7 @@ impl<'m> ForceProblem<'m> {
             mesh,
             questions: questions.to_vec(),
             object: None,
+            further_loads: Vec::new(),
             unknowns: Unknown::list(questions, None, &Measurement::empty()).into(),
             shared_errors: Vec::new(),
             priors: Priors::default(),
@@ -327,6 +330,7 @@ impl<'m> ForceProblem<'m> {
                 loads.push(load?);
             }
         }
+        loads.extend_from_slice(&self.further_loads);
         Ok(largest_turn_deg)
     }
 }

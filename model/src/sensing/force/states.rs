@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 /// The iteration that adapts the loads to the shape ends after this number of updates. Each update of the loads removes most of the change that
 /// remains.
-const SETTLINGS: usize = 12;
+const SETTLINGS: usize = 60;
 
 /// A minimum and the number of steps to this minimum. If `near` is `true`, the search started near the minimum, or every step was complete and as
 /// good as predicted. A minimum with `near` counts as locally unique. If `near` is `false`, there may be further minima.
@@ -100,11 +100,13 @@ pub(super) fn unit_motions(problem: &mut ForceProblem, state: &State) -> Option<
     if !(are_forces && are_all) || problem.object.is_some() || problem.follows_plate() || has_pad {
         return None;
     }
+    problem.statics.linearise(&state.motion, &state.loads).then_some(())?;
+    let mut applied = state.loads.clone();
     let unit_motion = |(i, contact): (usize, &Contact)| {
-        problem.statics.linearise(&state.motion, &state.loads).then_some(())?;
         let (mut loads, mut motion) = (state.loads.clone(), state.motion.clone());
         loads[i] = problem.mesh.frame_load(&contact.load(problem.finger(), state.forces_n[i] + 1.0)).ok()?;
-        problem.statics.corrected_under(&mut motion, &state.loads, &loads)?;
+        problem.statics.corrected_under(&mut motion, &applied, &loads)?;
+        applied = loads;
         motion.add(&state.motion, -1.0);
         Some(motion)
     };
@@ -120,7 +122,7 @@ pub(super) fn carry_over(problem: &mut ForceProblem, state: State, seen: Seen) -
     let mut state = State { linearised, unit_motions: None, ..state };
     state.nuisances.use_patterns(&problem.shared_errors);
     if problem.object.is_some() {
-        settle(problem, &mut state)?;
+        settle(problem, &mut state, SETTLED_ANGLE_DEG)?;
     }
     problem.statics.linearise(&state.motion, &state.loads);
     differentiate(problem, &mut state)?;
@@ -128,20 +130,21 @@ pub(super) fn carry_over(problem: &mut ForceProblem, state: State, seen: Seen) -
     Ok(state)
 }
 
-/// Iterates a state to the equilibrium under loads that follow its shape.
+/// Iterates a state to the equilibrium under loads that follow its shape, until the directions of the loads change by at most `settled_deg`, degrees.
+/// Returns whether they have settled. The state's shape is the equilibrium under the state's loads, or near it.
 ///
 /// # Errors
 /// [`SensingError::Statics`] if the finger has no equilibrium under loads that follow its shape.
-pub(super) fn settle(problem: &mut ForceProblem, state: &mut State) -> Result<(), SensingError> {
+pub(super) fn settle(problem: &mut ForceProblem, state: &mut State, settled_deg: f64) -> Result<bool, SensingError> {
     for _ in 0..SETTLINGS {
         let loads = state.loads.clone();
         state.linearised.step.clear();
         state.linearised.step.resize(problem.unknowns.len(), 0.0);
         let turn_deg = problem.advance(state)?;
         state.motion = problem.statics.shifted(&state.motion, &loads, &state.loads)?.motion;
-        if turn_deg <= SETTLED_ANGLE_DEG {
-            break;
+        if turn_deg <= settled_deg {
+            return Ok(true);
         }
     }
-    Ok(())
+    Ok(false)
 }

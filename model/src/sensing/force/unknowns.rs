@@ -37,14 +37,14 @@ pub(super) enum Unknown {
     Shared(usize),
 }
 
-/// A part of the motion of a base or an object in the finger frame.
+/// A part of the motion of a base or an object in the finger frame. A base rotates about its own origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum PosePart {
     /// Translation along x, mm.
     X,
     /// Translation along y, mm.
     Y,
-    /// Rotation about the origin, rad.
+    /// Rotation, rad.
     Turn,
 }
 

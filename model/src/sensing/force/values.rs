@@ -92,7 +92,7 @@ impl Nuisances {
         match unknown {
             Unknown::Base(PosePart::X) => self.base.append_translation_mut(&Translation2::new(by, 0.0)),
             Unknown::Base(PosePart::Y) => self.base.append_translation_mut(&Translation2::new(0.0, by)),
-            Unknown::Base(PosePart::Turn) => self.base.append_rotation_mut(&UnitComplex::new(by)),
+            Unknown::Base(PosePart::Turn) => self.base.append_rotation_wrt_center_mut(&UnitComplex::new(by)),
             Unknown::Object(part) => self.object[part as usize] += by,
             Unknown::Shared(k) => self.share(k, &shared_errors[k], by),
             Unknown::Force(_) | Unknown::Position(_) | Unknown::Across(_) => {}

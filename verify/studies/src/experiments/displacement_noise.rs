@@ -115,7 +115,7 @@ impl DisplacementNoiseStudy {
             let contacts: Vec<Contact> = nodes.iter().copied().map(Contact::at_node).collect();
             let forces_n = vec![force_n; nodes.len()];
             let linearised = linearised_markers(&mut statics, &mesh, &contacts, &forces_n);
-            let Some((motion, derivatives)) = linearised else { continue };
+            let Ok(Some((motion, derivatives))) = linearised else { continue };
             let deformed = |node| finger.position(node) + motion.displacements[mesh.marker_node(node)];
             let positions_mm: Vec<Vector> = finger.marked_nodes().map(deformed).collect();
             let row = |(name, noise)| row(nodes, name, &noise, &positions_mm, &derivatives);

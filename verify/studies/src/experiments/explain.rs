@@ -7,7 +7,7 @@
 
 use super::{Context, Evidence};
 use crate::prelude::*;
-use crate::response::marker_coordinates;
+use crate::sampling::bound::{linearised_markers, marker_coordinates};
 use crate::sampling::map::MapRequest;
 use crate::settings::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
 use finray_model::sensing::LARGEST_SPAN;
@@ -121,22 +121,15 @@ impl Sensitivity {
         force_n: f64,
     ) -> Result<Option<Sensitivity>, LoadError> {
         let finger = mesh.finger();
-        let unit_load = |turned_deg: f64| {
-            let turned = Contact { angle_deg: contact.angle_deg + turned_deg, ..*contact };
-            mesh.frame_load(&turned.unit_load(finger))
-        };
-        let (along, across) = (unit_load(0.0)?, unit_load(90.0)?);
-        let load = along.scaled(force_n);
         let mut statics = at_rest.clone();
-        let Ok(equilibrium) = statics.equilibrium(&[load]) else { return Ok(None) };
-        let motion = equilibrium.motion;
-        if !statics.linearise(&motion, &[load]) {
-            return Ok(None);
-        }
+        let found = linearised_markers(&mut statics, mesh, &[*contact], &[force_n])?;
+        let Some((motion, by_force)) = found else { return Ok(None) };
+        let along = by_force.column(0).into_owned();
+        let turned = Contact { angle_deg: contact.angle_deg + 90.0, ..*contact };
+        let across = mesh.frame_load(&turned.unit_load(finger))?;
+        let load = mesh.frame_load(&contact.load(finger, force_n))?;
         let ladder = statics.equations_mut();
         let mut rates = vec![Vector::zeros(); finger.key_node_count()];
-        ladder.added_load(&motion, &along, &mut rates);
-        let along = marker_coordinates(finger, &rates);
         ladder.added_load(&motion, &across, &mut rates);
         let across = marker_coordinates(finger, &rates);
         ladder.moved_load(&motion, &load, Plate::Front, &mut rates);

@@ -4,33 +4,44 @@ use crate::prelude::*;
 use finray_model::statics::Ladder;
 use finray_numerics::optimise::covariance;
 
-/// Forces (N) at contacts as loads on a mesh; `None` if a contact is not on the mesh.
-pub(super) fn loads(mesh: &Mesh, contacts: &[Contact], forces_n: &[f64]) -> Option<Vec<FrameLoad>> {
-    let load = |(c, f): (&Contact, &f64)| mesh.frame_load(&c.load(mesh.finger(), *f)).ok();
+/// Forces (N) at contacts as loads on a mesh.
+///
+/// # Errors
+/// [`LoadError`] for a contact off the finger.
+pub(super) fn loads(mesh: &Mesh, contacts: &[Contact], forces_n: &[f64]) -> Result<Vec<FrameLoad>, LoadError> {
+    let load = |(contact, force_n): (&Contact, &f64)| mesh.frame_load(&contact.load(mesh.finger(), *force_n));
     contacts.iter().zip(forces_n).map(load).collect()
 }
 
+/// Coordinates (x, y) of the marked nodes, in the unit of `of_nodes`, which has one vector per key node.
+pub fn marker_coordinates(finger: &Finger, of_nodes: &[Vector]) -> DVector<f64> {
+    let nodes = finger.marked_nodes();
+    DVector::from_iterator(2 * nodes.len(), nodes.flat_map(|node| <[f64; 2]>::from(of_nodes[node.0 - 1])))
+}
+
 /// Motion of a mesh under forces (N) at contacts, and derivatives (mm/N) of the displacements of the marked nodes with respect to the forces: two rows
-/// (x, y) per marked node, one column per force. `None` if the finger has no equilibrium, or a contact is off the finger.
+/// (x, y) per marked node, one column per force. `statics` stays linearised at the motion. `None` if the finger has no equilibrium.
+///
+/// # Errors
+/// [`LoadError`] for a contact off the finger.
 pub fn linearised_markers(
     statics: &mut Statics<Ladder>,
     mesh: &Mesh,
     contacts: &[Contact],
     forces_n: &[f64],
-) -> Option<(FrameMotion, DMatrix<f64>)> {
+) -> Result<Option<(FrameMotion, DMatrix<f64>)>, LoadError> {
     let finger = mesh.finger();
-    let loads_of = |forces_n: &[f64]| loads(mesh, contacts, forces_n);
-    let loads = loads_of(forces_n)?;
-    let motion = statics.equilibrium(&loads).ok()?.motion;
-    statics.linearise(&motion, &loads).then_some(())?;
+    let (of_forces, unit_loads) =
+        (loads(mesh, contacts, forces_n)?, loads(mesh, contacts, &vec![1.0; contacts.len()])?);
+    let found = statics.equilibrium(&of_forces).ok().map(|found| found.motion);
+    let Some(motion) = found.filter(|motion| statics.linearise(motion, &of_forces)) else { return Ok(None) };
     let mut of_nodes = vec![Vector::zeros(); finger.key_node_count()];
-    let columns = loads_of(&vec![1.0; contacts.len()])?.into_iter().map(|unit_load| {
-        statics.equations_mut().added_load(&motion, &unit_load, &mut of_nodes);
-        let of_markers = finger.marked_nodes().map(|node| of_nodes[node.0 - 1]);
-        DVector::from_iterator(2 * finger.marked_nodes().len(), of_markers.flat_map(|moved| [moved.x, moved.y]))
-    });
-    let columns: Vec<DVector<f64>> = columns.collect();
-    Some((motion, DMatrix::from_columns(&columns)))
+    let column = |unit_load: &FrameLoad| {
+        statics.equations_mut().added_load(&motion, unit_load, &mut of_nodes);
+        marker_coordinates(finger, &of_nodes)
+    };
+    let columns: Vec<DVector<f64>> = unit_loads.iter().map(column).collect();
+    Ok(Some((motion, DMatrix::from_columns(&columns))))
 }
 
 /// Cramer-Rao bound of forces. An estimator that reaches the bound responds to small noise as least squares on the linearised finger does.

@@ -9,11 +9,12 @@ mod tried;
 
 use super::{Context, Evidence, ExperimentError};
 use crate::prelude::*;
-use crate::response::RespondingFinger;
+use crate::sampling::bound::linearised_markers;
 use conditions::{CONDITIONS, Change, Condition};
 use finray_imaging::locate::Locator;
 use finray_imaging::render::{RenderRequest, render};
 use finray_model::scene::MarkerLook;
+use finray_model::statics::Ladder;
 use tried::{Tried, tried};
 
 /// Relative error of a force that a user accepts, dimensionless.
@@ -137,10 +138,10 @@ impl CameraStudy {
         let conditions = &CONDITIONS[..most_conditions.min(CONDITIONS.len())];
         progress.part("camera", conditions.len());
         let loaded: Vec<NodeId> = finger.contact_nodes().filter(|node| *node != finger.tip()).collect();
-        let mut responding = RespondingFinger::new(&mesh);
+        let mut statics = Statics::ladder(&mesh, Kinematics::Corotational);
         let mut all = Vec::new();
         for &node in &loaded {
-            all.extend(bent(&mut responding, &mesh, node, force_n)?);
+            all.extend(bent(&mut statics, &mesh, node, force_n)?);
         }
         let needed = |bent: &Bent| {
             let squares: f64 = bent.along.iter().map(|(_, along)| along.norm_squared()).sum();
@@ -187,20 +188,17 @@ impl CameraStudy {
 
 /// Deformed finger under `force_n` (N) at a node; `None` if the finger has no equilibrium.
 fn bent(
-    responding: &mut RespondingFinger,
+    statics: &mut Statics<Ladder>,
     mesh: &Mesh,
     node: NodeId,
     force_n: f64,
 ) -> Result<Option<Bent>, ExperimentError> {
     let finger = mesh.finger();
-    let Some(response) = responding.under(&[(Contact::at_node(node), force_n)])? else {
-        return Ok(None);
-    };
-    let load = Load::at_node(node, finger.direction(0.0) * force_n);
-    let Ok(shape) = statics::solve(mesh, &[load], Kinematics::Corotational) else { return Ok(None) };
-    let along = finger.marked_nodes().zip(response.along[0].as_slice().chunks_exact(2));
+    let contact = Contact::at_node(node);
+    let Some((motion, by_force)) = linearised_markers(statics, mesh, &[contact], &[force_n])? else { return Ok(None) };
+    let along = finger.marked_nodes().zip(by_force.as_slice().chunks_exact(2));
     let along = along.map(|(node, along)| (node, Vector::new(along[0], along[1]))).collect();
-    Ok(Some(Bent { node, force_n, load, shape, along }))
+    Ok(Some(Bent { node, force_n, load: contact.load(finger, force_n), shape: mesh.shape(&motion), along }))
 }
 
 fn condition_row(

@@ -146,14 +146,14 @@ impl<'a> CaseRunner<'a> {
         let is_path = self.contacts.len() == 1 && open.iter().all(|&number| draws[number].forces_n[0] > 0.0);
         if !is_path {
             let of_draw = |number: &usize| loads(self.mesh, self.contacts, &draws[*number].forces_n);
-            let loads = open.iter().map(of_draw).collect::<Option<Vec<_>>>()?;
+            let loads = open.iter().map(of_draw).collect::<Result<Vec<_>, _>>().ok()?;
             let found = equilibria(self.mesh, self.request.kinematics, &loads);
             return Some(found.into_iter().map(|found| found.ok().map(|found| found.motion)).collect());
         }
         let force_n = |number: &usize| draws[*number].forces_n[0];
         open.sort_by(|a, b| force_n(a).total_cmp(&force_n(b)));
         let forces_n: Vec<f64> = open.iter().map(force_n).collect();
-        let unit_load = loads(self.mesh, self.contacts, &[1.0])?;
+        let unit_load = loads(self.mesh, self.contacts, &[1.0]).ok()?;
         let (found, _) = Statics::ladder(self.mesh, self.request.kinematics).path(&unit_load, &forces_n);
         let mut motions: Vec<Option<FrameMotion>> = found.into_iter().map(|found| Some(found.motion)).collect();
         motions.resize(open.len(), None);
@@ -169,6 +169,8 @@ impl<'a> CaseRunner<'a> {
         let sensed = self.request.noise_levels_mm.iter().map(of_level).collect();
         let forces_n = draw.forces_n.clone();
         let bound = linearised_markers(&mut self.model, self.request.model, self.contacts, &forces_n)
+            .ok()
+            .flatten()
             .and_then(|(_, derivatives)| ForceBound::new(&derivatives));
         let bound = bound.map(|bound| {
             let response = bound.response_n(&DVector::from_column_slice(&draw.noise));

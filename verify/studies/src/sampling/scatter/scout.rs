@@ -128,7 +128,7 @@ impl Scout<'_> {
                 return LoadClass::Carried;
             }
         }
-        let Some(loads) = loads(self.mesh, self.contacts, forces_n) else { return LoadClass::AtTheLimit };
+        let Ok(loads) = loads(self.mesh, self.contacts, forces_n) else { return LoadClass::AtTheLimit };
         match self.statics.equilibrium(&loads) {
             Ok(_) => LoadClass::Carried,
             Err(StaticsError::NoEquilibrium { converged_fraction }) => {

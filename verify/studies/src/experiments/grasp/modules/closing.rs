@@ -3,8 +3,9 @@
 use super::ExperimentError;
 use crate::experiments::table_two::FORCES_N;
 use crate::prelude::*;
-use crate::response::RespondingFinger;
+use crate::sampling::bound::linearised_markers;
 use finray_model::scene::ROD_RADIUS_MM;
+use finray_model::statics::Ladder;
 
 /// Starting angle of the motor, degrees. At this angle, the sensor's axis is 12.4 degrees off the plate's normal (in the paper: at most 12.5).
 const START_DEG: f64 = 360.0;
@@ -46,24 +47,18 @@ pub fn closing(mesh: &Mesh, gripper: &Gripper, nodes: &[usize]) -> Result<Vec<Cl
     let Some(at_touch) = right(TOUCH_DEG) else { return Ok(Vec::new()) };
     let reached_mm = |node: &NodeId| at_touch.outwards(finger.position(*node)).x - ROD_RADIUS_MM;
     let plane_mm = nodes.iter().map(reached_mm).fold(f64::INFINITY, f64::min);
-    let mut caps =
-        Caps { bent: RespondingFinger::new(mesh), finger, plane_mm, forces_n: vec![0.0; nodes.len()], nodes };
+    let statics = Statics::ladder(mesh, Kinematics::Corotational);
+    let mut caps = Caps { mesh, statics, plane_mm, forces_n: vec![0.0; nodes.len()], nodes };
     let mut steps = Vec::new();
     for turned_deg in (1..=MOST_STEPS).map(|step| STEP_DEG * step as f64) {
         let Some(placement) = right(turned_deg) else { break };
-        let Some(Pressed { displacements_mm, gaps_mm }) = caps.press(&placement)? else { break };
+        let Some((motion, gaps_mm)) = caps.press(&placement)? else { break };
         let true_n = caps.forces_n.clone();
         if true_n.iter().any(|force_n| *force_n > FORCES_N[1]) {
             break;
         }
         if true_n.iter().any(|force_n| *force_n > 0.0) {
-            let markers = finger.marked_nodes().zip(displacements_mm.as_slice().chunks_exact(2));
-            let marker = |(node, moved): (NodeId, &[f64])| Marker {
-                node,
-                displacement: Vector::new(moved[0], moved[1]),
-                weight: 1.0,
-            };
-            let displacements = Measurement::new(finger, markers.map(marker))?;
+            let displacements = Measurement::of_shape(finger, &mesh.shape(&motion));
             let axis_deg = finger.angle_deg(across(&placement));
             steps.push(ClosedStep { turned_deg, axis_deg, true_n, displacements, gaps_mm });
         }
@@ -76,17 +71,10 @@ fn across(placement: &Placement) -> Vector {
     placement.axes().transpose() * Vector::x()
 }
 
-struct Pressed {
-    /// Displacements, mm, two coordinates per marker.
-    displacements_mm: DVector<f64>,
-    /// Gap between each node's rod and its cap, mm.
-    gaps_mm: Vec<f64>,
-}
-
 /// A finger in front of its caps, with the forces of the last step.
 struct Caps<'m> {
-    bent: RespondingFinger<'m>,
-    finger: &'m Finger,
+    mesh: &'m Mesh,
+    statics: Statics<Ladder<'m>>,
     nodes: Vec<NodeId>,
     /// Position of the caps' plane, mm from the middle of the gripper.
     plane_mm: f64,
@@ -94,37 +82,35 @@ struct Caps<'m> {
 }
 
 impl Caps<'_> {
-    /// Newton's method on the gaps: finds forces at which no rod penetrates its cap, and only rods on their caps carry a force. `None` if the finger has no
-    /// equilibrium or the method does not converge.
-    fn press(&mut self, placement: &Placement) -> Result<Option<Pressed>, LoadError> {
+    /// Newton's method on the gaps: finds forces at which no rod penetrates its cap, and only rods on their caps carry a force. Returns the motion of the
+    /// finger, and the gap between each node's rod and its cap, mm. `None` if the finger has no equilibrium or the method does not converge.
+    fn press(&mut self, placement: &Placement) -> Result<Option<(FrameMotion, Vec<f64>)>, LoadError> {
+        let finger = self.mesh.finger();
         let across = across(placement);
-        let angle_deg = self.finger.angle_deg(across);
-        let rows: Vec<usize> = self
-            .nodes
-            .iter()
-            .filter_map(|node| self.finger.marked_nodes().position(|marked| marked == *node))
-            .collect();
+        let angle_deg = finger.angle_deg(across);
+        let contacts: Vec<Contact> =
+            self.nodes.iter().map(|&node| Contact { angle_deg, ..Contact::at_node(node) }).collect();
+        let rows = self.nodes.iter().filter_map(|node| finger.marked_nodes().position(|marked| marked == *node));
+        let rows: Vec<usize> = rows.collect();
         for _ in 0..MOST_NEWTON_STEPS {
-            let at = |node: &NodeId| Contact { angle_deg, ..Contact::at_node(*node) };
-            let forces: Vec<(Contact, f64)> = self.nodes.iter().map(at).zip(self.forces_n.iter().copied()).collect();
-            let Some(response) = self.bent.under(&forces)? else { return Ok(None) };
-            let of_node = |moved: &DVector<f64>, i: usize| Vector::new(moved[2 * rows[i]], moved[2 * rows[i] + 1]);
-            let gap_mm = |(i, node): (usize, &NodeId)| {
-                let at = self.finger.position(*node) + of_node(&response.displacements_mm, i);
+            let found = linearised_markers(&mut self.statics, self.mesh, &contacts, &self.forces_n)?;
+            let Some((motion, by_force)) = found else { return Ok(None) };
+            let gap_mm = |node: &NodeId| {
+                let at = finger.position(*node) + motion.displacements[self.mesh.marker_node(*node)];
                 placement.outwards(at).x - ROD_RADIUS_MM - self.plane_mm
             };
-            let gaps_mm: Vec<f64> = self.nodes.iter().enumerate().map(gap_mm).collect();
+            let gaps_mm: Vec<f64> = self.nodes.iter().map(gap_mm).collect();
             let is_settled = |(gap_mm, force_n): (&f64, &f64)| match *force_n > 0.0 {
                 true => gap_mm.abs() <= ON_CAP_MM,
                 false => *gap_mm >= -ON_CAP_MM,
             };
             if gaps_mm.iter().zip(&self.forces_n).all(is_settled) {
-                return Ok(Some(Pressed { displacements_mm: response.displacements_mm, gaps_mm }));
+                return Ok(Some((motion, gaps_mm)));
             }
             let pressed: Vec<usize> =
                 (0..gaps_mm.len()).filter(|&i| self.forces_n[i] > 0.0 || gaps_mm[i] < 0.0).collect();
             let compliance = DMatrix::from_fn(pressed.len(), pressed.len(), |row, column| {
-                of_node(&response.along[pressed[column]], pressed[row]).dot(&across)
+                by_force.fixed_view::<2, 1>(2 * rows[pressed[row]], pressed[column]).dot(&across)
             });
             let missing = DVector::from_iterator(pressed.len(), pressed.iter().map(|&i| -gaps_mm[i]));
             let Some(change) = compliance.lu().solve(&missing) else { return Ok(None) };
