@@ -189,7 +189,8 @@ impl<'f> Locator<'f> {
             if (centre - last.pixel).norm() > reach - self.radius_px {
                 centre = middle_of_colour(image, &self.colours, side, &centre, reach, &mut buffers.row)?;
             }
-            Some((last.node, view.measure_centre(outline, &centre, &mut buffers)?))
+            let disc = view.measure_centre(outline, &centre, &mut buffers)?;
+            common.holds(&disc).then_some((last.node, disc))
         };
         let found: Vec<(NodeId, Disc)> = self.last.iter().filter_map(near).collect();
         self.buffers = buffers;
