@@ -5,10 +5,12 @@
 //! pixel is (0, 0). One image does not determine the distance of a point. However, a pixel determines one point on a plane z = height if the height
 //! is known.
 
+mod distortion;
 mod lens;
 mod pose;
 
-pub use lens::{Distortion, ImpossibleLens, Lens};
+pub use distortion::{CoefficientsError, Distortion, Radial};
+pub use lens::{ImpossibleLens, Lens};
 pub use pose::Pose;
 
 use crate::Vector;

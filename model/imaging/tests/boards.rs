@@ -131,7 +131,7 @@ fn grids(board: Board, pitch_mm: f64, number: u64) -> (Vec<Camera>, Vec<Grid>) {
 /// Errors of the lens's parameters in standard deviations.
 fn sigmas(fit: &LensFit, truth: &Lens) -> Vec<f64> {
     let of = |lens: &Lens| {
-        [&lens.focal_px()[..], &lens.principal_point_px()[..], &lens.distortion().to_opencv()[..]].concat()
+        [&lens.focal_px()[..], &lens.principal_point_px()[..], &lens.distortion().coefficients()[..]].concat()
     };
     of(&fit.lens).iter().zip(of(truth)).zip(fit.sds).map(|((found, truth), sd)| (found - truth) / sd).collect()
 }

@@ -54,9 +54,9 @@ fn every_parameter_of_the_lens_is_within_its_standard_deviations() {
     let truth = lens();
     let [fx, fy] = truth.focal_px();
     let [cx, cy] = truth.principal_point_px();
-    let [k1, k2, p1, p2, k3] = truth.distortion().to_opencv();
+    let [k1, k2, p1, p2, k3] = truth.distortion().coefficients()[..] else { panic!("five coefficients") };
     let of = |lens: &Lens| {
-        let ([a, b], [c, d], k) = (lens.focal_px(), lens.principal_point_px(), lens.distortion().to_opencv());
+        let ([a, b], [c, d], k) = (lens.focal_px(), lens.principal_point_px(), lens.distortion().coefficients());
         [a, b, c, d, k[0], k[1], k[2], k[3], k[4]]
     };
     for (i, (found, true_value)) in of(&fit.lens).iter().zip([fx, fy, cx, cy, k1, k2, p1, p2, k3]).enumerate() {

@@ -1,5 +1,6 @@
 //! Tests of the locator on rendered images: centres of markers, their stated standard deviations, and their assignment to nodes.
 
+mod covered;
 mod elsewhere;
 mod observer;
 mod rim_locator;

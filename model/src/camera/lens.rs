@@ -1,86 +1,15 @@
-//! Pinhole camera with Brown-Conrady distortion.
+//! Pinhole camera with distortion.
 
-use super::{Pixel, ViewError};
-use crate::keys::{CAMERA, Key, Numbers};
+use super::{Distortion, Pixel, ViewError};
+use crate::keys::{CAMERA, Key, Kind};
 use nalgebra::{Matrix2, Matrix2x3, Vector2, Vector3};
 
-/// Tangent of the largest considered angle from the optical axis, 79 degrees.
-const WIDEST: f64 = 5.0;
-/// Number of radii at which a fold is searched for. This number suffices, because the slope of the distorted radius is a cubic in r^2 with at most
-/// three roots.
-const FOLD_STEPS: usize = 2000;
 /// Newton's method ends when a step is at most this share of 1 + radius. At a focal length of 1e5 px, this share corresponds to 1e-11 px.
 const SETTLED: f64 = 1e-16;
 /// Limit of the number of Newton iterations for the undistorted coordinates of a pixel.
 const MOST_STEPS: usize = 50;
-/// Number of points along each side of the image at which the distortion must be invertible.
+/// Number of points along each side of the image at which the distortion is inverted to find a fold in the image.
 const SIDE_POINTS: usize = 32;
-
-/// Distortion coefficients in OpenCV's convention. Here r^2 = x^2 + y^2 and f = 1 + k1 r^2 + k2 r^4 + k3 r^6.
-///
-/// The distorted coordinates are x' = x f + 2 p1 x y + p2 (r^2 + 2 x^2) and y' = y f + p1 (r^2 + 2 y^2) + 2 p2 x y.
-///
-/// Source: D. C. Brown, Decentering distortion of lenses, Photogrammetric Engineering 32 (1966); OpenCV, calib3d.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Distortion {
-    /// Radial coefficients k1, k2, k3, dimensionless.
-    pub radial: [f64; 3],
-    /// Tangential coefficients p1, p2, dimensionless.
-    pub tangential: [f64; 2],
-}
-
-impl Distortion {
-    /// Distortion from the coefficients k1, k2, p1, p2, k3, in OpenCV's order.
-    pub fn from_opencv([k1, k2, p1, p2, k3]: [f64; 5]) -> Distortion {
-        Distortion { radial: [k1, k2, k3], tangential: [p1, p2] }
-    }
-
-    /// The coefficients k1, k2, p1, p2, k3, in OpenCV's order.
-    pub fn to_opencv(&self) -> [f64; 5] {
-        let ([k1, k2, k3], [p1, p2]) = (self.radial, self.tangential);
-        [k1, k2, p1, p2, k3]
-    }
-
-    /// Radial factor f and its derivative by q = r^2; dimensionless.
-    fn factor(&self, q: f64) -> (f64, f64) {
-        let [k1, k2, k3] = self.radial;
-        (1.0 + q * (k1 + q * (k2 + q * k3)), k1 + q * (2.0 * k2 + q * 3.0 * k3))
-    }
-
-    /// Distorted coordinates, and their 2 x 2 derivatives by the undistorted coordinates; dimensionless.
-    fn bend(&self, at: &Vector2<f64>) -> (Vector2<f64>, Matrix2<f64>) {
-        let (x, y, q) = (at.x, at.y, at.norm_squared());
-        let (f, slope) = self.factor(q);
-        let [p1, p2] = self.tangential;
-        let bent = Vector2::new(
-            x * f + 2.0 * p1 * x * y + p2 * (q + 2.0 * x * x),
-            y * f + p1 * (q + 2.0 * y * y) + 2.0 * p2 * x * y,
-        );
-        let mixed = 2.0 * x * y * slope + 2.0 * p1 * x + 2.0 * p2 * y;
-        let by_x = f + 2.0 * x * x * slope + 2.0 * p1 * y + 6.0 * p2 * x;
-        let by_y = f + 2.0 * y * y * slope + 6.0 * p1 * y + 2.0 * p2 * x;
-        (bent, Matrix2::new(by_x, mixed, mixed, by_y))
-    }
-
-    /// Undistorted radius of the first fold of the radial part, where r f(r^2) stops growing; dimensionless, at most [`WIDEST`].
-    fn first_fold(&self) -> f64 {
-        let slope = |r: f64| {
-            let (f, by_q) = self.factor(r * r);
-            f + 2.0 * r * r * by_q
-        };
-        let radius = |step: usize| WIDEST * step as f64 / FOLD_STEPS as f64;
-        let Some(step) = (1..=FOLD_STEPS).find(|&step| slope(radius(step)) <= 0.0) else { return WIDEST };
-        let (mut below, mut above) = (radius(step - 1), radius(step));
-        while above - below > f64::EPSILON * above {
-            let middle = 0.5 * (below + above);
-            if middle <= below || middle >= above {
-                break;
-            }
-            if slope(middle) > 0.0 { below = middle } else { above = middle }
-        }
-        below
-    }
-}
 
 /// A lens and its image sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -103,8 +32,8 @@ pub struct ImpossibleLens {
     pub expected: String,
 }
 
-fn check<const N: usize>(key: &Key<Numbers<N>>, value: [f64; N]) -> Result<(), ImpossibleLens> {
-    key.check(&value).map_err(|refused| ImpossibleLens {
+fn check<K: Kind>(key: &Key<K>, value: &K::Value) -> Result<(), ImpossibleLens> {
+    key.check(value).map_err(|refused| ImpossibleLens {
         key: key.name,
         expected: format!("{}, found {}", refused.expected, refused.found),
     })
@@ -114,36 +43,30 @@ impl Lens {
     /// A lens with the given image size, focal lengths along u and v, and principal point (all in px), and distortion.
     ///
     /// # Errors
-    /// [`ImpossibleLens`] for an empty image, focal lengths that are not positive, values that are not finite or out of range, or a distortion that
-    /// folds the image.
+    /// [`ImpossibleLens`] for an empty image, focal lengths that are not positive, or values that are not finite or out of range.
     pub fn new(
         size_px: [u32; 2],
         focal_px: [f64; 2],
         principal_point_px: [f64; 2],
         distortion: Distortion,
     ) -> Result<Lens, ImpossibleLens> {
-        check(&CAMERA.size_px, size_px.map(f64::from))?;
-        check(&CAMERA.focal_px, focal_px)?;
-        check(&CAMERA.principal_point_px, principal_point_px)?;
-        check(&CAMERA.distortion, distortion.to_opencv())?;
-        let lens = Lens {
+        check(&CAMERA.size_px, &size_px.map(f64::from))?;
+        check(&CAMERA.focal_px, &focal_px)?;
+        check(&CAMERA.principal_point_px, &principal_point_px)?;
+        check(&CAMERA.distortion, &distortion.coefficients())?;
+        Ok(Lens {
             size_px,
             focal_px: focal_px.into(),
             principal_point_px: principal_point_px.into(),
             distortion,
             widest: distortion.first_fold(),
-        };
-        match lens.border().find(|pixel| lens.undistorted(pixel).is_err()) {
-            None => Ok(lens),
-            Some(pixel) => {
-                let at = format!("pixel ({:.0}, {:.0})", pixel.x, pixel.y);
-                let expected = format!(
-                    "coefficients that do not fold the image; these coefficients fold the image between its middle and \
-                    {at}"
-                );
-                Err(ImpossibleLens { key: CAMERA.distortion.name, expected })
-            }
-        }
+        })
+    }
+
+    /// Whether a pixel on the border of the image lies beyond a fold of the distortion. The polynomials of calibrated lenses often fold in the corners of
+    /// the image, beyond the calibrated points; a point there has no known pixel.
+    pub fn folds_image(&self) -> bool {
+        self.border().any(|pixel| self.undistorted(&pixel).is_err())
     }
 
     /// Width and height of the image, px.
@@ -191,7 +114,7 @@ impl Lens {
     /// # Errors
     /// [`ViewError`] if the point is behind the camera or beyond a fold of the distortion.
     pub fn project(&self, point: &Vector3<f64>) -> Result<Pixel, ViewError> {
-        let bent = self.distortion.bend(&self.seen(point)?);
+        let bent = self.distortion.bend(&self.seen(point)?).ok_or(ViewError::Folded)?;
         self.on_sensor(bent)
     }
 
@@ -201,7 +124,7 @@ impl Lens {
     /// [`ViewError`] as for [`Lens::project`].
     pub fn project_with_derivatives(&self, point: &Vector3<f64>) -> Result<(Pixel, Matrix2x3<f64>), ViewError> {
         let at = self.seen(point)?;
-        let (bent, by_at) = self.distortion.bend(&at);
+        let (bent, by_at) = self.distortion.bend(&at).ok_or(ViewError::Folded)?;
         let pixel = self.on_sensor((bent, by_at))?;
         let by_point = Matrix2x3::new(1.0, 0.0, -at.x, 0.0, 1.0, -at.y) / point.z;
         Ok((pixel, Matrix2::from_diagonal(&self.focal_px) * by_at * by_point))
@@ -239,7 +162,7 @@ impl Lens {
         let radius = bent.norm();
         let mut at = if radius > 0.0 { bent * (self.radius_of(radius).unwrap_or(self.widest) / radius) } else { bent };
         for _ in 0..MOST_STEPS {
-            let (found, by_at) = self.distortion.bend(&at);
+            let (found, by_at) = self.distortion.bend(&at).ok_or(ViewError::Folded)?;
             if by_at.determinant() <= 0.0 {
                 return Err(ViewError::Folded);
             }
@@ -253,7 +176,7 @@ impl Lens {
                 break;
             }
         }
-        let (found, by_at) = self.distortion.bend(&at);
+        let (found, by_at) = self.distortion.bend(&at).ok_or(ViewError::Folded)?;
         let solved = (found - bent).norm() <= 1e-12 * (1.0 + radius);
         if solved && at.norm() <= self.widest && by_at.determinant() > 0.0 { Ok(at) } else { Err(ViewError::Folded) }
     }
@@ -261,13 +184,13 @@ impl Lens {
     /// Undistorted radius for the distorted radius `bent`, by the radial part alone. Both radii are dimensionless. `None` beyond the fold.
     fn radius_of(&self, bent: f64) -> Option<f64> {
         let (mut below, mut above) = (0.0, self.widest);
-        let radial = |r: f64| r * self.distortion.factor(r * r).0;
-        if radial(above) < bent {
+        if self.distortion.factor(above * above).is_none_or(|(f, _)| above * f < bent) {
             return None;
         }
-        let mut r = bent.min(above);
+        // At a pole, where a rational lens may end, Newton's method would hardly move.
+        let mut r = if bent < above { bent } else { 0.5 * above };
         for _ in 0..MOST_STEPS {
-            let (f, by_q) = self.distortion.factor(r * r);
+            let (f, by_q) = self.distortion.factor(r * r)?;
             let excess = r * f - bent;
             if excess > 0.0 {
                 above = r

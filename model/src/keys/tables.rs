@@ -5,8 +5,8 @@
 use super::Need::{Of, Optional, Or, Required, RequiredIf};
 use super::Range::{Above, AtMost, Between, ByOthers, Finite, Positive, Whole, Within};
 use super::{
-    BracketLengths, Count, Entry, Key, Number, Numbers, Occurs, Pairs, Quantity, Range, RibLengths, RibNumbers, Rows,
-    SceneTable, SideLengths, Text, Word,
+    BracketLengths, Count, Entry, Key, Number, NumberList, Numbers, Occurs, Pairs, Quantity, Range, RibLengths,
+    RibNumbers, Rows, SceneTable, SideLengths, Text, Word,
 };
 
 /// Default radius of the rods on the front plate, mm. The source is section II of Xu et al. (2021). The rods of Xu et al. have a diameter of 3 mm.
@@ -191,8 +191,12 @@ tables! {
         RequiredIf("for images"), "Focal lengths of the lens.";
     principal_point_px: Numbers<2>(Quantity("u and v", "px"), AtMost(LONGEST_FOCUS_PX)), RequiredIf("for images"),
         "Principal point: the pixel on the optical axis.";
-    distortion: Numbers<5>(Quantity("k1, k2, p1, p2, k3", ""), AtMost(1e6)), Or([0.0; 5]),
-        "Brown-Conrady distortion coefficients in OpenCV's convention. The distortion must not map two points of the image to the same pixel.";
+    distortion_model: Word<2>(["brown-conrady", "fisheye"]), Or(0),
+        "Distortion of the lens: the polynomial or rational model of Brown and Conrady, or OpenCV's fisheye model (in ROS: equidistant).";
+    distortion: NumberList(Quantity("k1, k2, p1, p2 and, optionally, k3 or k3, k4, k5, k6; for a fisheye lens, k1, k2, k3, k4", ""), AtMost(1e6)),
+        Or(Vec::new()),
+        "Distortion coefficients in OpenCV's convention; without coefficients, a lens of Brown and Conrady does not distort. A marker must not lie beyond \
+         the radius at which the distortion folds the image.";
     rotation_vector_rad: Numbers<3>(Quantity("a rotation vector", "rad"), AtMost(100.0)), RequiredIf("with translation_mm"),
         "Rodrigues vector of the rotation R in X_camera = R X_finger + t. Images of the finger require R and t, except for `finray locate --rest` with coloured markers.";
     translation_mm: Numbers<3>(Quantity("a translation", "mm"), AtMost(FARTHEST_MM)), RequiredIf("with rotation_vector_rad"),

@@ -64,7 +64,8 @@ pub enum Shade {
 pub(super) fn read_camera(table: &TableReader) -> Result<(Option<f64>, Option<CameraDescription>), SceneError> {
     let noise_mm = table.optional(&CAMERA.noise_mm)?;
     let pose = [CAMERA.rotation_vector_rad.name, CAMERA.translation_mm.name];
-    let lens = [CAMERA.size_px.name, CAMERA.focal_px.name, CAMERA.principal_point_px.name, CAMERA.distortion.name];
+    let lens = [CAMERA.size_px.name, CAMERA.focal_px.name, CAMERA.principal_point_px.name];
+    let lens = [&lens[..], &[CAMERA.distortion.name, CAMERA.distortion_model.name]].concat();
     let has_pose = table.first_of(&pose).is_some();
     if !has_pose && table.first_of(&lens).is_none() {
         return match noise_mm {
@@ -72,11 +73,17 @@ pub(super) fn read_camera(table: &TableReader) -> Result<(Option<f64>, Option<Ca
             None => Err(table.missing(CAMERA.noise_mm.name, "a length in mm, or size_px and further keys of a camera")),
         };
     }
+    let coefficients = table.get(&CAMERA.distortion)?;
+    let distortion = match table.get(&CAMERA.distortion_model)? {
+        0 => Distortion::rational(&coefficients),
+        _ => Distortion::fisheye(&coefficients),
+    };
+    let distortion = distortion.map_err(|error| table.at(CAMERA.distortion.name, &format!("expected {error}")))?;
     let lens = Lens::new(
         table.get(&CAMERA.size_px)?.map(|side| side as u32),
         table.get(&CAMERA.focal_px)?,
         table.get(&CAMERA.principal_point_px)?,
-        Distortion::from_opencv(table.get(&CAMERA.distortion)?),
+        distortion,
     )
     .map_err(|impossible| table.at(impossible.key, &format!("expected {}", impossible.expected)))?;
     let pose = match has_pose {

@@ -14,8 +14,13 @@ fn cameras_and_markers_of_a_scene_are_checked() {
         focal_px = [1360.0, 1360.0]\n |  |  | camera.focal_px is missing
         [1360.0, 1360.0] | [1360.0, nan] |  | camera.focal_px
         [1360.0, 1360.0] | [-1360.0, 1360.0] |  | camera.focal_px: expected focal lengths along u and v in px, 0.001 to
-        distortion = [0.0, | distortion = [-2.0, |  | camera.distortion: expected coefficients that do not fold
-        distortion = [0.0, | distortion = ["a", |  | camera.distortion: expected a list of 5 numbers
+        distortion = [0.0, | distortion = [0.0, 0.0, |  | camera.distortion: expected 4 (k1, k2, p1, p2), 5 (and k3) or 8 coefficients (and k4, k5, k6), found 6
+        distortion = [0.0, 0.0, 0.0, 0.0, 0.0] | distortion = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0] |  | camera.distortion: expected at most 8 coefficients, found a thin prism
+        distortion = [0.0, 0.0, 0.0, 0.0, 0.0] | distortion = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.1] |  | camera.distortion: expected at most 8 coefficients, found a tilted sensor
+        distortion = [0.0, | distortion_model = "fisheye"\ndistortion = [0.0, |  | camera.distortion: expected the 4 coefficients of a fisheye lens (k1, k2, k3, k4), found 5
+        distortion = [0.0, | distortion_model = "fish"\ndistortion = [0.0, |  | camera.distortion_model: expected one of "brown-conrady", "fisheye"
+        distortion = [0.0, | distortion = [1e7, |  | camera.distortion: expected k1, k2, p1, p2
+        distortion = [0.0, | distortion = ["a", |  | camera.distortion: expected a list of numbers
         translation_mm = [-75.0, 0.0, 170.0]\n |  |  | camera.translation_mm is missing
         [-75.0, 0.0, 170.0] | [-75.0, 0.0, 1e9] |  | camera.translation_mm: expected a translation of at most
         radius_mm = 1.5 | radius_mm = 0 |  | markers.radius_mm: expected a length in mm above zero, up to 1000

@@ -1,9 +1,11 @@
 //! Frames of a video stream: YUV4MPEG2, or raw RGB.
 
+mod chroma;
 mod writer;
 
 pub use writer::FrameWriter;
 
+use chroma::{ChromaPlanes, FINE, Siting};
 use finray_imaging::RgbRows;
 use std::io::{BufRead, ErrorKind, Read};
 use std::ops::Range;
@@ -49,9 +51,8 @@ pub enum FrameError {
 enum Samples {
     /// Red, green and blue of each pixel.
     Rgb,
-    /// A plane of luma, and two planes of chroma. The two numbers are the ratios of the image's width and height to the width and height of a chroma
-    /// plane. `None` for luma without chroma.
-    Yuv(Option<[usize; 2]>),
+    /// A plane of luma, and two planes of chroma with the siting of their samples across and down. `None` for luma without chroma.
+    Yuv(Option<[Siting; 2]>),
 }
 
 /// Size, arrangement and rate of the frames of a stream.
@@ -82,16 +83,19 @@ impl FrameLayout {
         let mut layout = FrameLayout {
             size_px: [0, 0],
             per_second: None,
-            samples: Samples::Yuv(Some([2, 2])),
+            samples: Samples::Yuv(Some([Siting::Between; 2])),
             is_full_range: false,
         };
+        // ffmpeg repeats the siting in XYSCSS, which decides where the colour space leaves the siting open.
+        let (mut colour_space, mut subsampling) = ("420", None);
         for field in fields {
             let (key, value) = field.split_at_checked(1).unwrap_or((field, ""));
             match key {
                 "W" => layout.size_px[0] = value.parse().unwrap_or(0),
                 "H" => layout.size_px[1] = value.parse().unwrap_or(0),
                 "F" => layout.per_second = rate(value),
-                "C" => layout.samples = samples(value)?,
+                "C" => colour_space = value,
+                "X" if value.starts_with("YSCSS=") => subsampling = value.strip_prefix("YSCSS="),
                 "X" if value == "COLORRANGE=FULL" => layout.is_full_range = true,
                 "I" if !matches!(value, "p" | "?") => {
                     return Err(FrameError::Header(format!("expected progressive frames (Ip), found I{value}")));
@@ -99,6 +103,9 @@ impl FrameLayout {
                 _ => {}
             }
         }
+        let open = subsampling.filter(|_| colour_space == "420").map(str::to_ascii_lowercase);
+        let known = open.and_then(|subsampling| samples(&subsampling).ok());
+        layout.samples = known.map_or_else(|| samples(colour_space), Ok)?;
         match layout.size_px.iter().all(|side| (1..=LARGEST_SIDE_PX).contains(side)) {
             true => Ok(layout),
             false => Err(FrameError::Header(format!(
@@ -113,12 +120,11 @@ impl FrameLayout {
         match self.samples {
             Samples::Rgb => 3 * width * height,
             Samples::Yuv(None) => width * height,
-            Samples::Yuv(Some([across, down])) => width * height + 2 * width.div_ceil(across) * height.div_ceil(down),
+            Samples::Yuv(Some([across, down])) => width * height + 2 * across.count(width) * down.count(height),
         }
     }
 
-    /// Converts a part of a row of a frame to red, green and blue of each pixel. Chroma samples that several pixels share are repeated for each of these
-    /// pixels.
+    /// Converts a part of a row of a frame to red, green and blue of each pixel. Chroma samples that several pixels share are interpolated.
     ///
     /// # Panics
     /// Panics if `row` or `columns` are outside the frame, or if `bytes` are not those of a whole frame.
@@ -140,33 +146,20 @@ impl FrameLayout {
         let luma = &bytes[pixels];
         let bright = |y: u8| gain * (i32::from(y) - black);
         buffer.resize(3 * luma.len(), 0);
-        let converted = buffer.chunks_exact_mut(3).zip(luma);
-        let Some([across, down]) = chroma else {
-            converted.for_each(|(pixel, y)| pixel.fill(byte(bright(*y))));
+        let Some(siting) = chroma else {
+            buffer.chunks_exact_mut(3).zip(luma).for_each(|(pixel, y)| pixel.fill(byte(bright(*y))));
             return buffer;
         };
-        let (chroma_width, chroma_height) = (width.div_ceil(across), height.div_ceil(down));
-        let first = width * height + row / down * chroma_width;
-        let (from, end) = (first + columns.start / across, first + columns.end.div_ceil(across));
-        let blue = &bytes[from..end];
-        let red = &bytes[from + chroma_width * chroma_height..end + chroma_width * chroma_height];
-        let set = |pixel: &mut [u8], y: u8, cb: u8, cr: u8| {
-            let (y, cb, cr) = (bright(y), i32::from(cb) - 128, i32::from(cr) - 128);
-            pixel[0] = byte(y + of_chroma[0] * cr);
-            pixel[1] = byte(y + of_chroma[1] * cb + of_chroma[2] * cr);
-            pixel[2] = byte(y + of_chroma[3] * cb);
-        };
-        match across {
-            1 => converted.zip(blue).zip(red).for_each(|(((pixel, y), cb), cr)| set(pixel, *y, *cb, *cr)),
-            _ => {
-                // Bit shifts replace divisions, because a division takes longer than the rest of the conversion. Ratios are powers of two.
-                let (before, shift) = (columns.start % across, across.ilog2());
-                converted.enumerate().for_each(|(i, (pixel, y))| {
-                    let of = (before + i) >> shift;
-                    set(pixel, *y, blue[of], red[of]);
-                });
-            }
-        }
+        let size = [siting[0].count(width), siting[1].count(height)];
+        let (blue, red) = bytes[width * height..].split_at(size[0] * size[1]);
+        let mut pixels = buffer.chunks_exact_mut(3).zip(luma);
+        ChromaPlanes { planes: [blue, red], size, siting }.each(row, columns, |cb, cr| {
+            let Some((pixel, y)) = pixels.next() else { return };
+            let y = bright(*y);
+            pixel[0] = byte(y + of_chroma[0] * cr / FINE);
+            pixel[1] = byte(y + (of_chroma[1] * cb + of_chroma[2] * cr) / FINE);
+            pixel[2] = byte(y + of_chroma[3] * cb / FINE);
+        });
         buffer
     }
 }
@@ -211,9 +204,11 @@ fn rate(value: &str) -> Option<f64> {
 fn samples(colour_space: &str) -> Result<Samples, FrameError> {
     match colour_space {
         "mono" => Ok(Samples::Yuv(None)),
-        "420" | "420jpeg" | "420mpeg2" | "420paldv" => Ok(Samples::Yuv(Some([2, 2]))),
-        "422" => Ok(Samples::Yuv(Some([2, 1]))),
-        "444" => Ok(Samples::Yuv(Some([1, 1]))),
+        "420" | "420jpeg" => Ok(Samples::Yuv(Some([Siting::Between; 2]))),
+        "420mpeg2" => Ok(Samples::Yuv(Some([Siting::First, Siting::Between]))),
+        "420paldv" => Ok(Samples::Yuv(Some([Siting::First; 2]))),
+        "422" => Ok(Samples::Yuv(Some([Siting::First, Siting::Each]))),
+        "444" => Ok(Samples::Yuv(Some([Siting::Each; 2]))),
         other => Err(FrameError::Header(format!(
             "expected 8 bits a sample in the form C444, C422, C420 or Cmono, found C{other}; ffmpeg writes C444 with -pix_fmt yuv444p"
         ))),

@@ -12,14 +12,16 @@ const MATRIX: &[&str] = &["cameramatrix", "k", "mtx"];
 const DISTORTION: &[&str] = &["distortioncoefficients", "d", "distcoeffs", "distcoeff", "dist"];
 const MODEL: &[&str] = &["distortionmodel"];
 const FISHEYE: &[&str] = &["fisheyemodel"];
-/// Names of distortion models whose first five coefficients are k1, k2, p1, p2 and k3.
+/// Names of distortion models with the coefficients k1, k2, p1, p2, k3, k4, k5, k6.
 const BROWN_CONRADY: [&str; 2] = ["plumb_bob", "rational_polynomial"];
+/// Names of the fisheye model with the coefficients k1, k2, k3, k4.
+const EQUIDISTANT: [&str; 2] = ["equidistant", "fisheye"];
 
 /// Reads a lens from a `camera_info` file of ROS, or from a file that OpenCV's `FileStorage` wrote.
 ///
 /// # Errors
-/// [`FileError`] if the file cannot be read, has another form, lacks the size of the image, or states a lens that is not of Brown and Conrady's form:
-/// another distortion model, further distortion coefficients that are not zero, or a skew.
+/// [`FileError`] if the file cannot be read, has another form, lacks the size of the image, or states another distortion than [`Distortion`]: another
+/// model, a thin prism, a tilted sensor, or a skew.
 pub fn load_lens(path: &Path) -> Result<Lens, FileError> {
     let text = read_text(path)?;
     lens(&text).map_err(|reason| FileError::content(path, reason))
@@ -48,22 +50,16 @@ fn lens(text: &str) -> Result<Lens, String> {
         return Err(format!("camera_matrix: expected fx, 0, cx, 0, fy, cy, 0, 0, 1, found {matrix:?}"));
     };
     let model = entry(MODEL).map_or_else(String::new, |words| words.concat());
-    let is_fisheye = entry(FISHEYE).is_some_and(|words| words.concat() != "0");
-    if is_fisheye || !(model.is_empty() || BROWN_CONRADY.contains(&model.as_str())) {
-        let found = if is_fisheye { "fisheye".to_owned() } else { format!("{model:?}") };
-        return Err(format!("expected the distortion model \"plumb_bob\" (k1, k2, p1, p2, k3), found {found}"));
+    let is_fisheye = entry(FISHEYE).is_some_and(|words| !matches!(&*words.concat(), "0" | "false"));
+    let is_fisheye = is_fisheye || EQUIDISTANT.contains(&model.as_str());
+    if !(is_fisheye || model.is_empty() || BROWN_CONRADY.contains(&model.as_str())) {
+        let known = [BROWN_CONRADY, EQUIDISTANT].concat().join(", ");
+        return Err(format!("distortion_model: expected one of {known}, found {model:?}"));
     }
     let coefficients = numbers(DISTORTION, "distortion_coefficients")?;
-    let mut first = [0.0; 5];
-    first.iter_mut().zip(&coefficients).for_each(|(first, value)| *first = *value);
-    if coefficients.iter().skip(5).any(|value| *value != 0.0) {
-        return Err(format!(
-            "distortion_coefficients: expected k1, k2, p1, p2, k3, found {} coefficients of which the sixth or a later one is not 0: calibrate \
-             without a rational, thin prism or tilted model",
-            coefficients.len()
-        ));
-    }
-    Lens::new(size_px, [fx, fy], [cx, cy], Distortion::from_opencv(first)).map_err(|error| error.to_string())
+    let distortion = if is_fisheye { Distortion::fisheye(&coefficients) } else { Distortion::rational(&coefficients) };
+    let distortion = distortion.map_err(|error| format!("distortion_coefficients: expected {error}"))?;
+    Lens::new(size_px, [fx, fy], [cx, cy], distortion).map_err(|error| error.to_string())
 }
 
 fn plain(name: &str) -> String {
@@ -86,6 +82,7 @@ fn words(value: &Yaml) -> Vec<String> {
         Yaml::Array(values) => values.iter().flat_map(words).collect(),
         Yaml::Real(text) | Yaml::String(text) => vec![text.clone()],
         Yaml::Integer(number) => vec![number.to_string()],
+        Yaml::Boolean(switch) => vec![switch.to_string()],
         _ => Vec::new(),
     }
 }

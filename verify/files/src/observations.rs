@@ -172,9 +172,9 @@ impl ObservationTable {
 
     fn marker(&self, row: &StringRecord) -> Result<ObservedMarker, FileError> {
         let at = self.table.vector(row, self.xy)?;
-        // An empty cell means an unknown standard deviation.
+        // A cell without a value means an unknown standard deviation.
         let number = |column: &str| {
-            let is_given = !self.table.cell(row, column).is_empty();
+            let is_given = !self.table.is_missing(row, column);
             is_given.then(|| self.table.number(row, column)).transpose()
         };
         let is_position = self.coordinates == Coordinates::Positions;

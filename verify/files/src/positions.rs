@@ -1,15 +1,23 @@
 //! Reads positions of markers from a stream, line by line: CSV or JSON.
 
+mod json;
+mod time;
+
+use crate::table::{Columns, NODE};
 use csv::StringRecord;
 use finray_model::observation::{Observation, ObservedMarker};
 use finray_model::{NodeId, Vector};
-use serde::Deserialize;
 use std::io::{BufRead, Read};
+use time::TimeName;
+
+/// Columns and keys of a marker's coordinates, mm, of their standard deviation, mm, and of the marker's finger; column and key of a frame's image.
+const AT: [&str; 2] = ["x_mm", "y_mm"];
+const SIGMA: &str = "sigma_mm";
+const FINGER: &str = "finger";
+const IMAGE: &str = "image";
 
 /// Longest line, bytes.
 const LONGEST_LINE: u64 = 1 << 20;
-/// Largest number of characters that a message quotes.
-const LONGEST_QUOTE: usize = 100;
 /// Largest number of rows of one frame of a table.
 const MOST_ROWS: usize = 100_000;
 
@@ -42,49 +50,21 @@ pub enum PositionError {
     Form(String),
 }
 
-/// Latest time of a frame, s; the limit exists because recordings store times as nanoseconds in 64 bits.
-const LATEST_S: f64 = 1e10;
-
-fn is_time(time_s: &f64) -> bool {
-    (0.0..=LATEST_S).contains(time_s)
-}
-
 /// Largest number of fingers in a frame.
 const MOST_FINGERS: usize = 64;
 
-/// One frame as a line of JSON.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct FrameLine {
-    t_s: Option<f64>,
-    image: Option<String>,
-    markers: Vec<MarkerLine>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct MarkerLine {
-    #[serde(default)]
-    finger: String,
-    node: usize,
-    // Both coordinates are `null` if the marker is hidden. With `deserialize_with`, they cannot be left out.
-    #[serde(deserialize_with = "Option::deserialize")]
-    x_mm: Option<f64>,
-    #[serde(deserialize_with = "Option::deserialize")]
-    y_mm: Option<f64>,
-    sigma_mm: Option<f64>,
-}
-
 /// Reads frames of positions one after another.
 ///
-/// JSON has one line per frame: `{"t_s": 0.04, "markers": [{"node": 13, "x_mm": 146.1, "y_mm": 3.2, "sigma_mm": 0.02}, ...]}`. The keys `t_s`, `image` and
-/// `sigma_mm` may be omitted; both coordinates of a hidden marker are `null` or `NaN`. CSV has a header and one line per marker. The columns, in any order, are `t_s` or `image`, `node`, `x_mm`, `y_mm`, and optionally
-/// `sigma_mm`. A CSV frame ends where `t_s` changes, or, without `t_s`, where `image` changes. In a stream of several fingers, each marker also has the key or
-/// column `finger`.
+/// JSON has one line per frame: `{"t_s": 0.04, "markers": [{"node": 13, "x_mm": 146.1, "y_mm": 3.2, "sigma_mm": 0.02}, ...]}`. The time, `image` and `sigma_mm`
+/// may be omitted; both coordinates of a hidden marker are `null` or `NaN`. CSV has a header and one line per marker. The columns, in any order, are a time or
+/// `image`, `node`, `x_mm`, `y_mm`, and optionally `sigma_mm`; cells are those of a [table](crate::table). A CSV frame ends where the time changes, or, without
+/// a time, where `image` changes. In a stream of several fingers, each marker also has the key or column `finger`. Further keys and columns are ignored.
+///
+/// The time is `time_s`, `time_ms`, `time_us` or `time_ns` (or `t_s` and so on), or a text in ISO 8601 under one of these names, `time`, `timestamp` or `stamp`.
 pub struct PositionReader<R> {
     source: R,
-    /// Columns of a table. `None` for JSON.
-    columns: Option<Columns>,
+    /// The table. `None` for JSON.
+    table: Option<PositionTable>,
     /// Number of the last line read, from 1.
     line: usize,
     /// The last line read, as in the stream.
@@ -93,17 +73,13 @@ pub struct PositionReader<R> {
     is_next: bool,
 }
 
-/// Name of a row's frame, name of the row's finger, and the row's marker; the marker is `None` if it is hidden.
-type Row<'t> = (&'t str, Result<(&'t str, Option<ObservedMarker>), String>);
-
-#[derive(Clone, Copy)]
-struct Columns {
-    frame: usize,
-    is_time: bool,
-    finger: Option<usize>,
-    node: usize,
-    at: [usize; 2],
-    sigma: Option<usize>,
+/// A table of positions.
+#[derive(Debug, Clone)]
+struct PositionTable {
+    columns: Columns,
+    /// Column that names the frame.
+    frame: &'static str,
+    time: Option<TimeName>,
 }
 
 impl<R: BufRead> PositionReader<R> {
@@ -112,11 +88,11 @@ impl<R: BufRead> PositionReader<R> {
     /// # Errors
     /// [`PositionError`] if the stream cannot be read, or its header lacks a column.
     pub fn new(source: R, is_json: bool) -> Result<PositionReader<R>, PositionError> {
-        let mut reader = PositionReader { source, columns: None, line: 0, bytes: Vec::new(), is_next: false };
+        let mut reader = PositionReader { source, table: None, line: 0, bytes: Vec::new(), is_next: false };
         if !is_json {
             reader.next_line()?;
             let header = reader.text().map_err(PositionError::Form)?;
-            reader.columns = Some(Columns::of(header).map_err(PositionError::Form)?);
+            reader.table = Some(PositionTable::of(header).map_err(PositionError::Form)?);
         }
         Ok(reader)
     }
@@ -127,9 +103,13 @@ impl<R: BufRead> PositionReader<R> {
     /// [`PositionError`] if the stream cannot be read further. An invalid line is not returned as an error, but reported in [`PositionFrame::seen`]
     /// of its frame.
     pub fn read(&mut self) -> Result<Option<PositionFrame>, PositionError> {
-        match self.columns {
+        match self.table.take() {
             None => self.read_json(),
-            Some(columns) => self.read_csv(columns),
+            Some(table) => {
+                let frame = self.read_csv(&table);
+                self.table = Some(table);
+                frame
+            }
         }
     }
 
@@ -166,35 +146,14 @@ impl<R: BufRead> PositionReader<R> {
             return Ok(None);
         }
         let line = self.line;
-        let of_text = |text: &str| {
-            // Python writes numbers that are missing as NaN, which is no JSON.
-            let text = text.trim_start_matches('\u{feff}').replace(": NaN", ": null").replace(":NaN", ":null");
-            serde_json::from_str(&text).map_err(|error| format!("line {line}: {error}"))
-        };
-        let frame: Result<FrameLine, String> = self.text().and_then(of_text);
-        let frame = frame.and_then(|frame| match frame.t_s {
-            Some(time_s) if !is_time(&time_s) => {
-                Err(format!("line {line}: t_s: expected a time in s of 0 or more, found {time_s}"))
-            }
-            _ => Ok(frame),
-        });
-        let time_s = frame.as_ref().ok().and_then(|frame| frame.t_s);
-        let seen = frame.and_then(|frame| {
-            let mut fingers = Fingers::default();
-            for of in frame.markers {
-                let at = of.x_mm.zip(of.y_mm).map(|(x, y)| Vector::new(x, y));
-                if at.is_none() && (of.x_mm.is_some() || of.y_mm.is_some()) {
-                    return Err(format!("line {line}: node {}: expected two coordinates, or two times null", of.node));
-                }
-                let marker = at.map(|at| marker(NodeId(of.node), at, of.sigma_mm));
-                fingers.add(&of.finger, marker).map_err(|reason| format!("line {line}: {reason}"))?;
-            }
-            Ok(fingers.observations(&frame.image.unwrap_or_default()))
-        });
-        Ok(Some(PositionFrame { time_s, seen }))
+        let in_line = |reason: String| format!("line {line}: {reason}");
+        let frame = self.text().and_then(|text| json::object(text).map_err(|reason| format!("line {line}{reason}")));
+        let time_s = frame.as_ref().map_err(String::clone).and_then(|frame| json::time_s(frame).map_err(in_line));
+        let seen = frame.and_then(|frame| json::observations(&frame).map_err(in_line));
+        Ok(Some(PositionFrame { time_s: time_s.clone().ok().flatten(), seen: time_s.and(seen) }))
     }
 
-    fn read_csv(&mut self, columns: Columns) -> Result<Option<PositionFrame>, PositionError> {
+    fn read_csv(&mut self, table: &PositionTable) -> Result<Option<PositionFrame>, PositionError> {
         let mut name: Option<String> = None;
         let mut seen: Result<Fingers, String> = Ok(Fingers::default());
         let (mut rows, mut cells) = (0, StringRecord::new());
@@ -202,10 +161,13 @@ impl<R: BufRead> PositionReader<R> {
             if !std::mem::take(&mut self.is_next) && !self.next_line()? {
                 break;
             }
-            let (of, marker) = match self.text().and_then(|text| split(text, self.line, &mut cells)) {
-                Ok(()) => columns.row(&cells, self.line),
-                // A line that is not UTF-8, or too long, counts as part of the current frame.
-                Err(reason) => (name.as_deref().unwrap_or_default(), Err(reason)),
+            let line = self.line;
+            let in_line = |reason| format!("line {line}: {reason}");
+            let split = self.text().and_then(|text| table.columns.split(text, &mut cells).map_err(in_line));
+            // A line without the cell of its frame counts as part of the current frame.
+            let of = match table.columns.cell(&cells, table.frame) {
+                "" if split.is_err() => name.as_deref().unwrap_or_default(),
+                of => of,
             };
             if name.as_ref().is_some_and(|name| name != of) {
                 self.is_next = true;
@@ -213,32 +175,24 @@ impl<R: BufRead> PositionReader<R> {
             }
             rows += 1;
             if rows > MOST_ROWS {
-                let message =
-                    format!("line {}: expected a row with another t_s or image within {MOST_ROWS} rows", self.line);
-                return Err(PositionError::Form(message));
-            }
-            match (marker, &mut seen) {
-                (Ok((finger, marker)), Ok(fingers)) => {
-                    if let Err(reason) = fingers.add(finger, marker) {
-                        seen = Err(format!("line {}: {reason}", self.line));
-                    }
-                }
-                (Err(reason), Ok(_)) => seen = Err(reason),
-                (_, Err(_)) => {}
+                let message = format!("expected a row with another {} within {MOST_ROWS} rows", table.frame);
+                return Err(PositionError::Form(in_line(message)));
             }
             if name.is_none() {
                 name = Some(of.to_owned());
             }
+            let marker = split.and_then(|()| table.marker(&cells).map_err(in_line));
+            seen = seen.and_then(|mut fingers| {
+                fingers.add(table.columns.cell(&cells, FINGER), marker?).map_err(in_line)?;
+                Ok(fingers)
+            });
         }
         let Some(name) = name else { return Ok(None) };
-        let time = columns.is_time.then(|| name.parse().ok().filter(is_time));
-        if time == Some(None) {
-            let line = self.line;
-            seen = Err(format!("line {line}: t_s: expected a time in s of 0 or more, found {name:?}"));
-        }
-        let time_s = time.flatten();
-        let image = if columns.is_time { String::new() } else { name };
-        Ok(Some(PositionFrame { time_s, seen: seen.map(|fingers| fingers.observations(&image)) }))
+        let time_s = table.time.map(|time| time.seconds(&name)).transpose();
+        let time_s = time_s.map_err(|reason| format!("line {}: {reason}", self.line));
+        let image = if table.time.is_some() { String::new() } else { name };
+        let seen = seen.map(|fingers| fingers.observations(&image));
+        Ok(Some(PositionFrame { time_s: time_s.clone().ok().flatten(), seen: time_s.and(seen) }))
     }
 }
 
@@ -269,79 +223,29 @@ impl Fingers {
     }
 }
 
-impl Columns {
-    fn of(header: &str) -> Result<Columns, String> {
-        let header = header.trim_start_matches('\u{feff}');
-        let mut names = StringRecord::new();
-        split(header, 1, &mut names)?;
-        let column = |name: &str| names.iter().position(|found| found == name);
-        let needed = |name| {
-            column(name).ok_or_else(|| {
-                format!(
-                    "line 1: expected a header with t_s or image, node, x_mm, y_mm; {name} is missing in {:?}",
-                    header.chars().take(LONGEST_QUOTE).collect::<String>()
-                )
-            })
-        };
-        Ok(Columns {
-            frame: column("t_s").map_or_else(|| needed("image"), Ok)?,
-            is_time: column("t_s").is_some(),
-            finger: column("finger"),
-            node: needed("node")?,
-            at: [needed("x_mm")?, needed("y_mm")?],
-            sigma: column("sigma_mm"),
-        })
+impl PositionTable {
+    fn of(header: &str) -> Result<PositionTable, String> {
+        let in_line = |reason| format!("line 1: {reason}");
+        let columns = Columns::of_line(header).map_err(in_line)?;
+        let time = TimeName::first(|name| columns.has(&[name]));
+        if time.is_none() && !columns.has(&[IMAGE]) {
+            let found = columns.listed();
+            return Err(in_line(format!(
+                "expected a column time_s (or time_ms, time_ns, time, t_s) or image, found the columns {found}"
+            )));
+        }
+        columns.require(&[NODE, AT[0], AT[1]], &[SIGMA, FINGER, IMAGE]).map_err(in_line)?;
+        Ok(PositionTable { columns, frame: time.map_or(IMAGE, |time| time.name), time })
     }
 
-    fn row<'t>(&self, row: &'t StringRecord, line: usize) -> Row<'t> {
-        let Columns { frame, is_time: _, finger, node, at, sigma } = *self;
-        let columns = [Some(frame), finger, Some(node), Some(at[0]), Some(at[1]), sigma];
-        let mut cells = [None; 6];
-        for (found, column) in cells.iter_mut().zip(columns) {
-            *found = column.and_then(|index| row.get(index));
-        }
-        let [frame, finger, ..] = cells.map(Option::unwrap_or_default);
-        let marker = self.marker(cells).map(|marker| (finger, marker));
-        (frame, marker.map_err(|reason| format!("line {line}: {reason}")))
-    }
-
-    /// Marker of a row with cells for frame, finger, node, two coordinates and standard deviation; `None` for a row without coordinates, whose marker
-    /// is hidden.
-    fn marker(&self, [_, _, node, x, y, sigma]: [Option<&str>; 6]) -> Result<Option<ObservedMarker>, String> {
-        let number = |text: &str, name: &str| -> Result<f64, String> {
-            let number = text.parse().ok().filter(|number: &f64| number.is_finite());
-            number.ok_or_else(|| format!("{name}: expected a number, found {text:?}"))
-        };
-        let node = needed(node, self.node)?;
-        let node = NodeId(node.parse().map_err(|_| format!("node: expected a number of a node, found {node:?}"))?);
-        if (x, y) == (Some(""), Some("")) {
-            return Ok(None);
-        }
-        let at = Vector::new(number(needed(x, self.at[0])?, "x_mm")?, number(needed(y, self.at[1])?, "y_mm")?);
-        let sigma_mm = sigma.filter(|sigma| !sigma.is_empty()).map(|sigma| number(sigma, "sigma_mm")).transpose()?;
+    /// Marker of a row; `None` for a row without coordinates, whose marker is hidden.
+    fn marker(&self, row: &StringRecord) -> Result<Option<ObservedMarker>, String> {
+        let node = self.columns.node(row, NODE)?;
+        let Some(at) = self.columns.vector(row, AT)? else { return Ok(None) };
+        let has_sigma = !self.columns.is_missing(row, SIGMA);
+        let sigma_mm = has_sigma.then(|| self.columns.number(row, SIGMA)).transpose()?;
         Ok(Some(marker(node, at, sigma_mm)))
     }
-}
-
-/// Splits a line of a table into cells. A line without quotes needs no parser of CSV, which would have to be built for each line.
-fn split(text: &str, line: usize, cells: &mut StringRecord) -> Result<(), String> {
-    cells.clear();
-    if text.contains('"') {
-        let table = csv::ReaderBuilder::new().has_headers(false).trim(csv::Trim::All).from_reader(text.as_bytes());
-        table
-            .into_records()
-            .take(1)
-            .try_for_each(|row| row.map(|row| *cells = row))
-            .map_err(|error| format!("line {line}: {error}"))
-    } else {
-        text.split(',').for_each(|cell| cells.push_field(cell.trim()));
-        Ok(())
-    }
-}
-
-/// The cell of a column, or the message that the row is too short.
-fn needed(cell: Option<&str>, column: usize) -> Result<&str, String> {
-    cell.ok_or_else(|| format!("expected {} cells", column + 1))
 }
 
 fn marker(node: NodeId, position: Vector, sd_mm: Option<f64>) -> ObservedMarker {

@@ -180,7 +180,10 @@ fn keys(lens: &Lens, pose: Option<Pose>) -> String {
     add(CAMERA.size_px.name, &lens.size_px());
     add(CAMERA.focal_px.name, &lens.focal_px());
     add(CAMERA.principal_point_px.name, &lens.principal_point_px());
-    add(CAMERA.distortion.name, &lens.distortion().to_opencv());
+    if lens.distortion().is_fisheye() {
+        add(CAMERA.distortion_model.name, &"fisheye");
+    }
+    add(CAMERA.distortion.name, &lens.distortion().coefficients());
     if let Some(pose) = pose {
         add(CAMERA.rotation_vector_rad.name, &pose.rotation_vector_rad());
         add(CAMERA.translation_mm.name, &<[f64; 3]>::from(pose.translation_mm));

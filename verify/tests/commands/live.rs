@@ -4,6 +4,7 @@ mod fingers;
 mod latency;
 mod memory;
 mod page;
+mod positions;
 mod recording;
 mod video;
 

@@ -6,6 +6,7 @@ mod usual_lens;
 use crate::plane_pose::{PlanePoseError, by_motion, homography, plane_pose};
 use finray_model::Vector;
 use finray_model::camera::{Distortion, ImpossibleLens, Lens, Pixel, Pose};
+use finray_model::keys::CAMERA;
 use finray_numerics::optimise::{Fit, LeastSquaresProblem, LevenbergMarquardt, Prior, Refusal};
 use nalgebra::{DMatrix, DVector, Vector2};
 use usual_lens::{PARAMETERS, UsualLens};
@@ -159,7 +160,14 @@ pub fn fit_lens(size_px: [u32; 2], views: &[Vec<(Vector, Pixel)>]) -> Result<Len
 }
 
 fn lens_of(size_px: [u32; 2], p: &[f64; PARAMETERS]) -> Result<Lens, ImpossibleLens> {
-    Lens::new(size_px, [p[0], p[1]], [p[2], p[3]], Distortion::from_opencv([p[4], p[5], p[6], p[7], p[8]]))
+    let distortion = Distortion::from_opencv([p[4], p[5], p[6], p[7], p[8]]);
+    let lens = Lens::new(size_px, [p[0], p[1]], [p[2], p[3]], distortion)?;
+    // The images of a grid fill the frame, so a lens that folds it describes something else than a grid.
+    if lens.folds_image() {
+        let expected = "coefficients that do not fold the image".to_owned();
+        return Err(ImpossibleLens { key: CAMERA.distortion.name, expected });
+    }
+    Ok(lens)
 }
 
 /// The focal length common to all images, px, if the principal point is in the middle. With the focal length f and the homography (h1 h2 h3) of each

@@ -4,8 +4,8 @@ use super::blobs::LEAST_RADIUS_PX;
 use super::disc::LARGEST_BLUR;
 use super::motion::LARGEST_MOTION;
 use super::{FingerPlacement, GreyMarker, NamingError};
-use finray_model::Finger;
 use finray_model::camera::ViewError;
+use finray_model::{Finger, NodeId};
 
 /// Reason why no finger was located in an image.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -31,6 +31,15 @@ pub enum LocateError {
     /// No pixel of the camera corresponds to the middle of the finger.
     #[error("the camera does not see the finger: the middle of the finger {0}")]
     View(#[from] ViewError),
+    /// The distortion of the lens folds the image at a marker of the unloaded finger.
+    #[error(
+        "camera.distortion: the marker of node {node} lies beyond the radius at which these coefficients fold the image, so that its pixel is \
+         ambiguous: calibrate the lens up to the border of the image"
+    )]
+    Folded {
+        /// Key node of the marker.
+        node: NodeId,
+    },
     /// The finger lies outside the image.
     #[error(
         "the camera does not see the finger: the middle of the finger is outside the image; check the pose in \

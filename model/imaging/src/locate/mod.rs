@@ -35,7 +35,7 @@ use blobs::{Blob, LEAST_RADIUS_PX, blobs, commonest_radius, middle_of_colour};
 use colour::Colours;
 use disc::{Buffers, Disc, View};
 use elsewhere::Scenery;
-use finray_model::camera::{Camera, Lens, Pixel};
+use finray_model::camera::{Camera, Lens, Pixel, ViewError};
 use finray_model::finger::Plate;
 use finray_model::scene::{MarkerLook, Markers};
 use finray_model::{Finger, NodeId, Vector};
@@ -189,7 +189,8 @@ impl<'f> Locator<'f> {
             if (centre - last.pixel).norm() > reach - self.radius_px {
                 centre = middle_of_colour(image, &self.colours, side, &centre, reach, &mut buffers.row)?;
             }
-            Some((last.node, view.measure_centre(outline, &centre, &mut buffers)?))
+            let disc = view.measure_centre(outline, &centre, &mut buffers)?;
+            common.holds(&disc).then_some((last.node, disc))
         };
         let found: Vec<(NodeId, Disc)> = self.last.iter().filter_map(near).collect();
         self.buffers = buffers;
@@ -272,6 +273,17 @@ fn radius_px(finger: &Finger, camera: &Camera, markers: &Markers) -> Result<f64,
     let pixel = camera.project(&middle.push(markers.height_mm))?;
     if !camera.lens.contains(&pixel) {
         return Err(LocateError::Outside);
+    }
+    // If the distortion folds in the image, a marker beyond the fold may be seen at a pixel that the model assigns to another point.
+    let is_beyond = |node: &NodeId| {
+        let at = finger.marker_position(*node).push(markers.height_mm);
+        camera.project(&at) == Err(ViewError::Folded)
+    };
+    let mut marked = (1..=nodes).map(NodeId).filter(|node| finger.has_marker(*node));
+    if camera.lens.folds_image()
+        && let Some(node) = marked.find(is_beyond)
+    {
+        return Err(LocateError::Folded { node });
     }
     radius_at(camera, &pixel, markers)
 }

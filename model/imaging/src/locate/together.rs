@@ -12,6 +12,9 @@ const ROUNDING: f64 = 0.1;
 /// Brightness and colour get different weights if the ratio of their variances exceeds this.
 const UNEVEN: f64 = 3.0;
 
+/// A disc is removed if its mean squared residual exceeds the median of all discs by more than this factor. In rendered images, the factor of whole discs on
+/// any part of the finger is below 2.6.
+const LARGEST_NOISE: f64 = 5.0;
 /// A displacement of colour relative to brightness is corrected if it exceeds this number of standard deviations.
 const COLOUR_SIGMAS: f64 = 4.0;
 /// Largest number of rounds. Each round measures the centres and the displacement of colour; each round except the last corrects the displacement.
@@ -29,15 +32,24 @@ pub(super) struct Common {
     pub weights: [f64; 2],
     /// Displacement of colour relative to brightness, px; see [`View`].
     pub colour_shift_px: Vector,
+    /// Median over the discs of the mean squared residual of brightness and of colour, in squared grey levels.
+    noise: [f64; 2],
     /// Standard deviation of the motion blur, px, see [`motion_blur_px`]; `None` without motion blur.
     pub motion_px: Option<f64>,
     /// Standard deviation that motion blur adds to each coordinate, mm.
     pub motion_sd_mm: f64,
 }
 
+impl Common {
+    /// Whether the residuals of a disc are those of a whole disc. Residuals are much larger if the edge of something else was measured as the disc's edge.
+    pub fn holds(&self, disc: &Disc) -> bool {
+        disc.noise.iter().zip(self.noise).all(|(own, common)| *own <= LARGEST_NOISE * (common + ROUNDING))
+    }
+}
+
 /// Measures the centres of the discs again, with one common outline (radius and blurs) for all discs. All markers have the same size and sharpness,
 /// so every marker gets the median radius and blurs of all markers. If colour is noisier than brightness, as after compression, colour gets less
-/// weight. `view` must give equal weights to brightness and colour. `radius_px` is the radius of a marker at the middle of the finger, px.
+/// weight. A disc that no longer fits with the common outline is removed: something covers a part of it. `view` must give equal weights to brightness and colour. `radius_px` is the radius of a marker at the middle of the finger, px.
 ///
 /// # Errors
 /// [`LocateError::Blurred`] or [`LocateError::Moved`] if the blur is too large for the markers' radius.
@@ -45,7 +57,7 @@ pub(super) fn measure_together(
     mut view: View,
     markers: &Markers,
     radius_px: f64,
-    named: &mut [(NodeId, Disc)],
+    named: &mut Vec<(NodeId, Disc)>,
     buffers: &mut Buffers,
 ) -> Result<Common, LocateError> {
     let noise = [0, 1].map(|part| mean(named, |disc| disc.noise[part]) + ROUNDING);
@@ -77,8 +89,11 @@ pub(super) fn measure_together(
             if let Some(blur_px) = motion_px.filter(|motion_px| *motion_px > LARGEST_MOTION * radius_px) {
                 return Err(LocateError::Moved { blur_px, radius_px });
             }
+            let noise = [0, 1].map(|part| median(named.iter().map(|(_, disc)| disc.noise[part])).unwrap_or_default());
             let motion_sd_mm = MOTION_SD * motion_px.unwrap_or(0.0) * outline.radius_mm / radius_px;
-            return Ok(Common { outline, weights, colour_shift_px, motion_px, motion_sd_mm });
+            let common = Common { outline, weights, colour_shift_px, noise, motion_px, motion_sd_mm };
+            named.retain(|(_, disc)| common.holds(disc));
+            return Ok(common);
         }
         view.colour_shift_px += shift;
     }
@@ -92,16 +107,24 @@ fn outline_of(named: &[(NodeId, Disc)]) -> Outline {
     }
 }
 
-/// Measures the centres of discs with a common outline. Returns the sum of the discs' normal equations for a further displacement of colour.
-fn measure_centres(view: &View, outline: Outline, named: &mut [(NodeId, Disc)], buffers: &mut Buffers) -> ColourShift {
+/// Measures the centres of discs with a common outline, and removes discs that do not fit. Returns the sum of the discs' normal equations for a further
+/// displacement of colour.
+fn measure_centres(
+    view: &View,
+    outline: Outline,
+    named: &mut Vec<(NodeId, Disc)>,
+    buffers: &mut Buffers,
+) -> ColourShift {
     let mut all = ColourShift { normal: Matrix2::zeros(), gradient: Vector2::zeros() };
-    for (_, disc) in named {
-        if let Some((found, shift)) = view.measure_centre_and_colour(outline, &disc.pixel, buffers) {
+    named.retain_mut(|(_, disc)| match view.measure_centre_and_colour(outline, &disc.pixel, buffers) {
+        Some((found, shift)) => {
             *disc = found;
             all.normal += shift.normal;
             all.gradient += shift.gradient;
+            true
         }
-    }
+        None => false,
+    });
     all
 }
 

@@ -16,6 +16,8 @@ fn cameras_that_do_not_see_the_markers_are_refused() {
         ("[-75.0, 0.0, 170.0]", "[-75.0, 0.0, -170.0]", "behind the camera"),
         ("[-75.0, 0.0, 170.0]", "[300.0, 0.0, 170.0]", "outside the image"),
         ("radius_mm = 1.5", "radius_mm = 0.1", "radius of 0.8 px"),
+        // k1 = -2 folds at a radius of 0.41, 69 mm from the axis; node 1 is 80 mm from it.
+        ("distortion = [0.0,", "distortion = [-2.0,", "the marker of node 1 lies beyond the radius"),
         ("[226, 186, 46]", "[200, 200, 200]", "markers.front_rgb: expected a colour that is not a shade of grey"),
     ] {
         let scene = Scene::from_toml(&CAMERA_SCENE.replace(from, to)).expect("a scene");

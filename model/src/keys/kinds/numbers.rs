@@ -119,19 +119,53 @@ impl<const N: usize> Kind for Numbers<N> {
     }
 
     fn parse(&self, value: &DeValue) -> Result<[f64; N], Refused> {
-        let wrong = |found: String| Refused { expected: self.noun(), found };
-        let DeValue::Array(items) = value else { return Err(wrong(described(value))) };
-        let numbers: Option<Vec<f64>> = items.iter().map(|item| number(item.get_ref())).collect();
-        let numbers = numbers.ok_or_else(|| wrong("a list with values that are not numbers".to_owned()))?;
-        if let Some(other) = numbers.iter().find(|number| !number.is_finite()) {
-            return Err(wrong(format!("a list with {other:?}")));
-        }
-        let found = numbers.len();
-        <[f64; N]>::try_from(numbers).map_err(|_| wrong(format!("{found}")))
+        let numbers = finite_numbers(value, || self.noun())?;
+        let found = numbers.len().to_string();
+        <[f64; N]>::try_from(numbers).map_err(|_| Refused { expected: self.noun(), found })
     }
 
     fn outside(&self, value: &[f64; N]) -> Option<String> {
         (!value.iter().all(|x| self.1.contains(*x))).then(|| format!("{value:?}"))
+    }
+}
+
+/// A list of any length with numbers of one quantity, each within the range. The code that reads the list checks its length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NumberList(pub Quantity, pub Range);
+
+impl Kind for NumberList {
+    type Value = Vec<f64>;
+
+    fn noun(&self) -> String {
+        format!("a list of numbers, {}", self.0.noun())
+    }
+
+    fn expected(&self) -> String {
+        self.1.of(self.0)
+    }
+
+    fn described(&self) -> String {
+        format!("a list of numbers, {}", self.expected())
+    }
+
+    fn parse(&self, value: &DeValue) -> Result<Vec<f64>, Refused> {
+        finite_numbers(value, || self.noun())
+    }
+
+    fn outside(&self, value: &Vec<f64>) -> Option<String> {
+        (!value.iter().all(|x| self.1.contains(*x))).then(|| format!("{value:?}"))
+    }
+}
+
+/// Reads a list of finite numbers from TOML. `noun` describes the list.
+fn finite_numbers(value: &DeValue, noun: impl Fn() -> String) -> Result<Vec<f64>, Refused> {
+    let wrong = |found: String| Refused { expected: noun(), found };
+    let DeValue::Array(items) = value else { return Err(wrong(described(value))) };
+    let numbers: Option<Vec<f64>> = items.iter().map(|item| number(item.get_ref())).collect();
+    let numbers = numbers.ok_or_else(|| wrong("a list with values that are not numbers".to_owned()))?;
+    match numbers.iter().find(|number| !number.is_finite()) {
+        Some(other) => Err(wrong(format!("a list with {other:?}"))),
+        None => Ok(numbers),
     }
 }
 

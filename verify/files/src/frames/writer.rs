@@ -1,5 +1,6 @@
 //! Writes frames as YUV4MPEG2.
 
+use super::chroma::Siting;
 use super::{FrameLayout, Samples};
 use image::RgbImage;
 use std::io::{Error, ErrorKind, Write};
@@ -23,7 +24,8 @@ impl<W: Write> FrameWriter<W> {
     /// # Errors
     /// [`std::io::Error`] if the header cannot be written.
     pub fn yuv4mpeg2(mut out: W, size_px: [u32; 2], per_second: Option<f64>) -> std::io::Result<FrameWriter<W>> {
-        let layout = FrameLayout { size_px, per_second, samples: Samples::Yuv(Some([1, 1])), is_full_range: true };
+        let layout =
+            FrameLayout { size_px, per_second, samples: Samples::Yuv(Some([Siting::Each; 2])), is_full_range: true };
         let [width, height] = size_px;
         let rate = per_second.map_or("0:0".to_owned(), ratio);
         writeln!(out, "YUV4MPEG2 W{width} H{height} F{rate} Ip A1:1 C444 XCOLORRANGE=FULL")?;

@@ -2,6 +2,7 @@
 
 use super::*;
 use finray_fixtures::CAMERA_SCENE;
+use finray_model::camera::Distortion;
 
 /// Image of a grid with a pitch of 10 mm, slanted by `slant` (rad). The camera has the lens of the camera scene, which has no distortion.
 fn grid(folder: &Folder, name: &str, slant: f64) -> String {
@@ -63,29 +64,42 @@ fn files_of_ros_and_opencv_state_a_lens() {
             (lens.size_px(), lens.focal_px(), lens.principal_point_px()),
             ([640, 480], [500.5, 501.0], [320.0, 239.5])
         );
-        assert_eq!(lens.distortion().to_opencv(), [-0.1, 0.02, 0.001, -0.002, 0.0]);
+        assert_eq!(lens.distortion().coefficients(), [-0.1, 0.02, 0.001, -0.002, 0.0]);
     }
     for (from, to, expected) in [
         (
             "plumb_bob",
-            "equidistant",
-            "expected the distortion model \"plumb_bob\" (k1, k2, p1, p2, k3), found \"equidistant\"",
+            "omnidirectional",
+            "distortion_model: expected one of plumb_bob, rational_polynomial, equidistant",
         ),
-        ("-0.002, 0]", "-0.002, 0, 0.1, 0, 0]", "found 8 coefficients of which the sixth or a later one is not 0"),
+        ("-0.002, 0]", "-0.002, 0, 0, 0]", "distortion_coefficients: expected 4 (k1, k2, p1, p2), 5 (and k3) or 8"),
+        ("-0.002, 0]", "-0.002, 0, 0, 0, 0, 0, 0, 0, 1]", "found a thin prism"),
+        ("-0.002, 0]", "-0.002, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1]", "found a tilted sensor"),
+        ("plumb_bob", "equidistant", "expected the 4 coefficients of a fisheye lens (k1, k2, k3, k4), found 5"),
         ("500.5, 0,", "500.5, 2,", "camera_matrix: expected fx, 0, cx, 0, fy, cy, 0, 0, 1"),
         ("image_width: 640\n", "", "expected image_width"),
         ("image_width: 640", "image_width: -640", "image_width: expected a number of pixels"),
         ("[500.5", "[five", "camera_matrix: expected numbers"),
-        ("[-0.1,", "[-9,", "fold"),
         ("camera_matrix:", "camera_matrix: [", "expected YAML, XML or JSON"),
         ("camera_matrix:", "camera_matrice:", "expected camera_matrix"),
     ] {
         assert_says(&load(&calibrator.replacen(from, to, 1)).expect_err(to), &["camera: ", expected]);
     }
-    assert_says(
-        &load(&opencv.replacen("fisheye_model: 0", "fisheye_model: 1", 1)).expect_err("fisheye"),
-        &["found fisheye"],
-    );
+    let fisheye = Distortion::fisheye(&[-0.1, 0.02, 0.001, -0.002]).expect("a distortion");
+    for (text, from, to) in [
+        (opencv, "fisheye_model: 0", "fisheye_model: 1"),
+        (opencv, "fisheye_model: 0", "fisheye_model: true"),
+        (
+            calibrator,
+            "plumb_bob\ndistortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [-0.1, 0.02, 0.001, -0.002, 0]",
+            "equidistant\ndistortion_coefficients:\n  data: [-0.1, 0.02, 0.001, -0.002]",
+        ),
+    ] {
+        assert_eq!(*load(&text.replacen(from, to, 1)).expect("a fisheye lens").distortion(), fisheye);
+    }
+    let rational = load(&message.replacen("- 0.0\n- 0.0\n- 0.0\n- 0.0\nk:", "- 0.3\n- 0.1\n- 0.05\n- 0.02\nk:", 1))
+        .expect("a lens");
+    assert_eq!(rational.distortion().coefficients(), [-0.1, 0.02, 0.001, -0.002, 0.3, 0.1, 0.05, 0.02]);
     assert_says(&load("<opencv_storage>").expect_err("cut off"), &["expected XML"]);
 }
 

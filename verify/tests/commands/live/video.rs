@@ -9,7 +9,8 @@ use finray_model::Scene;
 use image::RgbImage;
 
 /// Colour spaces, each with the numbers of columns and rows that share a chroma sample.
-const CHROMA: [(&str, [u32; 2]); 3] = [("444", [1, 1]), ("422", [2, 1]), ("420jpeg", [2, 2])];
+const CHROMA: [(&str, [u32; 2]); 5] =
+    [("444", [1, 1]), ("422", [2, 1]), ("420jpeg", [2, 2]), ("420mpeg2", [2, 2]), ("420paldv", [2, 2])];
 
 /// Images of the finger under forces (N) at 80 mm and -20 degrees.
 pub(super) fn images(folder: &Folder, forces_n: &[f64]) -> Vec<RgbImage> {
@@ -22,12 +23,22 @@ pub(super) fn images(folder: &Folder, forces_n: &[f64]) -> Vec<RgbImage> {
 }
 
 /// A byte of luma or chroma, from weights of red, green and blue (ITU-R BT.601) and an offset.
-fn weighted(rgb: [u8; 3], [red, green, blue]: [f64; 3], offset: f64) -> u8 {
-    let [r, g, b] = rgb.map(f64::from);
+fn weighted([r, g, b]: [f64; 3], [red, green, blue]: [f64; 3], offset: f64) -> u8 {
     (offset + red * r + green * g + blue * b).round().clamp(0.0, 255.0) as u8
 }
 
-/// Frames as YUV4MPEG2, encoded in floating point, independent of the decoder. Chroma is stored for every `across`-th column and every `down`-th row.
+/// Pixels whose mean is the chroma sample at pixel `first` along one side of an image. `per` pixels share a sample; the sample lies between the two pixels
+/// if `is_between`, otherwise at the first one.
+fn averaged(first: u32, per: u32, is_between: bool, size: u32) -> Vec<u32> {
+    let within = |pixels: [u32; 4]| pixels.map(|pixel| pixel.min(size - 1)).to_vec();
+    match (per, is_between) {
+        (1, _) => vec![first],
+        (_, true) => within([first, first, first + 1, first + 1]),
+        (_, false) => within([first.saturating_sub(1), first, first, first + 1]),
+    }
+}
+
+/// Frames as YUV4MPEG2, encoded in floating point, independent of the decoder. `across` columns and `down` rows share a chroma sample.
 pub(super) fn yuv4mpeg2(
     images: &[RgbImage],
     colour_space: &str,
@@ -43,12 +54,21 @@ pub(super) fn yuv4mpeg2(
     for image in images {
         stream.extend(b"FRAME\n");
         let of_luma = [0.299, 0.587, 0.114].map(|weight| weight * luma);
-        stream.extend(image.pixels().map(|pixel| weighted(pixel.0, of_luma, black)));
+        stream.extend(image.pixels().map(|pixel| weighted(pixel.0.map(f64::from), of_luma, black)));
         for weights in [blue, red] {
-            let of_plane = (0..height)
-                .step_by(down as usize)
-                .flat_map(|v| (0..width).step_by(across as usize).map(move |u| (u, v)));
-            stream.extend(of_plane.map(|(u, v)| weighted(image.get_pixel(u, v).0, weights, 128.0)));
+            for v in (0..height).step_by(down as usize) {
+                for u in (0..width).step_by(across as usize) {
+                    let columns = averaged(u, across, colour_space == "420jpeg", width);
+                    let rows = averaged(v, down, colour_space != "420paldv", height);
+                    let mut sum = [0.0; 3];
+                    for (u, v) in rows.iter().flat_map(|v| columns.iter().map(move |u| (*u, *v))) {
+                        let pixel = image.get_pixel(u, v).0;
+                        sum.iter_mut().zip(pixel).for_each(|(sum, part)| *sum += f64::from(part));
+                    }
+                    let count = (rows.len() * columns.len()) as f64;
+                    stream.push(weighted(sum.map(|sum| sum / count), weights, 128.0));
+                }
+            }
         }
     }
     stream
@@ -155,25 +175,57 @@ fn forces_hold_through_covered_markers_and_jumps_of_exposure() {
     }
 }
 
-/// Decoded frames have the colours that were encoded, within rounding. Pixels that share chroma have the same colour.
+/// Decoded frames have the colours that were encoded, within rounding, where colours change linearly: the samples of chroma are interpolated at their
+/// positions. At the border, where samples continue beyond the image, a part of a sample's change is missing.
 #[test]
 fn decoded_colours_are_those_that_were_encoded() {
-    for (colour_space, [across, down]) in CHROMA {
-        let image = RgbImage::from_fn(7, 5, |u, v| {
-            let (u, v) = (u / across, v / down);
-            image::Rgb([(37 * u + 11) as u8, (50 * v + 5) as u8, (u * v * 7) as u8])
+    for (colour_space, chroma) in CHROMA {
+        let border = if chroma == [1, 1] { 0 } else { 4 };
+        let image = RgbImage::from_fn(25, 19, |u, v| {
+            image::Rgb([(8 * u + 20) as u8, (9 * v + 40) as u8, (250 - 5 * u - 5 * v) as u8])
         });
         for is_full_range in [false, true] {
-            let stream = yuv4mpeg2(std::slice::from_ref(&image), colour_space, [across, down], is_full_range);
+            let stream = yuv4mpeg2(std::slice::from_ref(&image), colour_space, chroma, is_full_range);
             let (mut reader, mut frame) = first_frame(&stream);
-            for (found, expected) in whole(&frame).iter().zip(image.iter()) {
-                // The tolerance covers rounding of luma and chroma by half a step each, with the largest gain of 1.772 x 255 / 224.
-                assert!(found.abs_diff(*expected) <= 2, "{colour_space}: {found} for {expected}");
+            let found = whole(&frame);
+            for (u, v, expected) in image.enumerate_pixels() {
+                if u < border || v < border || u + border >= 25 || v + border >= 19 {
+                    continue;
+                }
+                for (found, expected) in found.get_pixel(u, v).0.iter().zip(expected.0) {
+                    // The tolerance covers rounding of luma and chroma by half a step each, with the largest gain of 1.772 x 255 / 224. A sample half a
+                    // pixel from its place changes red by 4.
+                    assert!(found.abs_diff(expected) <= 2, "{colour_space}: {found} for {expected} at {u}, {v}");
+                }
             }
             assert!(!reader.read(&mut frame).expect("the end"));
         }
     }
     assert_eq!(FrameLayout::rgb([7, 5]).byte_count(), 105);
+}
+
+/// Frames of each position of chroma, in both ranges of values, have the colours that ffmpeg converts them to. Both interpolate by cubics, ffmpeg with the
+/// parameter 0.6 instead of 0.5, so that edges differ by up to 2 levels. Chroma read at another position differs by 17 levels or more.
+#[test]
+fn colours_are_those_of_ffmpeg() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/ffmpeg");
+    let read = |name: &str| std::fs::read(format!("{folder}/{name}")).unwrap_or_else(|error| panic!("{name}: {error}"));
+    for space in ["420jpeg", "420mpeg2", "420paldv"] {
+        for levels in ["tv", "pc"] {
+            let (video, expected) = (read(&format!("{space}-{levels}.y4m")), read(&format!("{space}-{levels}.rgb")));
+            let largest = |stream: &[u8]| {
+                let (_, frame) = first_frame(stream);
+                whole(&frame).iter().zip(&expected).map(|(found, expected)| found.abs_diff(*expected)).max()
+            };
+            let differs = largest(&video).expect("pixels");
+            assert!(differs <= 2, "{space} {levels}: {differs}");
+            // A header may state the position of chroma in XYSCSS alone.
+            let text = format!(" C{space} ").into_bytes();
+            let at = video.windows(text.len()).position(|part| part == text).expect("a colour space");
+            let plain = [&video[..at], b" C420 ", &video[at + text.len()..]].concat();
+            assert_eq!(largest(&plain), Some(differs), "{space} {levels}");
+        }
+    }
 }
 
 /// A part of a row has the same pixels as in the whole row, even if the part begins within a chroma sample.

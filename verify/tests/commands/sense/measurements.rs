@@ -149,7 +149,7 @@ fn empty_cells_are_a_hidden_marker() {
         cells.filter_map(row).collect()
     };
     let missing = sense(&rows(&|_| None), &CONTACTS);
-    for empty in [",,", ", , ", ",\"\",\"\""] {
+    for empty in [",,", ", , ", ",\"\",\"\"", ",NaN,nan", ",NA,NA", ",null,null"] {
         assert_eq!(sense(&rows(&|node| Some(format!("{node}{empty}\n"))), &CONTACTS), missing);
     }
     for (half, empty) in [("1.5,", "uy_mm"), (",1.5", "ux_mm")] {
@@ -186,7 +186,7 @@ fn measurements_that_cannot_be_read_are_refused_by_file_and_line() {
         ("node,ux_mm,uy_mm\n7,\"0\n0\",0\n", vec!["line 2: ux_mm: expected a finite number, found \"0\\n0\""]),
         ("node,ux_mm,uy_mm\r\n7,0,-1\r\n8,0\r\n", vec!["line 3: expected 3 columns as in the header, found 2"]),
         ("node,ux_mm,uy_mm\n7,0,-1\n8,0,-1,5\n", vec!["line 3: expected 3 columns as in the header, found 4"]),
-        ("node;ux_mm;uy_mm\n7;0;-1\n", vec!["line 1: expected a column node", "node;ux_mm;uy_mm"]),
+        ("node;ux_mm;u_mm\n7;0;-1\n", vec!["line 1: expected a column uy_mm", "node;ux_mm;u_mm"]),
         ("node,ux_mm,uy_mm\n7,0,\"-1\n8,0,-1\n", vec!["line 2: uy_mm: expected a finite number, found \"-1\\n8,0,-1"]),
     ] {
         let path = folder.put("measured.csv", text);

@@ -43,6 +43,9 @@ const LEAST_BLUR_PX: f64 = 0.25;
 pub(super) const LARGEST_BLUR: f64 = 0.33;
 /// A disc is rejected if its radius deviates from the expected radius by more than this, relative to the expected radius.
 const RADIUS_TOLERANCE: f64 = 0.25;
+/// A coloured disc is rejected if this share of the pixels inside it shows something else. A circle of the disc's size that lies on the visible part of a
+/// covered disc also holds a part of what covers it.
+const LARGEST_COVER: f64 = 0.01;
 /// A coloured disc is rejected if its residual standard deviation exceeds this share of the contrast.
 const LARGEST_RESIDUAL: f64 = 0.2;
 /// Largest residual standard deviation of a grey disc, as a share of the contrast. The limit is below [`LARGEST_RESIDUAL`], because a grey disc that is
@@ -335,7 +338,9 @@ impl<'a> Search<'a> {
         let contrast = (sums.weight / sums.count).sqrt();
         let off = (self.edge.radius / self.expected.radius - 1.0).abs();
         let largest_residual = if self.grey_inner.is_some() { LARGEST_GREY_RESIDUAL } else { LARGEST_RESIDUAL };
-        if off > RADIUS_TOLERANCE || residual_sd > largest_residual * contrast {
+        let is_covered = self.grey_inner.is_none() && self.buffers.shades.covered > LARGEST_COVER;
+        if off > RADIUS_TOLERANCE || (is_covered && !self.is_outline_open) || residual_sd > largest_residual * contrast
+        {
             return None;
         }
         let variance_px2 = (inverse[(0, 0)] + inverse[(1, 1)]) / 2.0 * residual_sd * residual_sd;

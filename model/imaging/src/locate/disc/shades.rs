@@ -57,6 +57,8 @@ pub(super) struct Shades {
     inner: Vec<u32>,
     /// Buffer for the computation of medians.
     sorted: Vec<f32>,
+    /// Share of the pixels inside the disc that belong to an occluder or to glare, 0..1.
+    pub covered: f64,
 }
 
 /// Light of the background pixels of one sector.
@@ -194,11 +196,12 @@ impl Shades {
         let mut moments = [0.0_f64; 6];
         let mut brightness = [0.0_f64; 3];
         let mut colour = [0.0_f64; 2];
-        let mut count = 0;
+        let (mut count, mut unlike) = (0, 0);
         for &i in self.inner.iter().step_by((self.inner.len() / INSIDE_PIXELS).max(1)) {
             let i = i as usize;
             let light = [pixels.light[0][i], pixels.light[1][i], pixels.light[2][i]];
             if (0..3).any(|k| (light[k] - median[k]).abs() >= ALIKE) {
+                unlike += 1;
                 continue;
             }
             let [x, y] = [f64::from(pixels.at[0][i] - centre[0]), f64::from(pixels.at[1][i] - centre[1])];
@@ -214,6 +217,8 @@ impl Shades {
             }
             count += 1;
         }
+        // A single pixel may be a defect of the sensor or dust.
+        self.covered = if unlike > 1 { unlike as f64 / (count + unlike) as f64 } else { 0.0 };
         // Few pixels determine a median, but not a slope.
         if count < SLOPE_PIXELS {
             self.inside = [Vector3::from(median), Vector3::zeros(), Vector3::zeros()];

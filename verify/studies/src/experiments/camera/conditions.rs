@@ -1,7 +1,7 @@
 //! Conditions under which the camera is tested. Each condition changes one property of the scene's camera.
 
 use finray_imaging::render::Disturbances;
-use finray_model::camera::{Camera, Distortion, Lens, Pose};
+use finray_model::camera::{Camera, Lens, Pose, Radial};
 use finray_model::scene::Markers;
 use image::RgbImage;
 use jpeg_encoder::{ChromaSubsamplingMethod, ColorType, Encoder, SamplingFactor};
@@ -133,8 +133,10 @@ impl ImageChange {
 impl AssumedChange {
     /// Assumed camera and assumed height of the markers (mm), with which points are read; `None` if the lens is invalid.
     pub fn applied(&self, camera: &Camera, markers: &Markers) -> Option<(Camera, f64)> {
-        let [k1, k2, p1, p2, k3] = camera.lens.distortion().to_opencv();
-        let distortion = Distortion::from_opencv([k1 + self.k1, k2, p1, p2, k3]);
+        let mut distortion = *camera.lens.distortion();
+        match &mut distortion.radial {
+            Radial::Rational { numerator: [k1, ..], .. } | Radial::Fisheye([k1, ..]) => *k1 += self.k1,
+        }
         let focal = camera.lens.focal_px().map(|px| px * self.focal);
         let lens = Lens::new(camera.lens.size_px(), focal, camera.lens.principal_point_px(), distortion).ok()?;
         let turned = Rotation3::from_axis_angle(&Vector3::y_axis(), self.tilt_deg.to_radians());

@@ -1,7 +1,7 @@
 //! Positions at which a camera model without lens distortion would locate the markers of an image.
 
 use finray_model::calibration::LocatedView;
-use finray_model::camera::{Camera, Pixel};
+use finray_model::camera::{Camera, Distortion, Pixel};
 use finray_model::observation::{ObservedBase, ObservedMarker};
 use finray_model::{Scene, Vector};
 use nalgebra::{DMatrix, DVector, Isometry2, Point2, UnitComplex};
@@ -61,7 +61,7 @@ impl Projective {
 pub(super) fn without_distortion(scene: &Scene, seen: &LocatedView) -> Option<LocatedView> {
     let description = scene.camera?;
     let camera = Camera { lens: description.lens, pose: description.pose? };
-    if camera.lens.distortion().to_opencv() == [0.0; 5] {
+    if *camera.lens.distortion() == Distortion::default() {
         return None;
     }
     let projective = Projective::of(&camera)?;
