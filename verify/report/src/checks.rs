@@ -39,7 +39,7 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
 
 /// Text on what beam theory neglects, and on the load under which the beam model errs most, from the comparison with a plane continuum.
 fn beam_theory(continuum: &ContinuumStudy) -> String {
-    let of = |constants| continuum.with_rods(constants);
+    let of = |constants| continuum.of(constants);
     let (Some(modulus), Some(arms)) = (of(Constants::Modulus), of(Constants::ArmsAndShear)) else {
         return NO_CONTINUUM.to_owned();
     };
@@ -60,7 +60,7 @@ fn beam_theory(continuum: &ContinuumStudy) -> String {
 
 /// Two sentences for the first page: how much beams differ from a continuum, and under which force they differ most.
 pub(super) fn beam_theory_in_short(study: &Study) -> String {
-    let of = |constants| study.continuum.with_rods(constants);
+    let of = |constants| study.continuum.of(constants);
     let (Some(modulus), Some(best)) = (of(Constants::Modulus), of(Constants::ArmsAndShear)) else {
         return NO_CONTINUUM_IN_SHORT.to_owned();
     };

@@ -44,7 +44,7 @@ pub const ALL: &[Problem] = &[
     problem("order of convergence", is_papers_finger, |finger, _| Ok(grid_convergence::checks(finger)?.into())),
     problem(
         "MuJoCo's shapes",
-        |finger| exports::mujoco::PROGRAM.export_of(finger).is_some(),
+        |finger| exports::mujoco::PROGRAM.export_of(&Scene::of_finger(finger.clone())).is_some(),
         |finger, _| mujoco::solve(finger),
     ),
     problem("linkage", is_papers_finger, |finger, _| Ok(linkage::checks(finger, &linkage::shipped()?).into())),

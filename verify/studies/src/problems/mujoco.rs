@@ -110,7 +110,7 @@ fn apart(a: &FingerShape, b: &FingerShape) -> (f64, f64) {
 }
 
 pub(super) fn solve(finger: &Finger) -> Result<ProblemResults, ProblemError> {
-    let checks = PROGRAM.export_of(finger).map_or_else(|| Ok(Vec::new()), static_checks)?;
+    let checks = PROGRAM.export_of(&Scene::of_finger(finger.clone())).map_or_else(|| Ok(Vec::new()), static_checks)?;
     if !is_papers_finger(finger) {
         return Ok(checks.into());
     }

@@ -19,7 +19,7 @@ fn every_estimator_finds_a_small_force() {
     let finger = paper();
     let contact = at_node(19, 0.0);
     let mesh = TruthId::Corotational.mesh(&finger).expect("a mesh");
-    let truth = TruthId::Corotational.on(&mesh).expect("a finger at rest");
+    let truth = TruthId::Corotational.on(&mesh, &Scene::of_finger(finger.clone())).expect("a finger at rest");
     let measurement = Measurement::of_shape(&finger, &truth.shapes(&contact, &[0.5])[0]);
     let networks = Networks::read(&finray_fixtures::NETWORKS).expect("networks that read");
     for &id in EstimatorId::ALL {
