@@ -38,6 +38,11 @@ pub const ALL: &[Problem] = &[
         let comparisons = opensees::linear_against_corotational(finger)?;
         Ok(ProblemResults { checks: opensees::paper_checks(finger)?, comparisons })
     }),
+    problem(
+        "OpenSees on fingers with the same features",
+        |_| true,
+        |finger, _| Ok(opensees::feature_checks(finger)?.into()),
+    ),
     problem("rigid rotation", is_papers_finger, |finger, _| Ok(rigid_rotation::checks(finger).into())),
     problem("derivatives of the energy", is_papers_finger, |finger, _| Ok(tangent::checks(finger)?.into())),
     problem("energy and work", is_papers_finger, |finger, _| Ok(energy_balance::checks(finger)?.into())),
