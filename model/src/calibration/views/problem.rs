@@ -187,7 +187,7 @@ impl Problem<'_> {
             Normal::Undeformed | Normal::Object => 0.0,
         };
         let mut statics = Statics::ladder(&candidate.mesh, Kinematics::Corotational);
-        let pad = self.model.pad;
+        let pad = self.model.surface_of(view.force.is_some());
         let measured = view
             .force
             .map(|force| (candidate.base * own.base).rotation.inverse() * force * (own.force_n / force.norm()));

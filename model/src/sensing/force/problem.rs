@@ -234,7 +234,7 @@ impl<'m> ForceProblem<'m> {
 
     /// Whether loads turn with the deformed plate: directions that follow the plate, or pads under forces whose normal is not measured.
     pub fn loads_follow_plate(&self) -> bool {
-        let has_turning_pad = |q: &ContactQuestion| !q.pad.is_none() && !matches!(q.direction, Direction::Measured(_));
+        let has_turning_pad = |q: &ContactQuestion| q.pad.is_some() && !matches!(q.direction, Direction::Measured(_));
         self.follows_plate() || self.questions.iter().any(has_turning_pad)
     }
 
