@@ -18,9 +18,9 @@ const NO_CONTINUUM: &str =
     "Beam theory is not verified here either, because this finger was not solved as a continuum.";
 /// Text on the first page for a finger that no program solved as a continuum. The text names the guide that states the errors for other fingers.
 const NO_CONTINUUM_IN_SHORT: &str = "This finger was not solved as a continuum. The guide \"your-finger\" states the error of beam theory on other fingers.";
-/// Text on the checks that exist only for the paper's scene.
-const OF_ANOTHER_FINGER: &str = "Reference values of other programs for this very finger, the paper's Table I, the spring lattice and the hard \
-                                 cases do not exist. OpenSees solved other fingers with the same features:";
+/// Text on the checks that exist only for the paper's finger, and on those that other fingers share.
+const OF_ANOTHER_FINGER: &str = "Reference values of other programs for the finger itself, the paper's Table I, the spring lattice and the hard \
+                                 cases exist only for the paper's finger. Features of this finger that OpenSees verified on other fingers:";
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
     vec![Dataset::records(CSV, &study.checks), Dataset::records(COMPARISONS_CSV, &study.comparisons)]
