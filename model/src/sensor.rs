@@ -45,8 +45,8 @@ use crate::mesh::Mesh;
 use crate::observation::{Observation, ObservationError, ObservedMeasurement};
 use crate::scene::Scene;
 use crate::sensing::{
-    Contact, ContactPosition, ContactQuestion, MeasuredContact, NearForces, Pad, SensingError, TouchedObject,
-    UnloadedFinger, Warning,
+    Contact, ContactQuestion, Direction, MeasuredContact, NearForces, SensingError, TouchedObject, UnloadedFinger,
+    Warning,
 };
 use crate::statics::StaticsError;
 use crate::validity::{Validity, ValidityWarning};
@@ -60,7 +60,8 @@ pub const TWO_SIDED_95: f64 = 1.96;
 /// Contacts whose forces are estimated.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SensorContacts {
-    /// Contacts whose positions and directions are known, measured or estimated together with the forces. Their pads are those of the scene.
+    /// Contacts whose positions and directions are known, measured or estimated together with the forces. Forces act on the surface of the scene's pad
+    /// or, without a pad, on the surface of plate or rod if friction turns them, and otherwise on the plate's middle line.
     Asked(Vec<ContactQuestion>),
     /// Contacts whose positions and directions are measured with standard deviations. Friction acts on the surface of the scene's pad or, without a
     /// pad, of a rod or of the plate.
@@ -78,22 +79,19 @@ impl SensorContacts {
         SensorContacts::Asked(contacts.iter().map(|&contact| contact.into()).collect())
     }
 
-    /// The questions for the forces on the finger of a scene, with the scene's pad.
+    /// The questions for the forces on the finger of a scene, each with the surface on which it acts.
     fn questions(&self, scene: &Scene) -> Vec<ContactQuestion> {
         let pad = scene.contact.pad;
-        let surface = |measured: &MeasuredContact| {
-            let thickness_mm = match measured.contact.position {
-                ContactPosition::Node(_) => scene.contact.rod_radius_mm,
-                ContactPosition::At(at) => 0.5 * scene.finger.thickness_mm(at.plate, at.s_mm),
-            };
-            if pad.is_none() { Pad { length_mm: 0.0, thickness_mm } } else { pad }
+        let surface = |position| pad.unwrap_or_else(|| scene.contact.bare_surface(&scene.finger, position));
+        let asked = |asked: &ContactQuestion| {
+            let has_friction = matches!(asked.direction, Direction::Leaning(lean) if lean.has_friction());
+            ContactQuestion { pad: pad.or_else(|| has_friction.then(|| surface(asked.position))), ..*asked }
         };
         match self {
-            SensorContacts::Asked(questions) => {
-                questions.iter().map(|asked| ContactQuestion { pad, ..*asked }).collect()
-            }
+            SensorContacts::Asked(questions) => questions.iter().map(asked).collect(),
             SensorContacts::Measured { contacts, friction } => {
-                contacts.iter().map(|measured| measured.question(*friction, surface(measured))).collect()
+                let asked = |it: &MeasuredContact| it.question(*friction, surface(Some(it.contact.position)));
+                contacts.iter().map(asked).collect()
             }
         }
     }

@@ -33,6 +33,7 @@ mod sensing {
     mod random_fingers;
     mod residual_test;
     mod stated_sigma;
+    mod surface;
 }
 mod sensor {
     mod rest;

@@ -40,7 +40,8 @@ pub fn force_for_deflection(finger: &Finger, node: NodeId, angle_deg: f64, share
 const SETTLED_AFTER: usize = 12;
 
 /// Forces, N, that are statically equivalent to the forces of an object that presses on a pad: equal forces at `parts` positions along the pad, and a
-/// couple at its ends. The couple is the moment of the shear force, which acts at the pad's surface. The forces of the object are normal to the
+/// couple at its ends. The couple is the moment of the shear force, which acts at the pad's surface, half the plate's thickness and the pad's in front
+/// of the middle line. The forces of the object are normal to the
 /// deformed plate, whose direction is found by iteration. The estimator models a pad differently, by two forces.
 ///
 /// # Errors
@@ -67,7 +68,8 @@ pub fn under_pad(
     let mut plate_deg = 0.0;
     for _ in 0..SETTLED_AFTER {
         let shear_n = force_n * (contact.angle_deg - plate_deg).to_radians().sin();
-        let turning_n = shear_n * pad.thickness_mm / pad.length_mm;
+        let lever_mm = 0.5 * finger.description().front.thickness_mm + pad.thickness_mm;
+        let turning_n = shear_n * lever_mm / pad.length_mm;
         let couple = ends_mm.into_iter().zip([-turning_n, turning_n]);
         all.clone_from(&shares);
         all.extend(couple.map(|(at_mm, force_n)| (at_position(at_mm, plate_deg), force_n)));

@@ -34,6 +34,9 @@ fn answer(finger: &Finger, question: &Question, prior: ForcePrior) -> Result<Ans
             let contacts = known_contacts(finger, question.contacts)?;
             LinearSolution::new(question.prepared, contacts, question.measurement).map_err(EstimatorError::from)
         })?;
-    let estimate = estimator.estimate_on(linearisation, question.measurement, question.marker_noise_mm, prior)?;
+    let mut estimate = estimator.estimate_on(linearisation, question.measurement, question.marker_noise_mm, prior)?;
+    if let ForcePrior::Gaussian { force_n } = prior {
+        estimate.warn_of_prior(force_n);
+    }
     Ok((contacts.clone(), estimate))
 }

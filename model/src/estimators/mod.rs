@@ -14,7 +14,8 @@ use crate::mesh::MeshSizeError;
 use crate::registry;
 use crate::sensing::network::NetworkError;
 use crate::sensing::{
-    Contact, ContactQuestion, Estimate, NearForces, SensingError, TouchedObject, UnloadedFinger, check_contacts,
+    Contact, ContactQuestion, Direction, Estimate, NearForces, Pad, SensingError, TouchedObject, UnloadedFinger,
+    check_contacts,
 };
 use network::{Networks, NoNetwork};
 use std::cell::RefCell;
@@ -101,7 +102,12 @@ impl EstimatorId {
     /// # Errors
     /// [`EstimatorError`] if a contact is wrong, or the estimator refuses to answer.
     pub(crate) fn answer(self, finger: &Finger, question: &Question) -> Result<Answer, EstimatorError> {
-        if question.contacts.iter().any(|contact| !contact.pad.is_none()) && !self.searches() {
+        let needs_pad = |contact: &ContactQuestion| match contact.pad {
+            // A force along the normal of the bare plate has no moment.
+            Some(pad) => pad != Pad::default() || contact.direction != Direction::Angle(0.0),
+            None => false,
+        };
+        if question.contacts.iter().any(needs_pad) && !self.searches() {
             return Err(EstimatorError::NoPad);
         }
         if question.unloaded.is_some() && !self.searches() {

@@ -266,9 +266,9 @@ tables! {
         "Normal from which the angle due to friction is measured: the normal of the deformed or of the undeformed plate.";
     normal_over_mm: Number(LENGTH, NOT_NEGATIVE), Or(0.0),
         "Length of the plate over which the deformed normal is averaged.";
-    pad_mm: Number(LENGTH, NOT_NEGATIVE), Or(0.0),
-        "Thickness of a pad between plate and object. Friction on the pad exerts a moment on the plate. Only estimates of forces use the pad, for instance those of `finray sense` and `finray calibrate`. A pad requires the estimator `nonlinear`. Neither pad_mm nor pad_length_mm may exceed the length of the front plate.";
-    pad_length_mm: Number(LENGTH, NOT_NEGATIVE), Or(0.0), "Length of the plate over which the pad distributes a force.";
+    pad_mm: Number(LENGTH, NOT_NEGATIVE), Optional,
+        "Thickness of the pad alone between the plate's outer face and the object; 0 for an object on the bare plate. With this key or pad_length_mm, every sensed force acts on this surface, half the plate's thickness plus pad_mm in front of its middle line, where an oblique force exerts a moment. Without both keys, forces with the direction `friction`, `object` or a standard deviation act on the surface of the plate (at a node, of its rod), and other forces on the middle line, as loads of `finray solve` do. A pad requires the estimator `nonlinear`. Neither pad_mm nor pad_length_mm may exceed the length of the front plate.";
+    pad_length_mm: Number(LENGTH, NOT_NEGATIVE), Optional, "Length of the plate over which the pad distributes a force. Default: 0.";
     force_error_share: Number(Quantity("share", ""), Within(0.0, 1.0)), Or(0.0),
         "Relative standard deviation of a sensed force due to causes that no other key describes. sigma_n includes this deviation. `finray calibrate` writes this key if it estimates a modulus, or if --fit names force-error.";
 }

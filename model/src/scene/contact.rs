@@ -4,7 +4,7 @@ use super::SceneError;
 use super::reader::TableReader;
 use crate::finger::{Finger, Plate};
 use crate::keys::{CONTACT, Key, Number, ROD_RADIUS_MM};
-use crate::sensing::{Lean, Normal, Pad};
+use crate::sensing::{ContactPosition, Lean, Normal, Pad};
 
 /// Properties of contacts between objects and the finger.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,8 +17,8 @@ pub struct ContactDescription {
     pub normal: Normal,
     /// Relative standard deviation of a sensed force from causes that are not modelled otherwise, dimensionless.
     pub force_error: f64,
-    /// Pad between objects and the front plate. The pad affects sensed forces.
-    pub pad: Pad,
+    /// Pad between objects and the front plate, on whose surface every sensed force acts; `None` if the scene states no pad.
+    pub pad: Option<Pad>,
 }
 
 impl Default for ContactDescription {
@@ -28,19 +28,39 @@ impl Default for ContactDescription {
             lean: None,
             normal: Lean::NONE.from,
             force_error: 0.0,
-            pad: Pad::default(),
+            pad: None,
         }
+    }
+}
+
+impl ContactDescription {
+    /// The surface that an object touches on a finger without pad: of the rod at a node, if it stands out from the plate, and otherwise of the plate.
+    pub fn bare_surface(&self, finger: &Finger, position: Option<ContactPosition>) -> Pad {
+        let stands_out_mm = match position {
+            Some(ContactPosition::Node(node)) => {
+                let s_mm = finger.front_position_mm(node).unwrap_or_default();
+                (self.rod_radius_mm - 0.5 * finger.thickness_mm(Plate::Front, s_mm)).max(0.0)
+            }
+            _ => 0.0,
+        };
+        Pad { length_mm: 0.0, thickness_mm: stands_out_mm }
     }
 }
 
 pub(super) fn read_contact(table: &TableReader, finger: &Finger) -> Result<ContactDescription, SceneError> {
     let length_mm = finger.plate_length_mm(Plate::Front);
-    let on_plate_mm = |key: &Key<Number>| match table.get(key)? {
-        too_long if too_long > length_mm => {
+    let on_plate_mm = |key: &Key<Number>| match table.optional(key)? {
+        Some(too_long) if too_long > length_mm => {
             let expected = format!("a length in mm, at most the front plate's {length_mm}");
             Err(table.wrong(key.name, &expected, &format!("{too_long:?}")))
         }
         pad_mm => Ok(pad_mm),
+    };
+    let pad = match (on_plate_mm(&CONTACT.pad_length_mm)?, on_plate_mm(&CONTACT.pad_mm)?) {
+        (None, None) => None,
+        (length_mm, pad_mm) => {
+            Some(Pad { length_mm: length_mm.unwrap_or_default(), thickness_mm: pad_mm.unwrap_or_default() })
+        }
     };
     let normal = read_normal(table)?;
     Ok(ContactDescription {
@@ -48,7 +68,7 @@ pub(super) fn read_contact(table: &TableReader, finger: &Finger) -> Result<Conta
         lean: read_lean(table, normal)?,
         normal,
         force_error: table.get(&CONTACT.force_error_share)?,
-        pad: Pad { length_mm: on_plate_mm(&CONTACT.pad_length_mm)?, thickness_mm: on_plate_mm(&CONTACT.pad_mm)? },
+        pad,
     })
 }
 

@@ -132,8 +132,8 @@ pub struct ContactQuestion {
     pub position_sd_mm: f64,
     /// Direction of the force.
     pub direction: Direction,
-    /// Pad between the object and the plate.
-    pub pad: Pad,
+    /// Surface on which the force acts. `None` for a force on the plate's middle line, like a [`Load`].
+    pub pad: Option<Pad>,
 }
 
 /// A contact with measured position and direction.
@@ -149,18 +149,18 @@ pub struct MeasuredContact {
 
 impl MeasuredContact {
     /// The question for the force at the contact. `friction` is the upper bound of the coefficient of friction, dimensionless. Friction acts on the
-    /// surface of `pad`.
+    /// surface of plate and `pad`.
     pub fn question(&self, friction: f64, pad: Pad) -> ContactQuestion {
         let &MeasuredContact { contact: Contact { position, angle_deg }, direction_sd_rad, position_sd_mm } = self;
         let direction = Direction::Measured(MeasuredNormal { angle_deg, sd_rad: direction_sd_rad, friction });
-        ContactQuestion { position: Some(position), position_sd_mm, direction, pad }
+        ContactQuestion { position: Some(position), position_sd_mm, direction, pad: Some(pad) }
     }
 }
 
 impl ContactQuestion {
-    /// A contact without a pad. The position is exact, or unknown if it is `None`.
+    /// A force on the plate's middle line. The position is exact, or unknown if it is `None`.
     pub fn new(position: Option<ContactPosition>, direction: Direction) -> ContactQuestion {
-        ContactQuestion { position, position_sd_mm: 0.0, direction, pad: Pad::default() }
+        ContactQuestion { position, position_sd_mm: 0.0, direction, pad: None }
     }
 
     /// The contact, if both position and direction are known exactly.

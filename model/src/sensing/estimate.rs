@@ -5,6 +5,9 @@ use nalgebra::{DMatrix, DVector};
 
 /// An error of the method up to this share of the largest force causes no warning. Noise alone causes an error of at least 0.13 % of a force of 3 N.
 const NEGLIGIBLE: f64 = 1e-3;
+/// A prior counts as the main source of a force if the posterior standard deviation exceeds this share of the prior's. The prior then pulls the
+/// estimate by a quarter of the force towards zero.
+const OF_PRIOR: f64 = 0.5;
 
 /// Reason why an estimate is less accurate than noise alone implies. The standard deviations of the estimate include the known error of the method.
 /// The standard deviations exclude other errors, such as a wrong contact or a finger that differs from the scene.
@@ -36,6 +39,17 @@ pub enum Warning {
         .0.error_n, .0.contact, .0.sigma_n
     )]
     Discretisation(MethodError),
+    /// The prior, not the measurement, determines a force.
+    #[error(
+        "the measurement barely determines the force at contact {contact}: the estimate follows the assumed range of forces, whose standard deviation \
+         about zero is {prior_n:.3} N"
+    )]
+    Prior {
+        /// Position of the contact in the list, from 1.
+        contact: usize,
+        /// Standard deviation of the prior, N.
+        prior_n: f64,
+    },
 }
 
 /// Error of the method at one contact. Among all contacts, this contact has the largest ratio of the method's error to the error due to noise.
@@ -103,6 +117,15 @@ impl Estimate {
                     }
                 }
             }
+        }
+    }
+
+    /// Warns of the force whose standard deviation is nearest to that of a prior of `prior_n`, N, if the measurement barely reduces it.
+    pub(crate) fn warn_of_prior(&mut self, prior_n: f64) {
+        let least_known = self.sigmas_n.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
+        let Some((contact, sigma_n)) = least_known.filter(|(_, sigma_n)| sigma_n.is_finite()) else { return };
+        if *sigma_n > OF_PRIOR * prior_n {
+            self.warning = self.warning.or(Some(Warning::Prior { contact: contact + 1, prior_n }));
         }
     }
 

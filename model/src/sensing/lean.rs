@@ -56,6 +56,11 @@ impl Lean {
     pub const NONE: Lean =
         Lean { angle_deg: 0.0, sd_deg: 0.0, build_up_n: 0.0, from: Normal::Deformed { over_mm: 0.0 } };
 
+    /// Whether a force may deviate from the normal.
+    pub fn has_friction(&self) -> bool {
+        self.angle_deg != 0.0 || self.sd_deg != 0.0
+    }
+
     /// Lean for a coefficient of friction and its standard deviation `sd`, both dimensionless. With a positive coefficient, the force leans towards the tip.
     pub fn of_friction(coefficient: f64, sd: f64) -> Lean {
         let sd_deg = (sd / (1.0 + coefficient * coefficient)).to_degrees();

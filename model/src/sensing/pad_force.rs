@@ -11,26 +11,29 @@ const GAUSS_POINT: f64 = 0.288_675_134_594_812_9;
 /// Each of the two forces acts at least this far from the contact, in mm, because a couple needs a lever arm.
 const SHORTEST_LEVER_MM: f64 = 0.5;
 
-/// Rotation of the plate under a pad, rad, for the displacements `motion` of the mesh. Zero without a pad, because the rotation then has no effect.
+/// Rotation of the plate under a touched surface, rad, for the displacements `motion` of the mesh. Zero for a force on the middle line, because the
+/// rotation then has no effect.
 ///
 /// # Errors
 /// [`LoadError`] for a contact off its plate.
-pub(crate) fn plate_turn(pad: Pad, mesh: &Mesh, contact: &Contact, motion: &FrameMotion) -> Result<f64, LoadError> {
-    match pad.is_none() {
-        true => Ok(0.0),
-        false => mesh.normal_turn(motion, &contact.unit_load(mesh.finger()), pad.length_mm),
-    }
+pub(crate) fn plate_turn(
+    pad: Option<Pad>,
+    mesh: &Mesh,
+    contact: &Contact,
+    motion: &FrameMotion,
+) -> Result<f64, LoadError> {
+    pad.map_or(Ok(0.0), |pad| mesh.normal_turn(motion, &contact.unit_load(mesh.finger()), pad.length_mm))
 }
 
-/// A contact force on a pad.
+/// A contact force on the surface of a plate or pad, or on the plate's middle line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PadForce {
     /// Position and direction of the force.
     pub contact: Contact,
     /// Force along the direction, N.
     pub force_n: f64,
-    /// Pad between object and plate.
-    pub pad: Pad,
+    /// The touched surface; `None` for a force on the plate's middle line.
+    pub pad: Option<Pad>,
     /// Rotation of the plate under the pad towards the tip, rad.
     pub plate_turn_rad: f64,
 }
@@ -41,7 +44,7 @@ impl PadForce {
         PadForce { contact: Contact { angle_deg: self.contact.angle_deg + by_deg, ..self.contact }, force_n, ..*self }
     }
 
-    /// Loads whose sum is the force, and whose moment about the contact is that of the friction force on the pad's surface. The loads are proportional
+    /// Loads whose sum is the force, and whose moment about the contact is that of the friction force on the touched surface. The loads are proportional
     /// to the force. Without a length, a pad does not spread the force.
     ///
     /// # Errors
@@ -49,38 +52,39 @@ impl PadForce {
     pub fn loads<'m>(&self, mesh: &'m Mesh) -> impl Iterator<Item = Result<FrameLoad, LoadError>> + use<'m> {
         let finger = mesh.finger();
         let whole = self.contact.load(finger, self.force_n);
-        let loads = match (whole, self.contact.position_mm(finger).filter(|_| !self.pad.is_none())) {
+        let loads = match (whole, self.pad.zip(self.contact.position_mm(finger))) {
             (whole, None) => [Some(whole), None, None],
-            (Load::Node { node, force, .. }, Some(_)) if self.pad.length_mm == 0.0 => {
+            (Load::Node { node, force, .. }, Some((pad, s_mm))) if pad.length_mm == 0.0 => {
                 let [_, tipward] = self.plate_axes(finger);
-                [Some(Load::Node { node, force, moment_nmm: -self.pad.thickness_mm * force.dot(&tipward) }), None, None]
+                let moment_nmm = -pad.lever_mm(finger, s_mm.into()) * force.dot(&tipward);
+                [Some(Load::Node { node, force, moment_nmm }), None, None]
             }
-            (whole, Some(s_mm)) => {
-                let is_spread = self.pad.length_mm > 0.0;
-                let [from, to] = self.pair(finger, s_mm, is_spread);
-                [Some(whole).filter(|_| !is_spread), Some(from), Some(to)]
+            (whole, Some((pad, s_mm))) => {
+                let [from, to] = self.pair(finger, pad, s_mm);
+                [Some(whole).filter(|_| pad.length_mm == 0.0), Some(from), Some(to)]
             }
         };
         loads.into_iter().flatten().map(|load| mesh.frame_load(&load))
     }
 
-    /// Two forces whose moment about the contact equals the moment of the friction force on the pad's surface. Their sum is the contact force if it
-    /// `is_spread`, and zero otherwise.
-    fn pair(&self, finger: &Finger, s_mm: f64, is_spread: bool) -> [Load; 2] {
+    /// Two forces whose moment about the contact equals the moment of the friction force on the touched surface. Their sum is the contact force if the
+    /// pad spreads it, and zero otherwise.
+    fn pair(&self, finger: &Finger, pad: Pad, s_mm: f64) -> [Load; 2] {
         let plate = self.contact.position.plate();
         let length_mm = finger.plate_length_mm(plate);
-        let reach_mm = (GAUSS_POINT * self.pad.length_mm).max(SHORTEST_LEVER_MM);
+        let reach_mm = (GAUSS_POINT * pad.length_mm).max(SHORTEST_LEVER_MM);
         // The pad does not extend beyond the ends of the plate.
         let nearest_mm = f64::EPSILON * length_mm;
         let [from_mm, to_mm] = [s_mm - reach_mm, s_mm + reach_mm].map(|at_mm| at_mm.clamp(nearest_mm, length_mm));
         let apart_mm = to_mm - from_mm;
         let force = self.contact.direction(finger) * self.force_n;
         let [inward, tipward] = self.plate_axes(finger);
-        // A force on the pad's surface that points towards the tip presses the plate inwards on the side of the tip.
-        let turning = inward * (self.pad.thickness_mm * force.dot(&tipward) / apart_mm);
+        // A force on the surface that points towards the tip presses the plate inwards on the side of the tip.
+        let lever_mm = pad.lever_mm(finger, PlatePosition { plate, s_mm });
+        let turning = inward * (lever_mm * force.dot(&tipward) / apart_mm);
         let to_share = (s_mm - from_mm) / apart_mm;
         let [of_from, of_to] =
-            if is_spread { [force * (1.0 - to_share), force * to_share] } else { [Vector::zeros(); 2] };
+            if pad.length_mm > 0.0 { [force * (1.0 - to_share), force * to_share] } else { [Vector::zeros(); 2] };
         let at = |s_mm, force| Load::at_position(PlatePosition { plate, s_mm }, force);
         [at(from_mm, of_from - turning), at(to_mm, of_to + turning)]
     }

@@ -123,6 +123,9 @@ impl std::fmt::Display for SensorWarning {
         };
         let advice = match warning {
             Warning::UnknownLinearisation => "sigma_n does not include this error",
+            Warning::Prior { .. } => {
+                "sigma_n holds only for forces of this range; the estimator least-squares has no prior"
+            }
             Warning::Residual(_) if *is_linear => {
                 "sigma_n follows from the residual and includes the error of linearisation; the estimator nonlinear \
                     avoids the error of linearisation, so its warnings have other causes, such as wrong contacts"

@@ -6,7 +6,7 @@ use finray_model::calibration::{
 };
 use finray_model::finger::{BracketLengths, Plate, RibPositions};
 use finray_model::measurement::{BaseUncertainty, Marker, Measurement};
-use finray_model::sensing::{Lean, Normal, Pad};
+use finray_model::sensing::{Lean, Normal};
 use finray_model::{Finger, Kinematics, Vector};
 use finray_tests::{at_position, finger_of, noisy, paper, seen};
 use nalgebra::{Isometry2, Point2};
@@ -111,7 +111,7 @@ fn model(lean: Lean) -> ViewModel {
         camera_height_mm: CAMERA_HEIGHT_MM,
         marker_height_mm: 0.0,
         lean,
-        pad: Pad::default(),
+        pad: None,
         preload_nmm: 0.0,
     }
 }

@@ -103,7 +103,7 @@ proptest! {
             let pad = Pad { length_mm: 0.1 * at * finger.plate_length_mm(Plate::Front), thickness_mm: 2.0 };
             let at = |direction| ContactQuestion::new(Some(contact.position), direction);
             let measured = MeasuredContact { contact, direction_sd_rad: 0.03, position_sd_mm: 0.5 };
-            [contact.into(), at(Direction::Auto), at(Direction::NORMAL), ContactQuestion { pad, ..at(Direction::NORMAL) }, measured.question(0.3, pad)]
+            [contact.into(), at(Direction::Auto), at(Direction::NORMAL), ContactQuestion { pad: Some(pad), ..at(Direction::NORMAL) }, measured.question(0.3, pad)]
         };
         for (ours_asked, asked) in asked(across(contact)).into_iter().zip(asked(contact)) {
             let sense = |mesh: &Mesh, question, measurement: &Measurement| {

@@ -299,3 +299,37 @@ fn the_interval_holds_if_neither_finger_explains_the_measurement() {
         }
     }
 }
+
+/// On a stiff finger, `ridge` once answered 0 +- 2.9 N for 10 N without a warning: the markers say nothing, and the prior answers. On every finger, an
+/// answer is warned of, or it is right within its stated standard deviation.
+#[test]
+fn ridge_warns_if_its_prior_answers() {
+    use finray_model::estimators::EstimatorId;
+    use finray_model::sensor::{Sensor, SensorContacts, SensorOptions, SensorWarning};
+    let (mut warned, mut answered) = (0, 0);
+    for (case, stiffer) in [1e-1, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 1e4, 1e5].into_iter().enumerate() {
+        let finger = finray_tests::paper().with_modulus_factor(stiffer).expect("a finger");
+        let contact = finray_tests::at_node(19, 0.0);
+        let rng = &mut finray_tests::random_stream(6509, case as u64);
+        // A tenth of the stiffness carries a tenth of the force without large deflections.
+        let force_n = 10.0 * f64::min(1.0, stiffer * 0.03);
+        let mesh = finray_model::Mesh::with_elements_per_member(&finger, 4);
+        let clean = finray_tests::seen(&mesh, &[contact], &[force_n], finray_model::Kinematics::Corotational);
+        let noisy = finray_tests::noisy(&clean.expect("an equilibrium"), 0.067, rng);
+        let scene = finray_model::Scene::of_finger(finger);
+        let options = SensorOptions::of(EstimatorId::Ridge);
+        let sensor = Sensor::new(scene, SensorContacts::known(&[contact]), options).expect("a contact");
+        let sensed = sensor.sense_displacements(&noisy, Some(0.067), None).expect("a force");
+        let is_prior = |it: &SensorWarning| matches!(it, SensorWarning::Model { warning: Warning::Prior { .. }, .. });
+        let off = (sensed.forces[0].force_n - force_n).abs() / sensed.forces[0].sigma_n;
+        match sensed.warnings.iter().any(is_prior) {
+            true => warned += 1,
+            false => {
+                answered += 1;
+                assert!(off < 4.0, "{stiffer} times as stiff: {sensed:?}");
+            }
+        }
+        assert_eq!(sensed.warnings.iter().any(is_prior), sensed.forces[0].sigma_n > 0.5 * 2.887, "{sensed:?}");
+    }
+    assert!(warned >= 2 && answered >= 4, "{warned} warned, {answered} answered");
+}

@@ -225,7 +225,7 @@ fn an_object_touches_the_pad() {
     let truth = pressed(&fine, 72.0, 4.0, 0.0, &shape, 0.0, pad.thickness_mm);
     let object = TouchedObject { shape, pose: truth.pose, sd_mm: 0.05, sd_rad: 0.0 };
     let sensed = |pad: Pad| {
-        let question = ContactQuestion { pad, ..question(Lean::NONE) };
+        let question = ContactQuestion { pad: Some(pad), ..question(Lean::NONE) };
         let estimator = NonlinearEstimator::new(&mesh, &[question]).expect("one contact");
         estimator.with_object(Some(&object)).estimate(&truth.seen, Some(0.01))
     };

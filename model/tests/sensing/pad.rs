@@ -44,11 +44,11 @@ fn what_a_pad_does_is_sensed() {
         };
         let at_point = ContactQuestion::from(contact);
         let off = |found: &NonlinearEstimate| (found.forces.forces_n[0] / force_n - 1.0).abs();
-        let with_pad = sensed(ContactQuestion { pad: PAD, ..at_point });
+        let with_pad = sensed(ContactQuestion { pad: Some(PAD), ..at_point });
         assert!(off(&with_pad) < MADE_OF_PARTS, "{s_mm} mm: {with_pad:?}");
         assert!(off(&sensed(at_point)) > 5.0 * MADE_OF_PARTS, "{s_mm} mm");
         let open = ContactQuestion::new(None, Direction::Angle(angle_deg));
-        let found = sensed(ContactQuestion { pad: PAD, ..open });
+        let found = sensed(ContactQuestion { pad: Some(PAD), ..open });
         assert!(off(&found) < MADE_OF_PARTS, "{s_mm} mm: {found:?}");
         let found_mm = found.contacts[0].position_mm(&finger).expect("on the plate");
         assert!((found_mm - s_mm).abs() < 0.05, "{s_mm} mm: found at {found_mm} mm");
@@ -63,7 +63,7 @@ fn stated_sigmas_hold_with_a_pad() {
     let finger = bracketed();
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
     let lean = Lean { from: Normal::Undeformed, ..Lean::of_friction(0.3, 0.05) };
-    let question = ContactQuestion { pad: PAD, ..ContactQuestion::new(None, Direction::Leaning(lean)) };
+    let question = ContactQuestion { pad: Some(PAD), ..ContactQuestion::new(None, Direction::Leaning(lean)) };
     let prepared = NonlinearEstimator::new(&mesh, &[question]).expect("one contact");
     let mut rng = ChaCha8Rng::seed_from_u64(19);
     let presses: Vec<(f64, Measurement)> = (0..cases)

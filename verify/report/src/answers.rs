@@ -9,7 +9,7 @@ use super::trust::{Situation, situations};
 use super::{checks, measured};
 use crate::prelude::*;
 use finray_model::finger::FingerDescription;
-use finray_studies::check::Against;
+use finray_studies::check::Kind;
 use finray_studies::experiments::coverage::CoverageRow;
 use finray_studies::experiments::direction::DirectionStudy;
 
@@ -108,7 +108,7 @@ fn sureness(study: &Study) -> Option<String> {
 
 /// Number of passed checks against other programs.
 fn checked(study: &Study) -> Option<String> {
-    let counts = checks::counted(study).into_iter().find(|tally| tally.against == Against::OtherPrograms)?;
+    let counts = checks::counted(study).into_iter().find(|tally| tally.kind == Kind::External)?;
     Some(format!("{} of {} solver checks against other programs pass.", counts.passed, counts.all))
 }
 

@@ -2,14 +2,15 @@
 
 use super::format::{percent, verdict};
 use crate::prelude::*;
-use finray_studies::check::{Against, Kind, Tally, tallies};
+use finray_studies::check::{Kind, Tally, tallies};
 use finray_studies::experiments::continuum::{Constants, ContinuumStudy, LARGEST_FORCE_N};
+use finray_studies::problems::opensees::verified_features;
 
 const CSV: &str = "checks.csv";
 const COMPARISONS_CSV: &str = "comparisons.csv";
-const ABOUT: &str = "External checks compare with other programs: OpenSees and MuJoCo, with separate models. Checks against our spring lattice, \
-                     which rapier2d brings to equilibrium, are counted separately. Analytical checks use closed forms, theoretical orders of \
-                     convergence, and solutions from the literature. Internal checks use our second formulation, a balance or a bound. All checks \
+const ABOUT: &str = "External checks compare with other programs: OpenSees and MuJoCo, with separate models. Analytical checks use closed forms, \
+                     theoretical orders of convergence, and solutions from the literature. Internal checks use our second formulation (among them \
+                     the spring lattice, which rapier2d brings to equilibrium), an inverse, a balance or a bound. All checks \
                      use the EA and EI of the beams, so they verify solvers and kinematics. Material and joints of a real finger are not verified \
                      here.";
 /// Text for a finger that no program solved as a continuum.
@@ -17,9 +18,9 @@ const NO_CONTINUUM: &str =
     "Beam theory is not verified here either, because this finger was not solved as a continuum.";
 /// Text on the first page for a finger that no program solved as a continuum. The text names the guide that states the errors for other fingers.
 const NO_CONTINUUM_IN_SHORT: &str = "This finger was not solved as a continuum. The guide \"your-finger\" states the error of beam theory on other fingers.";
-/// Text on the checks that exist only for the paper's scene.
-const OF_ANOTHER_FINGER: &str = "Reference values of other programs (OpenSees), the paper's Table I, the spring lattice and the hard cases exist \
-                                 only for the paper's finger. They are left out for this scene.";
+/// Text on the checks that exist only for the paper's finger, and on those that other fingers share.
+const OF_ANOTHER_FINGER: &str = "Reference values of other programs for the finger itself, the paper's Table I, the spring lattice and the hard \
+                                 cases exist only for the paper's finger. Features of this finger that OpenSees verified on other fingers:";
 
 pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s>> {
     vec![Dataset::records(CSV, &study.checks), Dataset::records(COMPARISONS_CSV, &study.comparisons)]
@@ -28,7 +29,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let mut blocks = Vec::new();
     if !study.is_paper {
-        blocks.push(text(OF_ANOTHER_FINGER));
+        blocks.push(text(format!("{OF_ANOTHER_FINGER} {}", features(study))));
     }
     blocks.push(text(format!("{ABOUT} {}", beam_theory(&study.continuum))));
     blocks.extend(disagreements(study)?.map(Block::Figure));
@@ -37,9 +38,16 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     Ok(Some(Section::new("checks", "Cross-checks", blocks).saying([in_words(study)])))
 }
 
+/// Text on the features of an own finger that external checks cover on other fingers, and on those that they do not cover.
+fn features(study: &Study) -> String {
+    let list = |features: Vec<&str>| if features.is_empty() { "none".to_owned() } else { features.join(", ") };
+    let [verified, not] = verified_features(&study.finger).map(list);
+    format!("{verified}. No other program verified: {not}.")
+}
+
 /// Text on what beam theory neglects, and on the load under which the beam model errs most, from the comparison with a plane continuum.
 fn beam_theory(continuum: &ContinuumStudy) -> String {
-    let of = |constants| continuum.with_rods(constants);
+    let of = |constants| continuum.of(constants);
     let (Some(modulus), Some(arms)) = (of(Constants::Modulus), of(Constants::ArmsAndShear)) else {
         return NO_CONTINUUM.to_owned();
     };
@@ -60,7 +68,7 @@ fn beam_theory(continuum: &ContinuumStudy) -> String {
 
 /// Two sentences for the first page: how much beams differ from a continuum, and under which force they differ most.
 pub(super) fn beam_theory_in_short(study: &Study) -> String {
-    let of = |constants| study.continuum.with_rods(constants);
+    let of = |constants| study.continuum.of(constants);
     let (Some(modulus), Some(best)) = (of(Constants::Modulus), of(Constants::ArmsAndShear)) else {
         return NO_CONTINUUM_IN_SHORT.to_owned();
     };
@@ -86,14 +94,13 @@ fn files() -> Table {
 
 /// Sentence with the numbers of passed checks by kind of reference, first those against other programs.
 fn in_words(study: &Study) -> String {
-    let about = |against: Against| match against {
-        Against::OtherPrograms => "external checks (OpenSees, MuJoCo)",
-        Against::SettledLattice => "external checks against our lattice (settled by rapier2d)",
-        Against::Literature => "analytical checks (closed forms, literature)",
-        Against::Ourselves => "internal checks (our second formulation, a balance or a bound)",
+    let about = |kind: Kind| match kind {
+        Kind::External => "external checks (OpenSees, MuJoCo)",
+        Kind::Analytical => "analytical checks (closed forms, literature)",
+        Kind::Internal => "internal checks (our second formulation, a balance or a bound)",
     };
     let counted = counted(study);
-    let parts = counted.iter().map(|Tally { against, passed, all }| format!("{passed} of {all} {}", about(*against)));
+    let parts = counted.iter().map(|Tally { kind, passed, all }| format!("{passed} of {all} {}", about(*kind)));
     format!("Checks that pass: {}.", parts.collect::<Vec<_>>().join(", "))
 }
 

@@ -56,7 +56,7 @@ pub fn run(
     let (scene, text) = scene_or_papers(arguments.scene.as_deref())?;
     let finger = &scene.finger;
     let truth_meshes = truth_ids.iter().map(|id| id.mesh(finger)).collect::<Result<Vec<_>, _>>()?;
-    let truths = truth_ids.iter().zip(&truth_meshes).map(|(id, mesh)| id.on(mesh));
+    let truths = truth_ids.iter().zip(&truth_meshes).map(|(id, mesh)| id.on(mesh, &scene));
     let truths = truths.collect::<Result<Vec<_>, _>>()?;
     // The true fingers have no other errors of the scene than the errors of beam theory.
     let sensed = PreparedScene::from(Scene { model_error: scene.model_error, ..Scene::of_finger(finger.clone()) });

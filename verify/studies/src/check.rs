@@ -15,16 +15,16 @@ pub enum Verdict {
 
 /// Origin of the reference of a check.
 ///
-/// External and analytical references verify solvers and kinematics. OpenSees, MuJoCo, rapier and the equation of the elastica use the same EA and EI as the
+/// External and analytical references verify solvers and kinematics. OpenSees, MuJoCo and the equation of the elastica use the same EA and EI as the
 /// beams. No reference here tests Euler-Bernoulli theory against a real material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
-    /// Figures of another program or author: exports from OpenSees and MuJoCo, shapes computed by rapier, tables of a publication.
+    /// Figures of another program or author: exports from OpenSees and MuJoCo, tables of a publication.
     External,
     /// A closed form, a theoretical order of convergence, or a solution from the literature, regardless of who evaluated it.
     Analytical,
-    /// Another formulation, mesh, balance, bound or fit within this project.
+    /// Another formulation, mesh, inverse, balance, bound or fit within this project, for example the spring lattice, which rapier brings to rest.
     #[default]
     Internal,
 }
@@ -58,6 +58,15 @@ impl Kind {
     /// Every kind, the most independent first.
     pub const ALL: [Kind; 3] = [Kind::External, Kind::Analytical, Kind::Internal];
 
+    /// Phrase that follows the number of checks in a sentence.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Kind::External => "against other programs",
+            Kind::Analytical => "against closed forms and literature",
+            Kind::Internal => "of our own",
+        }
+    }
+
     /// Name of the kind in tables and in `summary.json`.
     pub fn name(self) -> &'static str {
         match self {
@@ -68,59 +77,30 @@ impl Kind {
     }
 }
 
-/// Source of checks against shapes of finray's spring lattice at rest, as simulated by rapier2d. The program rapier2d is independent; finray defines
-/// the springs. Checks of forces sensed on the lattice name another source, because their references are the true forces.
+/// Source of checks against shapes of finray's spring lattice at rest, as simulated by rapier2d. finray defines the springs, so these checks are
+/// internal. Checks of forces sensed on the lattice name another source, because their references are the true forces.
 pub const SETTLED_LATTICE: &str = "rapier2d lattice";
 /// Source of checks whose reference is the lattice solved by finray's Newton method, which finds the shapes of least energy without rapier.
 pub const NEWTON_LATTICE: &str = "spring lattice, Newton";
 
-/// Group of references by which checks are counted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Against {
-    /// Other programs with independent models: [`Kind::External`] without the lattice.
-    OtherPrograms,
-    /// The spring lattice of finray, simulated to rest by a physics engine: [`SETTLED_LATTICE`].
-    SettledLattice,
-    /// Closed forms and literature: [`Kind::Analytical`].
-    Literature,
-    /// Results of finray itself: [`Kind::Internal`].
-    Ourselves,
-}
-
-impl Against {
-    /// Every group, the most independent first.
-    pub const ALL: [Against; 4] =
-        [Against::OtherPrograms, Against::SettledLattice, Against::Literature, Against::Ourselves];
-
-    /// Phrase that follows the number of checks in a sentence.
-    pub fn in_words(self) -> &'static str {
-        match self {
-            Against::OtherPrograms => "against other programs",
-            Against::SettledLattice => "against our lattice settled by a physics engine",
-            Against::Literature => "against closed forms and literature",
-            Against::Ourselves => "of our own",
-        }
-    }
-}
-
-/// Counts of the checks against one group of references.
+/// Counts of the checks with one kind of reference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Tally {
-    /// Group of references against which the checks compare.
-    pub against: Against,
+    /// Kind of the references.
+    pub kind: Kind,
     /// Number of checks that pass.
     pub passed: usize,
     /// Number of all checks.
     pub all: usize,
 }
 
-/// Counts the checks of each group of references. Groups without checks are omitted.
+/// Counts the checks of each kind. Kinds without checks are omitted.
 pub fn tallies<'c>(checks: impl Iterator<Item = &'c Check> + Clone) -> Vec<Tally> {
-    let tally = |against| {
-        let counted = checks.clone().filter(move |check| check.against() == against);
-        Tally { against, passed: counted.clone().filter(|check| check.passes()).count(), all: counted.count() }
+    let tally = |kind| {
+        let counted = checks.clone().filter(move |check| check.kind == kind);
+        Tally { kind, passed: counted.clone().filter(|check| check.passes()).count(), all: counted.count() }
     };
-    Against::ALL.into_iter().map(tally).filter(|tally| tally.all > 0).collect()
+    Kind::ALL.into_iter().map(tally).filter(|tally| tally.all > 0).collect()
 }
 
 impl Check {
@@ -162,16 +142,6 @@ impl Check {
             self.quantity = format!("{}; {refused} of {drawn} refused", self.quantity);
         }
         self
-    }
-
-    /// Group of references to which the check belongs.
-    pub fn against(&self) -> Against {
-        match self.kind {
-            Kind::External if self.source == SETTLED_LATTICE => Against::SettledLattice,
-            Kind::External => Against::OtherPrograms,
-            Kind::Analytical => Against::Literature,
-            Kind::Internal => Against::Ourselves,
-        }
     }
 
     /// Whether the check passes.

@@ -55,8 +55,8 @@ pub struct ViewModel {
     pub marker_height_mm: f64,
     /// Lean (angle between force and normal) of forces that were not measured.
     pub lean: Lean,
-    /// Pad between objects and the plate.
-    pub pad: Pad,
+    /// Pad between objects and the plate; `None` if the scene states none.
+    pub pad: Option<Pad>,
     /// Moment that the plates exert on each other at the tip without load, N mm.
     pub preload_nmm: f64,
 }

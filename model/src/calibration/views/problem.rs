@@ -151,6 +151,7 @@ impl Problem<'_> {
             (None, Normal::Object) => Direction::Leaning(Lean { from: Normal::Undeformed, ..candidate.lean }),
             (None, _) => Direction::Leaning(candidate.lean),
         };
+        let pad = self.model.surface_of(view.force.is_some());
         let preload = AssemblyErrors::load(finger, candidate.preload_nmm);
         let height_mm = self.model.camera_height_mm;
         // Markers above their stated height appear farther from the camera's axis than they are.
@@ -163,7 +164,7 @@ impl Problem<'_> {
         });
         Press {
             mesh,
-            question: ContactQuestion { pad: self.model.pad, ..ContactQuestion::new(None, direction) },
+            question: ContactQuestion { pad, ..ContactQuestion::new(None, direction) },
             preload: mesh.frame_load(&preload).ok().filter(|_| candidate.preload_nmm != 0.0),
             measurement,
         }

@@ -9,7 +9,7 @@ use crate::estimators::ELEMENTS;
 use crate::finger::{BracketLengths, RibPositions};
 use crate::keys::{ASSEMBLY, BACK, BASE, CAMERA, CONTACT, FRONT, MARKERS, REFERENCE, RIBS};
 use crate::measurement::BaseUncertainty;
-use crate::sensing::{Lean, UnloadedError};
+use crate::sensing::{Lean, Pad, UnloadedError};
 use crate::{Scene, Vector};
 use nalgebra::Point2;
 use toml::Value;
@@ -67,6 +67,12 @@ impl ViewModel {
             pad: scene.contact.pad,
             preload_nmm: scene.assembly.as_ref().map_or(0.0, |assembly| assembly.preload_nmm),
         }
+    }
+
+    /// Surface on which a force acts, as in sensing: of the pad; without a pad, of the plate if friction turns a force that was not measured. `None`
+    /// for the middle line.
+    pub(super) fn surface_of(&self, is_measured: bool) -> Option<Pad> {
+        self.pad.or((!is_measured && self.lean.has_friction()).then(Pad::default))
     }
 }
 

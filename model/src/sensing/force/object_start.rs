@@ -33,14 +33,14 @@ pub(super) fn require_touch(
     Seen { measurement, marker_noise_mm }: Seen,
 ) -> Result<(), SensingError> {
     let Some(touching) = &problem.object else { return Ok(()) };
-    let (contact, pad_mm) = touching.contacts[0];
+    let (contact, pad) = touching.contacts[0];
     let plate = state.contacts[contact].position.plate();
     let length_mm = problem.finger().plate_length_mm(plate);
     let shape = state.posed();
     let mut nearest_mm = [f64::INFINITY; 2];
     for i in 1..=PLACES {
         let s_mm = length_mm * i as f64 / PLACES as f64;
-        let missed_mm = touching.missed_mm(problem.mesh, (PlatePosition { plate, s_mm }, pad_mm), shape)?;
+        let missed_mm = touching.missed_mm(problem.mesh, (PlatePosition { plate, s_mm }, pad), shape)?;
         if missed_mm[1].abs() < nearest_mm[1].abs() {
             nearest_mm = missed_mm;
         }

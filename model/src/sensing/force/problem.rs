@@ -233,7 +233,7 @@ impl<'m> ForceProblem<'m> {
 
     /// Whether loads turn with the deformed plate: directions that follow the plate, or pads under forces whose normal is not measured.
     pub fn loads_follow_plate(&self) -> bool {
-        let has_turning_pad = |q: &ContactQuestion| !q.pad.is_none() && !q.is_normal_measured();
+        let has_turning_pad = |q: &ContactQuestion| q.pad.is_some() && !q.is_normal_measured();
         self.follows_plate() || self.questions.iter().any(has_turning_pad)
     }
 

@@ -95,7 +95,7 @@ pub(super) fn state_of(
 /// First-order motions of the mesh per N of each force at a state. `None` unless all unknowns are forces whose loads do not follow the shape.
 pub(super) fn unit_motions(problem: &mut ForceProblem, state: &State) -> Option<Arc<[FrameMotion]>> {
     let are_forces = problem.unknowns.iter().all(|unknown| matches!(unknown, Unknown::Force(_)));
-    let has_pad = problem.questions.iter().any(|question| !question.pad.is_none());
+    let has_pad = problem.questions.iter().any(|question| question.pad.is_some());
     let are_all = state.linearised.scales.len() == state.contacts.len();
     if !(are_forces && are_all) || problem.object.is_some() || problem.follows_plate() || has_pad {
         return None;

@@ -8,7 +8,7 @@ use super::marker_motion::Posed;
 use crate::Vector;
 use crate::finger::PlatePosition;
 use crate::mesh::{Load, LoadError, Mesh};
-use crate::sensing::{ContactQuestion, Direction, Lean, Normal, TouchedObject};
+use crate::sensing::{ContactQuestion, Direction, Lean, Normal, Pad, TouchedObject};
 use nalgebra::Point2;
 
 /// Assumed standard deviations of a closed contact, mm: perpendicular to the plate, and along the plate. The assumed standard deviations are far
@@ -18,15 +18,15 @@ pub(super) const CLOSED_SD_MM: [f64; 2] = [0.01, 0.03];
 #[derive(Debug, Clone)]
 pub(super) struct Touching {
     pub object: TouchedObject,
-    /// The contacts that touch the object: index, from 0, and thickness of the pad, mm.
-    pub contacts: Vec<(usize, f64)>,
+    /// The contacts that touch the object: index, from 0, and the touched surface.
+    pub contacts: Vec<(usize, Pad)>,
 }
 
 impl Touching {
     /// The object and its contacts. `None` if no contact touches the object.
     pub fn new(questions: &[ContactQuestion], object: &TouchedObject) -> Option<Touching> {
         let touching = questions.iter().enumerate().filter(|(_, question)| touches_object(question));
-        let contacts: Vec<(usize, f64)> = touching.map(|(i, question)| (i, question.pad.thickness_mm)).collect();
+        let contacts: Vec<(usize, Pad)> = touching.map(|(i, question)| (i, question.pad.unwrap_or_default())).collect();
         (!contacts.is_empty()).then(|| Touching { object: object.clone(), contacts })
     }
 
@@ -42,12 +42,12 @@ impl Touching {
         shape: Posed<'t>,
         marker_noise_mm: f64,
     ) -> impl Iterator<Item = f64> + 't {
-        self.contacts.iter().flat_map(move |&(i, pad_mm)| {
+        self.contacts.iter().flat_map(move |&(i, pad)| {
             // The contacts have been checked and are on their plates.
             let contact = &shape.contacts[i];
             let s_mm = contact.position_mm(mesh.finger()).unwrap_or(f64::NAN);
             let at = PlatePosition { plate: contact.position.plate(), s_mm };
-            let missed = self.missed_mm(mesh, (at, pad_mm), shape).unwrap_or([f64::NAN; 2]);
+            let missed = self.missed_mm(mesh, (at, pad), shape).unwrap_or([f64::NAN; 2]);
             [0, 1].map(|way| missed[way] / CLOSED_SD_MM[way] * marker_noise_mm)
         })
     }
@@ -57,23 +57,16 @@ impl Touching {
         self.misses_mm(mesh, shape, marker_noise_mm).map(|missed_mm| missed_mm * missed_mm).sum()
     }
 
-    /// Distance between the plate at the position `at`, with a pad of thickness `pad_mm`, and the point of the outline that faces this position. Returns
-    /// the gap and the distance along the plate, mm.
-    pub fn missed_mm(
-        &self,
-        mesh: &Mesh,
-        (at, pad_mm): (PlatePosition, f64),
-        shape: Posed,
-    ) -> Result<[f64; 2], LoadError> {
+    /// Distance between the surface of the plate or `pad` at the position `at` and the point of the outline that faces this position. Returns the gap
+    /// and the distance along the plate, mm.
+    pub fn missed_mm(&self, mesh: &Mesh, (at, pad): (PlatePosition, Pad), shape: Posed) -> Result<[f64; 2], LoadError> {
         let Posed { motion, nuisances, .. } = shape;
         let turn_deg = mesh.normal_turn(motion, &Load::at_position(at, Vector::zeros()), 0.0)?.to_degrees();
         let [inward, tipward] =
             [0.0, 90.0].map(|deg| nuisances.base.rotation * mesh.finger().direction_on(at.plate, deg + turn_deg));
         let point = nuisances.base * Point2::from(mesh.plate_point(motion, at)?);
         let apart = point.coords - self.object.point_facing(inward, nuisances.object);
-        // Distance from the plate's middle line to the surface of plate and pad.
-        let reach_mm = 0.5 * mesh.finger().thickness_mm(at.plate, at.s_mm) + pad_mm;
-        Ok([apart.dot(&inward) - reach_mm, apart.dot(&tipward)])
+        Ok([apart.dot(&inward) - pad.lever_mm(mesh.finger(), at), apart.dot(&tipward)])
     }
 }
 

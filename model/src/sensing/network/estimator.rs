@@ -4,13 +4,16 @@ use super::forward::{Forward, Instructions};
 use super::further::FurtherContact;
 use super::hidden::{directions, filling};
 use super::prepared::Prepared;
-use super::{ContactSet, Fingerprint, Network, NetworkError, Scaling};
+use super::{ContactSet, Fingerprint, Network, NetworkError, Origin, Scaling};
+use crate::Kinematics;
 use crate::finger::{Finger, NodeId, Plate};
 use crate::measurement::Measurement;
+use crate::mesh::Mesh;
 use crate::sensing::residual_test::noise_of;
 use crate::sensing::{
     Contact, Estimate, ResidualTest, SensingError, UNEXPLAINED_SHARE, UNEXPLAINED_SIGMAS, Warning, check_contacts,
 };
+use crate::statics::Statics;
 use nalgebra::{DMatrix, DVector};
 
 /// Largest difference between two contacts that count as equal: in position (as a share of the plate's length) and in angle (in degrees).
@@ -19,6 +22,12 @@ const SAME_CONTACT: f64 = 1e-9;
 /// noise. The margin admits extremes that the training samples miss.
 const RANGE_FACTOR: f64 = 1.1;
 const RANGE_SIGMAS: f64 = 4.0;
+/// Ratio of the element counts of the two meshes whose shapes show the error of the training's mesh. The error falls at least with the square of the
+/// element length, so the finer mesh has at most a sixteenth of it.
+const FINER: usize = 4;
+/// The error of the mesh is taken from the largest range of forces divided by 2, 4, ... up to this power of two. A finger that carries none of these
+/// forces was not trained.
+const MOST_HALVINGS: u32 = 6;
 
 /// Estimates forces with a network, for the contacts and markers for which it is prepared.
 ///
@@ -40,6 +49,8 @@ pub struct NetworkEstimator {
     largest: Vec<f64>,
     input_noise: Vec<f64>,
     clean_rms_n: Vec<f64>,
+    /// Error of each force per N of each force, dimensionless, due to the mesh of the training.
+    mesh_error: DMatrix<f64>,
     noise_mm: f64,
     force_range_n: [f64; 2],
     largest_total_n: f64,
@@ -111,7 +122,7 @@ impl NetworkEstimator {
         let further = further.collect();
         let seen_directions = directions(network).select_columns(&seen).transpose();
         let input_noise = network.inputs.projection.row_iter().map(|row| row.norm()).collect();
-        Ok(NetworkEstimator {
+        let mut estimator = NetworkEstimator {
             forward: Forward::new(&prepared, instructions),
             prepared,
             markers,
@@ -122,11 +133,46 @@ impl NetworkEstimator {
             largest: network.inputs.largest.clone(),
             input_noise,
             clean_rms_n: selected.iter().map(|&k| network.card.test_errors[k].clean_rms_n).collect(),
+            mesh_error: DMatrix::zeros(0, 0),
             noise_mm: network.card.noise_mm,
             force_range_n: network.card.origin.force_range_n,
             largest_total_n: network.card.origin.largest_total_n,
             further,
-        })
+        };
+        estimator.mesh_error = estimator.error_of_mesh(&network.card.origin, finger, contacts);
+        Ok(estimator)
+    }
+
+    /// Change of each force per N of each true force, if the shapes are those of a mesh several times as fine as that of the training. It is taken
+    /// from single forces of half the training's range, or the largest smaller force that the finger carries.
+    fn error_of_mesh(&mut self, origin: &Origin, finger: &Finger, contacts: &[Contact]) -> DMatrix<f64> {
+        let mut error = DMatrix::zeros(contacts.len(), contacts.len());
+        if origin.kinematics == Kinematics::Linear {
+            // Key nodes of a linear finger do not depend on the mesh.
+            return error;
+        }
+        let meshes = [1, FINER].map(|by| Mesh::with_elements_per_member(finger, by * origin.elements_per_member));
+        for (j, contact) in contacts.iter().enumerate() {
+            for halvings in 1..=MOST_HALVINGS {
+                let force_n = origin.force_range_n[1] / f64::from(1 << halvings);
+                let mut sensed = |mesh: &Mesh| {
+                    let load = mesh.frame_load(&contact.load(finger, force_n)).ok()?;
+                    let motion = Statics::ladder(mesh, origin.kinematics).equilibrium(&[load]).ok()?.motion;
+                    let shape = mesh.shape(&motion);
+                    let displacement = |node: &NodeId| shape.motion(*node).marker_displacement(finger);
+                    let x: Vec<f64> = self.markers.iter().map(displacement).flat_map(|u| [u.x, u.y]).collect();
+                    let mut forces_n = vec![0.0; contacts.len()];
+                    self.forward.forces(&x, &mut forces_n);
+                    Some(DVector::from_vec(forces_n))
+                };
+                let [coarse, fine] = [&meshes[0], &meshes[1]].map(&mut sensed);
+                if let Some((coarse, fine)) = coarse.zip(fine) {
+                    error.set_column(j, &((fine - coarse) / force_n));
+                    break;
+                }
+            }
+        }
+        error
     }
 
     /// Number of contacts for which the estimator is prepared.
@@ -146,9 +192,10 @@ impl NetworkEstimator {
         Ok(())
     }
 
-    /// Estimates forces with their standard deviations. The standard deviations combine three errors: noise, hidden markers, and the network's error
-    /// on held-out samples. The network's derivatives linearise the effects of noise and hidden markers. `marker_noise_mm` is the standard deviation
-    /// of one coordinate, mm. The noise is estimated from the residual if `marker_noise_mm` is `None` or contradicts the residual.
+    /// Estimates forces with their standard deviations. The standard deviations combine four errors: noise, hidden markers, the network's error on
+    /// held-out samples, and the error of the mesh of its training. The network's derivatives linearise the effects of noise and hidden markers.
+    /// `marker_noise_mm` is the standard deviation of one coordinate, mm. The noise is estimated from the residual if `marker_noise_mm` is `None` or
+    /// contradicts the residual.
     ///
     /// The residual is the part of the displacements outside the principal directions. The singular values of the estimate are the reciprocals of the
     /// singular values of the forces' derivatives with respect to the displacements.
@@ -177,11 +224,19 @@ impl NetworkEstimator {
 
         let (_, derivatives) = self.prepared.forces_and_derivatives(&z);
         let gain = &derivatives * &self.prepared.projection;
-        // Errors of the network on held-out samples count as independent between forces.
-        let clean_n2 = self.clean_rms_n.iter().map(|clean_rms_n| clean_rms_n.powi(2));
+        // Errors of the network and of its training's mesh count as independent between forces.
+        let forces = DVector::from_column_slice(&forces_n);
+        let of_mesh_n = &self.mesh_error * &forces;
+        let method_error_n: Vec<f64> = self
+            .clean_rms_n
+            .iter()
+            .zip(&of_mesh_n)
+            .map(|(clean_rms_n, of_mesh_n)| clean_rms_n.hypot(*of_mesh_n))
+            .collect();
+        let clean_n2 = method_error_n.iter().map(|error_n| error_n.powi(2));
         let covariance_n2 = &gain * gain.transpose() * trusted_noise_mm.powi(2)
             + &derivatives * &self.hidden_covariance * derivatives.transpose()
-            + DMatrix::from_diagonal(&DVector::from_iterator(self.clean_rms_n.len(), clean_n2));
+            + DMatrix::from_diagonal(&DVector::from_iterator(forces.len(), clean_n2));
         let sigmas_n: Vec<f64> = covariance_n2.diagonal().iter().map(|variance_n2| variance_n2.sqrt()).collect();
         self.require_trained_forces(&forces_n, &sigmas_n)?;
         let further = self.further.iter().map(|contact| contact.force(&x, trusted_noise_mm));
@@ -194,7 +249,7 @@ impl NetworkEstimator {
             forces_n,
             sigmas_n,
             covariance_n2,
-            method_error_n: self.clean_rms_n.clone(),
+            method_error_n,
             measured: None,
             trusted_noise_mm,
             warning,

@@ -167,7 +167,7 @@ fn how_sure_if_softer(softer: &CoverageRow) -> Option<String> {
 /// Numbers of passed checks, and the limits of the beam model that the drawn shapes exceed.
 fn physics(study: &Study) -> String {
     let passed = checks::counted(study).into_iter();
-    let passed = passed.map(|Tally { against, passed, all }| format!("{passed} of {all} {}", against.in_words()));
+    let passed = passed.map(|Tally { kind, passed, all }| format!("{passed} of {all} {}", kind.in_words()));
     let limits = shapes::beyond_limits(study);
     let beyond = match limits.is_empty() {
         true => String::new(),

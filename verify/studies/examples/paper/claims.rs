@@ -407,7 +407,7 @@ fn of_a_study(ledger: &mut Ledger) {
     ledger.says("decreasing element size is not necessary", over(["reproduced", statement(coarse <= 0.0026)]), ours);
     let [with, without] = [true, false].map(|rods| {
         let of = |constants| {
-            if rods { study.continuum.with_rods(constants) } else { study.continuum.without_rods(constants) }
+            if rods { study.continuum.of(constants) } else { study.continuum.without_rods(constants) }
         };
         Constants::ALL.map(|constants| of(constants).expect("solved"))
     });

@@ -96,6 +96,13 @@ fn rows(forces_n: &[f64]) -> Vec<Row> {
     rows
 }
 
+/// The tolerances of coarse meshes follow from their errors, so the report shows no verdict on them.
+fn without_measured_tolerance(check: Check) -> CheckRow {
+    let row = CheckRow::from(check);
+    let is_coarse = ["key nodes alone", "two elements per member"].iter().any(|mesh| row.problem.starts_with(mesh));
+    CheckRow { tolerance: row.tolerance.filter(|_| !is_coarse), ..row }
+}
+
 /// Finer meshes err less, and the errors under 3 N on three meshes are within their tolerances.
 pub fn finer_meshes_err_less() {
     let agree = |a: &Row, b: &Row| (a.mesh_nodes, a.force_n) == (b.mesh_nodes, b.force_n) && same(a.error, b.error);
@@ -120,7 +127,7 @@ pub fn finer_meshes_err_less() {
     assert_all_pass(&checks);
     record_checks(
         &["Richardson extrapolation", "grid convergence index"],
-        checks.into_iter().map(CheckRow::from).collect(),
+        checks.into_iter().map(without_measured_tolerance).collect(),
     );
     assert_recorded("convergence.csv", |row: &Row| row.force_n == largest_n, of, agree);
     if is_full_study() {

@@ -322,10 +322,10 @@ pub fn the_lattice_is_that_of_beams() {
     let (at_rest, ..) = settled(&lattice, &few, DEFAULT).expect("rest");
     let error = worst(by_force(&of_lattice(&lattice, &few).expect("equilibria"), &at_rest));
     let problem = name("settled lattice against the equilibrium of the same lattice, up to 5 N");
-    checks.push(vanishes(Kind::External, problem, SETTLED_LATTICE, QUANTITY, error, SETTLING_TOLERANCE));
+    checks.push(vanishes(Kind::Internal, problem, SETTLED_LATTICE, QUANTITY, error, SETTLING_TOLERANCE));
     for (&force_n, error) in few.forces_n.iter().zip(by_force(&of_beams(&few, Kinematics::Corotational), &at_rest)) {
         let problem = name(&format!("settled lattice against beams, {force_n} N, some nodes and directions"));
-        checks.push(vanishes(Kind::External, problem, SETTLED_LATTICE, QUANTITY, error, tolerance(force_n)));
+        checks.push(vanishes(Kind::Internal, problem, SETTLED_LATTICE, QUANTITY, error, tolerance(force_n)));
     }
     let again = lattice.settle(&[Loads::load(&few.at[0], few.forces_n[0])]).expect("rest").shape;
     let bits = |shape: &FingerShape| {
@@ -362,6 +362,9 @@ pub fn the_lattice_is_that_of_beams() {
     assert_all_pass(&checks);
 
     let mut rows: Vec<CheckRow> = checks.into_iter().map(CheckRow::from).collect();
+    // The differences between lattice and beams are discretisation errors. Their tolerances follow from themselves, so the report shows no verdict.
+    let is_measured = |row: &&mut CheckRow| row.problem.contains("beams");
+    rows.iter_mut().filter(is_measured).for_each(|row| row.tolerance = None);
     let apart = by_force(&bent, &of_beams(&full, Kinematics::Linear));
     assert!(apart.is_sorted() && apart[5] > 0.1, "{apart:?}");
     rows.extend(FORCES_N.iter().zip(&apart).map(|(force_n, &ours)| CheckRow {

@@ -5,7 +5,7 @@
 
 use super::{Context, Evidence, ExperimentError};
 use crate::check::worst;
-use crate::exports::calculix::{self, PAPER_PLAIN};
+use crate::exports::calculix::{self, PAPER, PAPER_PLAIN};
 use crate::exports::{ExportedFinger, StaticCase};
 use crate::prelude::*;
 use crate::problems::ProblemError;
@@ -112,14 +112,14 @@ pub struct ContinuumStudy {
 }
 
 impl ContinuumStudy {
-    /// Deviations of beams with these constants from the continuum with rods.
-    pub fn with_rods(&self, constants: Constants) -> Option<&BeamTheoryRow> {
-        self.rows.iter().find(|row| row.continuum != PAPER_PLAIN.name && row.constants == constants)
+    /// Deviations of beams with these constants from the continuum of the scene's finger; for the paper's finger, from the continuum with rods.
+    pub fn of(&self, constants: Constants) -> Option<&BeamTheoryRow> {
+        self.rows.iter().find(|row| row.constants == constants)
     }
 
     /// Deviations of beams with these constants from the paper's continuum without rods.
     pub fn without_rods(&self, constants: Constants) -> Option<&BeamTheoryRow> {
-        self.rows.iter().find(|row| row.continuum == PAPER_PLAIN.name && row.constants == constants)
+        self.rows.iter().rfind(|row| row.constants == constants)
     }
 }
 
@@ -146,9 +146,11 @@ impl Evidence for ContinuumStudy {
 
 /// Compares beams with the continuum of a scene's finger.
 pub(crate) fn run(context: &Context) -> Result<ContinuumStudy, ExperimentError> {
-    let export = calculix::PROGRAM.export_of(context.finger);
-    let without_rods = context.is_paper.then_some(&PAPER_PLAIN);
-    let exports: Vec<&ExportedFinger> = export.into_iter().chain(without_rods).collect();
+    // The paper states neither Poisson's ratio nor arms of its finger; the continua with and without rods assume them.
+    let exports: Vec<&ExportedFinger> = match context.is_paper {
+        true => vec![&PAPER, &PAPER_PLAIN],
+        false => calculix::PROGRAM.export_of(&context.given.scene).into_iter().collect(),
+    };
     context.progress.part("continuum", exports.len());
     let mut rows = Vec::new();
     for export in exports {

@@ -27,7 +27,7 @@ const REFUSED: f64 = 0.001;
 /// At most this share of samples may be refused on another finger, whose forces may be too small to sense. If more samples were refused, coverage
 /// would remain untested.
 const REFUSED_OF_ANOTHER: f64 = 0.5;
-/// For answers with a warning, rms sigma may be at most this multiple of the rms error. A larger sigma would cover the error but provide no
+/// For answers with a warning, rms sigma may differ from the rms error by at most this factor. A larger sigma would cover the error but provide no
 /// information.
 const LARGEST_SIGMA: f64 = 3.0;
 /// Type of true finger on which the coverage of stated intervals is checked. On a finger with softer ends the estimators' model is wrong, and the
@@ -234,7 +234,7 @@ impl CoverageRow {
     }
 
     /// Checks on the finger that equals the estimators' model. Few samples are refused. Up to sampling error, coverage is 93 to 97 % without a
-    /// warning, and at least 93 % with a warning. With a warning, rms sigma is at most `LARGEST_SIGMA` times the rms error, up to sampling error.
+    /// warning, and at least 93 % with a warning. With a warning, rms sigma and rms error differ by at most the factor `LARGEST_SIGMA`, up to sampling error.
     pub fn checks(&self, is_paper: bool) -> Vec<Check> {
         if self.truth != TRUTH {
             return Vec::new();
@@ -270,8 +270,10 @@ impl CoverageRow {
             .map(|covered| check("with a warning", covered, self.warned, 0.5 * (1.0 + least), 0.5 * (1.0 - least)));
         // The rms of n independent normal errors has a relative standard deviation of 1 / sqrt(2 n).
         let chance = 1.0 + CHANCE / (2.0 * self.warned as f64).sqrt();
+        // A logarithm, because an upper limit of sigma would pass a sigma of 0.
         let sharp = self.error_over_sigma_with_warning.map(|share| {
-            new("rms sigma / rms error of answers with a warning".to_owned(), 0.0, 1.0 / share, LARGEST_SIGMA * chance)
+            let quantity = "ln(rms sigma / rms error of answers with a warning)".to_owned();
+            new(quantity, 0.0, -share.ln(), (LARGEST_SIGMA * chance).ln())
         });
         std::iter::once(answered).chain(plain).chain(warned).chain(sharp).collect()
     }

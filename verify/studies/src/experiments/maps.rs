@@ -15,15 +15,15 @@ struct Plan {
 }
 
 /// Computes a map for each true finger and estimator. For scenes other than the paper's, the only true fingers are those made of the scene's own
-/// beams. The continuum has no map, because every
-/// cell would show the factor by which material and rods stiffen the finger. The claim on solid elements states the factor by which material and rods
-/// stiffen the finger.
+/// beams. The continuum has no map, because its
+/// material and rods are not those of the paper's scene. The claim on solid elements states the factor by which material and rods stiffen the finger.
 pub(crate) fn run(context: &Context) -> Result<Vec<AccuracyMap>, TruthError> {
     let finger = context.finger;
     let is_mapped = |id: &TruthId| id.kinematics().is_some() || context.is_paper && *id != TruthId::Continuum;
     let ids: Vec<TruthId> = TruthId::ALL.iter().copied().filter(is_mapped).collect();
     let meshes = ids.iter().map(|id| id.mesh(finger)).collect::<Result<Vec<_>, _>>()?;
-    let truths = ids.iter().zip(&meshes).map(|(id, mesh)| id.on(mesh)).collect::<Result<Vec<_>, _>>()?;
+    let truths = ids.iter().zip(&meshes).map(|(id, mesh)| id.on(mesh, &context.given.scene));
+    let truths = truths.collect::<Result<Vec<_>, _>>()?;
     let mut plans = Vec::new();
     for truth in &truths {
         for &estimator in EstimatorId::ALL {

@@ -52,7 +52,7 @@ pub(crate) fn touched(context: &Context) -> Result<Vec<TouchedFinger>, TruthErro
     let mut touched = shapes_of(context, context.corotational);
     if context.is_paper {
         let mesh = TruthId::Twin.mesh(context.finger)?;
-        touched.extend(shapes_of(context, &*TruthId::Twin.on(&mesh)?));
+        touched.extend(shapes_of(context, &*TruthId::Twin.on(&mesh, &context.given.scene)?));
     }
     Ok(touched)
 }

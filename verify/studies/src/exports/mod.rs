@@ -3,7 +3,11 @@
 //! Entry points: [`mujoco::PROGRAM`] solves the same beams by another formulation; [`calculix::PROGRAM`] solves fingers as plane continua.
 
 pub mod calculix;
+mod differences;
 pub mod mujoco;
+
+use differences::differences;
+pub use differences::{Difference, Solved};
 
 use crate::prelude::*;
 
@@ -33,22 +37,28 @@ pub struct Program {
     pub name: &'static str,
     /// All exported fingers. At most one of the exports applies to a given scene's finger.
     pub fingers: &'static [ExportedFinger],
-    /// Whether the shapes of the second finger (exported) also apply to the first finger (from a scene).
-    is_exported: fn(&Finger, &Finger) -> bool,
-    /// Text for messages: the differences from an exported finger that do not matter. Empty if every difference matters.
-    ignored: &'static str,
+    /// Model whose shapes the program computed.
+    solved: Solved,
 }
 
 impl Program {
-    /// The export whose shapes apply to `finger`, regardless of names; `None` if no export applies.
-    pub fn export_of(&self, finger: &Finger) -> Option<&'static ExportedFinger> {
-        self.fingers.iter().find(|exported| exported.finger().is_ok_and(|known| (self.is_exported)(finger, &known)))
+    /// The export whose shapes are those of the scene's finger, regardless of names; `None` if no export applies.
+    pub fn export_of(&self, scene: &Scene) -> Option<&'static ExportedFinger> {
+        self.nearest(scene).and_then(|(exported, differences)| differences.is_empty().then_some(exported))
     }
 
-    /// First part of a message; it lists the exported fingers.
-    pub fn coverage(&self) -> String {
-        let names = self.fingers.iter().map(|exported| exported.name).collect::<Vec<_>>().join(", ");
-        format!("{}'s shapes were exported only for the fingers {names}{}", self.name, self.ignored)
+    /// The exported finger that shares most keys with the scene's finger, and the keys that differ; `None` if no shipped scene can be read.
+    pub fn nearest(&self, scene: &Scene) -> Option<(&'static ExportedFinger, Vec<Difference>)> {
+        let compared = self
+            .fingers
+            .iter()
+            .filter_map(|exported| Some((exported, differences(scene, &exported.scene().ok()?, self.solved))));
+        compared.min_by_key(|(_, differences)| differences.len())
+    }
+
+    /// Names of the exported fingers, separated by commas.
+    pub fn names(&self) -> String {
+        self.fingers.iter().map(|exported| exported.name).collect::<Vec<_>>().join(", ")
     }
 }
 
@@ -102,7 +112,20 @@ impl ExportedFinger {
     /// # Errors
     /// [`ExportError`] if the shipped scene cannot be read.
     pub fn finger(&self) -> Result<Finger, ExportError> {
-        Ok(Scene::from_toml(self.scene)?.finger)
+        Ok(self.scene()?.finger)
+    }
+
+    /// Text of the exported finger's scene.
+    pub fn text(&self) -> &'static str {
+        self.scene
+    }
+
+    /// The scene of the exported finger.
+    ///
+    /// # Errors
+    /// [`ExportError`] if the shipped scene cannot be read.
+    pub fn scene(&self) -> Result<Scene, ExportError> {
+        Ok(Scene::from_toml(self.scene)?)
     }
 
     /// All exported cases, ordered by node, direction and ascending force.

@@ -2,14 +2,14 @@
 //! elastic rod between the rigid rods at key nodes, with code that is independent of finray. `fixtures/mujoco/README.md` describes the export and its
 //! accuracy.
 
-use super::{ExportError, ExportedFinger, Program, rows, shape};
+use super::{ExportError, ExportedFinger, Program, Solved, rows, shape};
 use crate::prelude::*;
 
 /// The paper's finger.
 pub const PAPER: ExportedFinger =
     ExportedFinger { name: "paper", scene: finray_fixtures::PAPER_SCENE, csv: finray_fixtures::MUJOCO_PAPER };
 
-/// The fingers that MuJoCo solved. An export applies only to a finger that equals the exported finger.
+/// The fingers that MuJoCo solved. An export applies only to the finger with the same beams.
 pub const PROGRAM: Program = Program {
     name: "MuJoCo",
     fingers: &[
@@ -25,8 +25,7 @@ pub const PROGRAM: Program = Program {
             csv: finray_fixtures::MUJOCO_SOFT_ZONE,
         },
     ],
-    is_exported: |finger, exported| finger == exported,
-    ignored: "",
+    solved: Solved::Beams,
 };
 
 /// A rigid rod in contact with the cylinder.

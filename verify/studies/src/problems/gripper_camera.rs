@@ -56,7 +56,8 @@ pub fn checks(finger: &Finger, gripper: &Gripper) -> Result<Vec<Check>, ProblemE
     ];
     let check = |(what, source, quantity, ours): (&str, &str, &str, f64)| {
         let problem = format!("camera on the gripper, over the gripper's range of motion: {what}");
-        Kind::Analytical.on(problem, source).vanishes(format!("largest {quantity} / (rocker + link)"), ours, TOLERANCE)
+        let kind = if source.starts_with("eq") { Kind::Analytical } else { Kind::Internal };
+        kind.on(problem, source).vanishes(format!("largest {quantity} / (rocker + link)"), ours, TOLERANCE)
     };
     Ok(rows.map(check).into())
 }

@@ -38,13 +38,18 @@ pub const ALL: &[Problem] = &[
         let comparisons = opensees::linear_against_corotational(finger)?;
         Ok(ProblemResults { checks: opensees::paper_checks(finger)?, comparisons })
     }),
+    problem(
+        "OpenSees on fingers with the same features",
+        |_| true,
+        |finger, _| Ok(opensees::feature_checks(finger)?.into()),
+    ),
     problem("rigid rotation", is_papers_finger, |finger, _| Ok(rigid_rotation::checks(finger).into())),
     problem("derivatives of the energy", is_papers_finger, |finger, _| Ok(tangent::checks(finger)?.into())),
     problem("energy and work", is_papers_finger, |finger, _| Ok(energy_balance::checks(finger)?.into())),
     problem("order of convergence", is_papers_finger, |finger, _| Ok(grid_convergence::checks(finger)?.into())),
     problem(
         "MuJoCo's shapes",
-        |finger| exports::mujoco::PROGRAM.export_of(finger).is_some(),
+        |finger| exports::mujoco::PROGRAM.export_of(&Scene::of_finger(finger.clone())).is_some(),
         |finger, _| mujoco::solve(finger),
     ),
     problem("linkage", is_papers_finger, |finger, _| Ok(linkage::checks(finger, &linkage::shipped()?).into())),

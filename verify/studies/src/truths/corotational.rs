@@ -10,5 +10,5 @@ pub(super) const ROW: TruthRow = TruthRow {
         more nodes",
     kinematics: Some(Kinematics::Corotational),
     mesh: |finger| Ok(fine_mesh(finger)?),
-    on: |mesh| Ok(Box::new(MeshTruth::new(TruthId::Corotational, mesh, Kinematics::Corotational)?)),
+    on: |mesh, _| Ok(Box::new(MeshTruth::new(TruthId::Corotational, mesh, Kinematics::Corotational)?)),
 };

@@ -1,7 +1,7 @@
 //! True fingers that consist of shapes exported from another program, without interpolation.
 
 use super::{Positions, Truth, TruthError, TruthId, TruthRow};
-use crate::exports::{ExportError, Program, StaticCase, calculix, mujoco};
+use crate::exports::{Difference, ExportError, ExportedFinger, Program, StaticCase, calculix, mujoco};
 use crate::prelude::*;
 
 pub(super) const MUJOCO: TruthRow = TruthRow {
@@ -11,22 +11,22 @@ pub(super) const MUJOCO: TruthRow = TruthRow {
         forces; other positions and directions (--places, --step-deg) are not available",
     kinematics: None,
     mesh: |finger| Ok(Mesh::key_nodes(finger)),
-    on: |mesh| exported(TruthId::Mujoco, &mujoco::PROGRAM, mesh.finger()),
+    on: |_, scene| exported(TruthId::Mujoco, &mujoco::PROGRAM, scene),
 };
 
 pub(super) const CONTINUUM: TruthRow = TruthRow {
     name: "continuum",
     label: "continuum",
-    help: "The finger as a plane continuum with stiff rods, solved by CalculiX: exported shapes of seven fingers, with \
-        the same limits as mujoco. The continuum has the material of its export (nu = 0.45); poissons_ratio, \
-        rod_arm_mm, rib_arm_mm, clamp_arm_mm, shear_correction and a common factor on all moduli of the scene do not change the continuum",
+    help: "The finger as a plane continuum with stiff rods (contact.rod_radius_mm), solved by CalculiX: exported shapes of sixteen fingers, \
+        with the same limits as mujoco. rod_arm_mm, rib_arm_mm, clamp_arm_mm and shear_correction belong to the beams alone; \
+        a scene with another finger is refused",
     kinematics: None,
     mesh: |finger| Ok(Mesh::key_nodes(finger)),
-    on: |mesh| exported(TruthId::Continuum, &calculix::PROGRAM, mesh.finger()),
+    on: |_, scene| exported(TruthId::Continuum, &calculix::PROGRAM, scene),
 };
 
-fn exported(id: TruthId, program: &'static Program, finger: &Finger) -> Result<Box<dyn Truth + 'static>, TruthError> {
-    let truth = ExportedTruth::new(id, program, finger).map_err(|error| TruthError::NotExported(id, error))?;
+fn exported(id: TruthId, program: &'static Program, scene: &Scene) -> Result<Box<dyn Truth + 'static>, TruthError> {
+    let truth = ExportedTruth::new(id, program, scene).map_err(|error| TruthError::NotExported(id, error))?;
     Ok(Box::new(truth))
 }
 
@@ -37,8 +37,17 @@ pub const SAME: f64 = 1e-9;
 #[derive(Debug, thiserror::Error)]
 pub enum NotExported {
     /// The finger was not exported.
-    #[error("{coverage}; this scene has another finger", coverage = .0.coverage())]
-    Finger(&'static Program),
+    #[error("{program}'s shapes were exported only for the fingers {exported}; the nearest, {nearest}, differs from this scene in {}", listed(.differences))]
+    Finger {
+        /// Name of the program.
+        program: &'static str,
+        /// Names of all exported fingers, as text.
+        exported: String,
+        /// Name of the exported finger that shares most keys with the scene.
+        nearest: &'static str,
+        /// The keys of the scene that differ from this finger.
+        differences: Vec<Difference>,
+    },
     /// The force was not exported.
     #[error("{program}'s shapes of the finger {finger} were exported for forces of {exported} N, not for {asked} N")]
     Force {
@@ -67,13 +76,27 @@ pub struct ExportedTruth {
 }
 
 impl ExportedTruth {
-    /// Reads the shapes of a finger that `program` exported, as the true finger `id`.
+    /// Reads the shapes of the scene's finger as `program` exported them, as the true finger `id`.
     ///
     /// # Errors
     /// [`NotExported::Finger`] for a finger that was not exported; [`NotExported::Table`] if the shipped table cannot be read.
-    pub fn new(id: TruthId, program: &'static Program, finger: &Finger) -> Result<ExportedTruth, NotExported> {
-        let exported = program.export_of(finger).ok_or(NotExported::Finger(program))?;
-        Ok(ExportedTruth { id, program, finger: finger.clone(), name: exported.name, cases: exported.cases()? })
+    pub fn new(id: TruthId, program: &'static Program, scene: &Scene) -> Result<ExportedTruth, NotExported> {
+        match program.nearest(scene) {
+            Some((exported, differences)) if differences.is_empty() => ExportedTruth::of(id, program, exported),
+            nearest => {
+                let (nearest, differences) = nearest.map_or(("none", vec![]), |(finger, all)| (finger.name, all));
+                let exported = program.names();
+                Err(NotExported::Finger { program: program.name, exported, nearest, differences })
+            }
+        }
+    }
+
+    /// Reads the shapes of an exported finger, for estimators that assume other beams than those of its scene.
+    ///
+    /// # Errors
+    /// [`NotExported::Table`] if the shipped scene or table cannot be read.
+    pub fn of(id: TruthId, program: &'static Program, exported: &ExportedFinger) -> Result<ExportedTruth, NotExported> {
+        Ok(ExportedTruth { id, program, finger: exported.finger()?, name: exported.name, cases: exported.cases()? })
     }
 
     fn require_force(&self, force_n: f64) -> Result<(), NotExported> {
@@ -93,6 +116,10 @@ impl ExportedTruth {
             apart.iter().all(|difference| difference.abs() < SAME)
         })
     }
+}
+
+fn listed(differences: &[Difference]) -> String {
+    differences.iter().map(Difference::to_string).collect::<Vec<_>>().join("; ")
 }
 
 fn growing(figures: impl Iterator<Item = f64>) -> Vec<f64> {

@@ -10,7 +10,7 @@ pub(super) const ROW: TruthRow = TruthRow {
         found in milliseconds; the physics engine would need seconds to settle within 0.05 % of this shape",
     kinematics: None,
     mesh: |finger| Ok(Mesh::key_nodes(finger)),
-    on: |mesh| Ok(Box::new(Lattice::new(mesh.finger(), LATTICE_FINENESS)?)),
+    on: |mesh, _| Ok(Box::new(Lattice::new(mesh.finger(), LATTICE_FINENESS)?)),
 };
 
 /// Number of segments of a plate member between two key nodes. With this number of segments, shapes differ from the shapes of converged beams by 0.01

@@ -9,5 +9,5 @@ pub(super) const ROW: TruthRow = TruthRow {
     help: "The finger with linear statics",
     kinematics: Some(Kinematics::Linear),
     mesh: |finger| Ok(Mesh::key_nodes(finger)),
-    on: |mesh| Ok(Box::new(MeshTruth::new(TruthId::Linear, mesh, Kinematics::Linear)?)),
+    on: |mesh, _| Ok(Box::new(MeshTruth::new(TruthId::Linear, mesh, Kinematics::Linear)?)),
 };

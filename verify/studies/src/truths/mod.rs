@@ -40,7 +40,7 @@ struct TruthRow {
     help: &'static str,
     kinematics: Option<Kinematics>,
     mesh: fn(&Finger) -> Result<Mesh, TruthError>,
-    on: for<'m> fn(&'m Mesh) -> Result<Box<dyn Truth + 'm>, TruthError>,
+    on: for<'m> fn(&'m Mesh, &Scene) -> Result<Box<dyn Truth + 'm>, TruthError>,
 }
 
 impl TruthId {
@@ -57,12 +57,12 @@ impl TruthId {
         (self.row().mesh)(finger)
     }
 
-    /// Builds the true finger on its [mesh](TruthId::mesh).
+    /// Builds the true finger of a scene on its [mesh](TruthId::mesh).
     ///
     /// # Errors
-    /// [`TruthError`] if the finger at rest cannot be solved, or this type does not support the mesh's finger.
-    pub fn on(self, mesh: &Mesh) -> Result<Box<dyn Truth + '_>, TruthError> {
-        (self.row().on)(mesh)
+    /// [`TruthError`] if the finger at rest cannot be solved, or this type does not support the scene's finger.
+    pub fn on<'m>(self, mesh: &'m Mesh, scene: &Scene) -> Result<Box<dyn Truth + 'm>, TruthError> {
+        (self.row().on)(mesh, scene)
     }
 }
 

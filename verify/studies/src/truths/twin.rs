@@ -11,7 +11,7 @@ pub(super) const ROW: TruthRow = TruthRow {
         the paper's scene alone",
     kinematics: None,
     mesh: |finger| Ok(fine_mesh(&twin_of(finger)?)?),
-    on: |mesh| Ok(Box::new(MeshTruth::new(TruthId::Twin, mesh, Kinematics::Corotational)?)),
+    on: |mesh, _| Ok(Box::new(MeshTruth::new(TruthId::Twin, mesh, Kinematics::Corotational)?)),
 };
 
 /// Why a finger has no digital twin.

@@ -19,7 +19,7 @@ fn every_estimator_finds_a_small_force() {
     let finger = paper();
     let contact = at_node(19, 0.0);
     let mesh = TruthId::Corotational.mesh(&finger).expect("a mesh");
-    let truth = TruthId::Corotational.on(&mesh).expect("a finger at rest");
+    let truth = TruthId::Corotational.on(&mesh, &Scene::of_finger(finger.clone())).expect("a finger at rest");
     let measurement = Measurement::of_shape(&finger, &truth.shapes(&contact, &[0.5])[0]);
     let networks = Networks::read(&finray_fixtures::NETWORKS).expect("networks that read");
     for &id in EstimatorId::ALL {
@@ -30,10 +30,10 @@ fn every_estimator_finds_a_small_force() {
             let sensor = Sensor::new(scene, SensorContacts::Asked(vec![contact.into()]), options)?;
             sensor.sense_displacements(&measurement, Some(CAMERA_NOISE_MM), None)
         };
-        let sensed = sense(Pad::default()).unwrap_or_else(|refusal| panic!("{id}: {refusal}"));
+        let sensed = sense(None).unwrap_or_else(|refusal| panic!("{id}: {refusal}"));
         assert_eq!(sensed.forces[0].contact, contact, "{id}");
         assert!((sensed.forces[0].force_n / 0.5 - 1.0).abs() < TOLERANCE, "{id}: {sensed:?}");
-        let padded = sense(Pad { length_mm: 4.0, thickness_mm: 1.0 });
+        let padded = sense(Some(Pad { length_mm: 4.0, thickness_mm: 1.0 }));
         let is_refused = padded == Err(Refusal::Estimator(EstimatorError::NoPad));
         assert_eq!(is_refused, id != EstimatorId::Nonlinear, "{id}: {padded:?}");
     }

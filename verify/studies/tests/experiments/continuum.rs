@@ -6,7 +6,7 @@ use finray_model::sensing::{Contact, ContactQuestion, Direction, NonlinearEstima
 use finray_model::sensor::{Sensor, SensorContacts, SensorOptions};
 use finray_model::{Mesh, Scene, Vector};
 use finray_studies::experiments::continuum::{Constants, Deviation, deviations};
-use finray_studies::exports::calculix::{FURTHER, PAPER_PLAIN, PROGRAM};
+use finray_studies::exports::calculix::PROGRAM;
 use finray_studies::exports::{ExportedFinger, StaticCase};
 use finray_studies::statistics::median;
 use finray_studies::truths::fine_mesh;
@@ -41,13 +41,7 @@ const README: [(&str, usize, [f64; 2], [f64; 2]); 16] = [
 ];
 
 fn exported(name: &str) -> &'static ExportedFinger {
-    PROGRAM
-        .fingers
-        .iter()
-        .chain([&PAPER_PLAIN])
-        .chain(&FURTHER)
-        .find(|exported| exported.name == name)
-        .expect("a finger")
+    PROGRAM.fingers.iter().find(|exported| exported.name == name).expect("a finger")
 }
 
 fn compared(

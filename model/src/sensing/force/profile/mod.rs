@@ -219,7 +219,7 @@ fn response(
     problem: &mut ForceProblem,
     state: &State,
     measurement: &Measurement,
-    (contact, pad): (&Contact, Pad),
+    (contact, pad): (&Contact, Option<Pad>),
 ) -> Result<DVector<f64>, SensingError> {
     let plate_turn_rad = plate_turn(pad, problem.mesh, contact, &state.motion)?;
     let unit = PadForce { contact: *contact, force_n: 1.0, pad, plate_turn_rad };

@@ -105,7 +105,7 @@ impl SceneStudy {
         let shape = over(&|step| Some(step.engine?.shape));
         let force = over(&|step| Some(step.engine?.force));
         let equilibrium = over(&|step| step.equilibrium);
-        let engine = |what: &str| self.on(Kind::External, what, SETTLED_LATTICE);
+        let engine = |what: &str| self.on(Kind::Internal, what, SETTLED_LATTICE);
         let newton =
             self.on(Kind::Internal, "shape against the lattice's equilibrium under the contact forces", NEWTON_LATTICE);
         let mut checks = vec![newton.vanishes(DISPLACEMENT, equilibrium, LATTICE_TOLERANCE)];
