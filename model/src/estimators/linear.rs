@@ -1,7 +1,7 @@
 //! Linear least squares, without a prior and with the paper's range of forces as a prior.
 
 use super::kept::LinearSolution;
-use super::{Answer, EstimatorError, EstimatorRow, Question, known_contacts};
+use super::{Answer, EstimatorError, EstimatorRow, Question, as_stated, known_contacts};
 use crate::Finger;
 use crate::sensing::Prior;
 
@@ -35,5 +35,5 @@ fn answer(finger: &Finger, question: &Question, prior: Prior) -> Result<Answer, 
             LinearSolution::new(question.prepared, contacts, question.measurement).map_err(EstimatorError::from)
         })?;
     let estimate = estimator.estimate_on(linearisation, question.measurement, question.noise_mm, prior)?;
-    Ok((contacts.clone(), estimate))
+    Ok((as_stated(contacts), estimate))
 }

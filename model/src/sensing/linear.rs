@@ -209,6 +209,7 @@ impl LinearEstimator {
             forces_n: forces.iter().copied().collect(),
             sigmas_n: inverse.sigmas_n(noise_mm),
             covariance_n2: inverse.covariance_n2(noise_mm),
+            sides_n: None,
             model_error_n: vec![0.0; unknowns],
             measured: None,
             noise_mm,

@@ -189,6 +189,7 @@ impl NetworkEstimator {
             forces_n,
             sigmas_n,
             covariance_n2,
+            sides_n: None,
             model_error_n: self.clean_rms_n.clone(),
             measured: None,
             noise_mm,
