@@ -99,15 +99,17 @@ impl Estimate {
         [force_n - TWO_SIDED_95 * below_n, force_n + TWO_SIDED_95 * above_n]
     }
 
-    /// Widens the standard deviation of one force, so that it is at least `sd_n`, and 1.96 times the standard deviation reaches both limits
-    /// `interval_n` of the force's 95 % interval, N.
+    /// Widens the interval of one force to include `interval_n`, N, and its standard deviation to at least `sd_n`, N. 1.96 times the standard deviation
+    /// then reaches both limits of the interval.
     pub(super) fn widen_to(&mut self, contact: usize, sd_n: f64, interval_n: [f64; 2]) {
         let (force_n, sigma_n) = (self.forces_n[contact], self.sigmas_n[contact]);
-        let sides_n = [force_n - interval_n[0], interval_n[1] - force_n].map(|side_n| (side_n / TWO_SIDED_95).max(0.0));
-        let needed_n = sides_n.into_iter().fold(sd_n, f64::max);
-        self.add_variance(contact, (needed_n.powi(2) - sigma_n.powi(2)).max(0.0));
+        let sides_n =
+            [force_n - interval_n[0], interval_n[1] - force_n].map(|side_n| (side_n / TWO_SIDED_95).max(sigma_n));
         let symmetric_n = || self.sigmas_n.iter().map(|sigma_n| [*sigma_n; 2]).collect();
-        self.sides_n.get_or_insert_with(symmetric_n)[contact] = sides_n;
+        let all_n = self.sides_n.take().unwrap_or_else(symmetric_n);
+        let needed_n = sides_n.into_iter().fold(sd_n, f64::max);
+        self.add_variance(contact, needed_n.powi(2) - sigma_n.powi(2));
+        self.sides_n.insert(all_n)[contact] = sides_n;
     }
 
     /// Widens the standard deviation of a force by an independent error, N.
@@ -167,7 +169,10 @@ impl Estimate {
     pub(crate) fn widen_for_misfit(&mut self) {
         if let Some(Warning::Residual(test)) = self.warning {
             let wider = test.widening_of_misfit();
-            self.sigmas_n.iter_mut().chain(self.sides_n.iter_mut().flatten().flatten()).for_each(|side_n| *side_n *= wider);
+            self.sigmas_n
+                .iter_mut()
+                .chain(self.sides_n.iter_mut().flatten().flatten())
+                .for_each(|side_n| *side_n *= wider);
             self.covariance_n2 *= wider * wider;
             self.measured.iter_mut().for_each(|measured| measured.covariance_n2 *= wider * wider);
         }

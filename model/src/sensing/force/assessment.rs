@@ -10,7 +10,8 @@ use super::unknowns::Unknown;
 use crate::finger::Plate;
 use crate::sensing::residual_test::noise_of;
 use crate::sensing::{
-    Contact, ContactQuestion, ContactUncertainty, Direction, Estimate, LARGEST_SPAN, ResidualTest, SensingError, TWO_SIDED_95, Warning,
+    Contact, ContactQuestion, ContactUncertainty, Direction, Estimate, LARGEST_SPAN, ResidualTest, SensingError,
+    TWO_SIDED_95, Warning,
 };
 use nalgebra::DMatrix;
 
@@ -125,9 +126,9 @@ pub(super) fn assess(
         match *unknown {
             Unknown::Position(i) => {
                 let (sd_mm, length_mm) = (linear(j, j).sqrt(), problem.finger().plate_length_mm(Plate::Front));
-                let limits_mm = state.contacts[i].position_mm(problem.finger()).map(|s_mm| {
-                    [-1.0, 1.0].map(|sign| (s_mm + sign * TWO_SIDED_95 * sd_mm).clamp(0.0, length_mm))
-                });
+                let limits_mm = state.contacts[i]
+                    .position_mm(problem.finger())
+                    .map(|s_mm| [-1.0, 1.0].map(|sign| (s_mm + sign * TWO_SIDED_95 * sd_mm).clamp(0.0, length_mm)));
                 (uncertainties[i].position_sd_mm, uncertainties[i].position_interval_mm) = (Some(sd_mm), limits_mm);
             }
             Unknown::Across(i) => {

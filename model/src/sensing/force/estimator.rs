@@ -201,15 +201,19 @@ fn estimate(
         problem.order(&state.contacts).into_iter().zip(ordered_n).for_each(|(i, force_n)| forces_n[i] = force_n);
     }
     let unplaced = problem.unplaced().len();
-    // The profile compares the minima that differ by their position.
+    // The profile compares minima at different positions. Its standard deviations are those of all minima that it connects.
     let profile = PositionProfile::of(problem, &state, &rivals, seen, &estimate)?;
     if profile.is_none() {
         check_rivals(&estimate, least_misfit, &all, is_confirmed, coordinates)?;
     }
     if unplaced > 0 {
-        let grown = |all: Vec<(f64, Vec<f64>)>| all.into_iter().map(|(of_other, it)| (of_other - least_misfit, it)).collect();
-        let alternatives = Alternatives { minima: grown(all), others: grown(others), profile };
+        let grown =
+            |all: Vec<(f64, Vec<f64>)>| all.into_iter().map(|(of_other, it)| (of_other - least_misfit, it)).collect();
+        let alternatives = Alternatives { minima: grown(all.clone()), others: grown(others), profile };
         alternatives.widen(&mut estimate, problem.finger());
+        if alternatives.profile.is_some() {
+            check_rivals(&estimate, least_misfit, &all, is_confirmed, coordinates)?;
+        }
         estimate.alternatives = alternatives;
     }
     // With several unknown positions, the forces of a starting point may belong to other contacts. At a starting point, the forces act along the

@@ -199,7 +199,10 @@ impl GlobalSearch<'_, '_> {
         let is_within = |found: &Found| largest_mm2.is_none_or(|largest_mm2| self.misfit(found) <= largest_mm2);
         self.problem.object.is_none()
             && match self.problem.unplaced().len() {
-                1 => !(is_at_hand && coordinates >= (VERY_MANY * MANY_COORDINATES[0]) as f64) && self.best.as_ref().is_some_and(is_within),
+                1 => {
+                    !(is_at_hand && coordinates >= (VERY_MANY * MANY_COORDINATES[0]) as f64)
+                        && self.best.as_ref().is_some_and(is_within)
+                }
                 several => (2..=MOST_UNPLACED).contains(&several),
             }
     }

@@ -34,7 +34,9 @@ const BEYOND: f64 = AS_GOOD;
 /// If the search fails at a position, the valley may go on unless the misfit has grown by this number of noise variances: twice a standard deviation
 /// of the position.
 const BOUNDED: f64 = 4.0;
-/// A step that raises the misfit by more noise variances is halved. A step that raises it by less than `SHORT` is followed by a longer one.
+/// The profile goes on up to this growth, because another valley may begin behind a ridge.
+const FAR: f64 = 50.0;
+/// A step within a valley that raises the misfit by more noise variances is halved. A step that raises it by less than `SHORT` is followed by a longer one.
 const LONG: f64 = 3.0;
 const SHORT: f64 = 1.0;
 /// Number of points between neighbouring positions of the profile, by interpolation.
@@ -133,23 +135,29 @@ impl PositionProfile {
     ) -> Result<Option<PositionProfile>, SensingError> {
         let [contact] = problem.unplaced()[..] else { return Ok(None) };
         let noise_mm = estimate.forces.noise_mm;
-        let is_linear = is_sharp(problem, state, estimate) && rivals.is_empty();
+        let length_mm = problem.finger().plate_length_mm(Plate::Front);
+        let position_mm = |state: &State| state.contacts[contact].position_mm(problem.finger()).unwrap_or(f64::NAN);
+        let least_mm2 = problem.misfit(state, seen.measurement);
+        let sd_mm = estimate.uncertainties[contact].position_sd_mm.unwrap_or_default();
+        let is_rival = |rival: &&State| {
+            let growth = (problem.misfit(rival, seen.measurement) - least_mm2) / noise_mm.powi(2);
+            let is_elsewhere = (position_mm(rival) - position_mm(state)).abs() > BEYOND.sqrt() * sd_mm;
+            growth <= BEYOND && is_elsewhere && position_mm(rival) >= MARGIN * length_mm
+        };
+        let rivals: Vec<&State> = rivals.iter().filter(is_rival).collect();
+        let is_linear = rivals.is_empty() && is_sharp(problem, state, estimate);
         if is_linear || problem.object.is_some() || !(noise_mm > 0.0 && noise_mm.is_finite()) {
             return Ok(None);
         }
-        let length_mm = problem.finger().plate_length_mm(Plate::Front);
         let mut questions = problem.questions.clone();
         questions[contact].position = Some(ContactPosition::at(length_mm));
         let mut placed = problem.with_questions(&questions)?;
         placed.expect(seen)?;
-        let least_mm2 = problem.misfit(state, seen.measurement);
         let mut valley = Valley { placed, contact, seen, least_mm2, noise_mm };
         let mut profile = PositionProfile { contact, ranges: Vec::new() };
-        let sd_mm = estimate.uncertainties[contact].position_sd_mm.unwrap_or_default();
-        let is_on_range = |rival: &&State| rival.contacts[contact].position_mm(problem.finger()) >= Some(MARGIN * length_mm);
-        for start in [state].into_iter().chain(rivals.iter().filter(is_on_range)) {
+        for start in [state].into_iter().chain(rivals) {
             if !profile.contains(problem, start) {
-                profile.ranges.extend(valley.range(start, sd_mm)?.filter(|range| range.len() > 1));
+                profile.ranges.extend(valley.ranges(start, sd_mm)?);
             }
         }
         if profile.ranges.is_empty() {
@@ -166,7 +174,8 @@ impl PositionProfile {
     }
 
     /// Mixture of the distributions of a quantity over one or all ranges, each weighted by the likelihood and the length of plate for which it stands.
-    fn mixture(ranges: &[Vec<ForcesAt>], of: impl Fn(&ForcesAt) -> (f64, f64)) -> Vec<Component> {
+    /// `of` returns mean and standard deviation at a point that stands for a length of plate, mm.
+    fn mixture(ranges: &[Vec<ForcesAt>], of: impl Fn(&ForcesAt, f64) -> (f64, f64)) -> Vec<Component> {
         let pieces = ranges.iter().flat_map(|range| range.windows(2));
         let parts = pieces.flat_map(|ends| {
             (0..BETWEEN).map(move |i| {
@@ -175,26 +184,26 @@ impl PositionProfile {
             })
         });
         let component = |(length_mm, point): (f64, ForcesAt)| {
-            let (mean, sd) = of(&point);
+            let (mean, sd) = of(&point, length_mm);
             (length_mm * (-0.5 * point.growth).exp(), mean, sd)
         };
         parts.map(component).collect()
     }
 
     fn force(ranges: &[Vec<ForcesAt>], j: usize) -> Vec<Component> {
-        PositionProfile::mixture(ranges, |point| (point.forces_n[j], point.sigmas_n[j]))
+        PositionProfile::mixture(ranges, |point, _| (point.forces_n[j], point.sigmas_n[j]))
     }
 
     fn position(ranges: &[Vec<ForcesAt>]) -> Vec<Component> {
-        PositionProfile::mixture(ranges, |point| (point.s_mm, 0.0))
+        // A uniform distribution over the length of plate has this standard deviation.
+        PositionProfile::mixture(ranges, |point, length_mm| (point.s_mm, length_mm / 12.0_f64.sqrt()))
     }
 
     /// Refuses two ranges with different forces, a position that may be anywhere, and a force whose interval, because of the position, is wider than the force.
     fn require_determined(&self, linear_n: &[f64], state: &State) -> Result<(), SensingError> {
         let (i, contact) = (self.contact, self.contact + 1);
-        let intervals_n: Vec<[f64; 2]> = (0..self.ranges.len())
-            .map(|k| interval(&PositionProfile::force(&self.ranges[k..=k], i), APART))
-            .collect();
+        let intervals_n: Vec<[f64; 2]> =
+            (0..self.ranges.len()).map(|k| interval(&PositionProfile::force(&self.ranges[k..=k], i), APART)).collect();
         let is_apart = |k: &usize| intervals_n[*k][0] > intervals_n[0][1] || intervals_n[*k][1] < intervals_n[0][0];
         if let Some(k) = (1..self.ranges.len()).find(is_apart) {
             let ends_mm = |range: &[ForcesAt]| [range[0].s_mm, range[range.len() - 1].s_mm];
@@ -233,7 +242,7 @@ impl PositionProfile {
         uncertainty.position_sd_mm = Some(spread(&position, found_mm));
         uncertainty.position_interval_mm = Some([from_mm.min(found_mm), to_mm.max(found_mm)]);
         if let Some(sd_deg) = &mut uncertainty.direction_sd_deg {
-            let angle = PositionProfile::mixture(&self.ranges, |point| (point.angle_deg, point.angle_sd_deg));
+            let angle = PositionProfile::mixture(&self.ranges, |point, _| (point.angle_deg, point.angle_sd_deg));
             *sd_deg = spread(&angle, estimate.contacts[i].angle_deg);
         }
     }
@@ -270,26 +279,39 @@ fn is_same(found: &ForcesAt, forces_n: &[f64]) -> bool {
 }
 
 impl Valley<'_, '_> {
-    /// The connected range of positions about a minimum that explain the measurement. `sd_mm` is the linearised standard deviation of the position.
-    /// `None` if the search fails at the minimum itself.
+    /// Connected ranges of positions that explain the measurement, about a minimum and behind ridges on either side. `sd_mm` is the linearised standard
+    /// deviation of the position. Empty if the search fails at the minimum itself.
     ///
     /// # Errors
     /// [`SensingError::Undetermined`] if the search fails at a position that may explain the measurement.
-    fn range(&mut self, start: &State, sd_mm: f64) -> Result<Option<Vec<ForcesAt>>, SensingError> {
+    fn ranges(&mut self, start: &State, sd_mm: f64) -> Result<Vec<Vec<ForcesAt>>, SensingError> {
         let s_mm = start.contacts[self.contact].position_mm(self.placed.finger()).unwrap_or(f64::NAN);
-        let Ok((state, point)) = self.at(start, start.forces_n.clone(), s_mm) else { return Ok(None) };
+        let Ok((state, point)) = self.at(start, start.forces_n.clone(), s_mm) else { return Ok(Vec::new()) };
         let mut range = self.followed(&state, &point, -1.0, sd_mm)?;
         range.reverse();
         let further = self.followed(&state, &point, 1.0, sd_mm)?;
         range.push(point);
         range.extend(further);
-        Ok(Some(range))
+        // Each range includes one point beyond it on either side.
+        let explains = |point: &ForcesAt| point.growth <= BEYOND;
+        let mut ranges: Vec<Vec<ForcesAt>> = Vec::new();
+        for ends in range.windows(2).filter(|ends| ends.iter().any(explains)) {
+            match ranges.last_mut().filter(|range| range.last() == Some(&ends[0]) && explains(&ends[0])) {
+                Some(range) => range.push(ends[1].clone()),
+                None => ranges.push(ends.to_vec()),
+            }
+        }
+        // The range of the minimum comes first.
+        let distance_mm =
+            |range: &Vec<ForcesAt>| (range[0].s_mm - s_mm).max(s_mm - range[range.len() - 1].s_mm).max(0.0);
+        ranges.sort_by(|a, b| distance_mm(a).total_cmp(&distance_mm(b)));
+        Ok(ranges)
     }
 
     /// The profile from a point in one direction, until the misfit has grown by `BEYOND` or the plate ends.
     ///
     /// # Errors
-    /// [`SensingError::Undetermined`] as for [`range`](Self::range).
+    /// [`SensingError::Undetermined`] as for [`ranges`](Self::ranges).
     fn followed(
         &mut self,
         state: &State,
@@ -304,22 +326,24 @@ impl Valley<'_, '_> {
         let (mut points, mut near): (Vec<ForcesAt>, State) = (Vec::new(), state.clone());
         for _ in 0..MOST_STEPS {
             let last = points.last().unwrap_or(point);
+            let last_growth = last.growth;
             let left_mm = sign * (end_mm - last.s_mm);
-            if left_mm <= 1e-6 * length_mm || last.growth > BEYOND {
+            if left_mm <= 1e-6 * length_mm || last.growth > FAR {
                 break;
             }
             let s_mm = if left_mm <= 1.2 * step_mm { end_mm } else { last.s_mm + sign * step_mm };
             // The forces go on as from the point before.
             let before = points.len().checked_sub(2).map_or(point, |k| &points[k]);
             let share = if before.s_mm == last.s_mm { 0.0 } else { (s_mm - last.s_mm) / (last.s_mm - before.s_mm) };
-            let forces_n = last.forces_n.iter().zip(&before.forces_n).map(|(last, before)| last + share * (last - before));
+            let forces_n =
+                last.forces_n.iter().zip(&before.forces_n).map(|(last, before)| last + share * (last - before));
             let next = self.at(&near, forces_n.collect(), s_mm);
             let rise = next.as_ref().map_or(f64::INFINITY, |(_, next)| next.growth - last.growth);
             match next {
-                Ok((state, next)) if rise <= LONG || step_mm <= least_mm || last.growth + LONG > BEYOND => {
+                Ok((state, next)) if rise <= LONG || step_mm <= least_mm || last.growth > BEYOND - LONG => {
                     points.push(next);
                     near = state;
-                    if rise < SHORT {
+                    if rise < SHORT || last_growth > BEYOND {
                         step_mm = (1.6 * step_mm).min(most_mm);
                     }
                 }
