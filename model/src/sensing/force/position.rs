@@ -11,7 +11,7 @@ use super::linearised::Seen;
 use super::minima::minimum_near;
 use super::problem::{ForceProblem, State};
 use super::search_history::SearchHistory;
-use super::states::{resume, state_under};
+use super::states::{carry_over, state_under};
 use super::unknowns::Unknown;
 use crate::finger::{Finger, Plate};
 use crate::sensing::{Contact, ContactPosition, SensingError, TWO_SIDED_95};
@@ -134,7 +134,7 @@ impl PositionProfile {
         estimate: &NonlinearEstimate,
     ) -> Result<Option<PositionProfile>, SensingError> {
         let [contact] = problem.unplaced()[..] else { return Ok(None) };
-        let noise_mm = estimate.forces.noise_mm;
+        let noise_mm = estimate.forces.trusted_noise_mm;
         let length_mm = problem.finger().plate_length_mm(Plate::Front);
         let position_mm = |state: &State| state.contacts[contact].position_mm(problem.finger()).unwrap_or(f64::NAN);
         let least_mm2 = problem.misfit(state, seen.measurement);
@@ -366,7 +366,7 @@ impl Valley<'_, '_> {
         let mut contacts = near.contacts.clone();
         contacts[i] = Contact { position, ..contacts[i] };
         let state = state_under(placed, &contacts, &forces_n, Some(near)).ok_or(SensingError::NoContact)?;
-        let start = resume(placed, State { nuisances: near.nuisances.clone(), ..state }, self.seen)?;
+        let start = carry_over(placed, State { nuisances: near.nuisances.clone(), ..state }, self.seen)?;
         // The history is empty, so the search cannot end because it meets the path of an earlier search.
         let found = minimum_near(placed, start, self.seen, &mut SearchHistory::default())?;
         let mut state = found.ok_or(SensingError::NoContact)?.state;
