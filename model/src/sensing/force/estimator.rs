@@ -184,9 +184,10 @@ fn estimate_forces(
     if unknowns > coordinates {
         return Err(SensingError::TooFewMarkers { unknowns, coordinates });
     }
+    let near_is_chosen = near.is_chosen;
     let at_hand = minimum_at_hand(problem, near.state, seen)?;
     let minima = match at_hand {
-        Some(best) if near.is_chosen => Minima::only(best),
+        Some(best) if near_is_chosen => Minima::only(best),
         at_hand => find_minima(problem, at_hand, scan, seen)?,
     };
     let Minima { best, mut all, rivals, starts, mut others, scanned } = minima;
@@ -202,8 +203,11 @@ fn estimate_forces(
         problem.order(&state.contacts).into_iter().zip(ordered_n).for_each(|(i, force_n)| forces_n[i] = force_n);
     }
     let unplaced = problem.unplaced().len();
-    // The profile compares minima at different positions. Its standard deviations are those of all minima that it connects.
-    let profile = PositionProfile::of(problem, &state, &rivals, seen, &estimate)?;
+    // The profile compares minima at different positions. A minimum that was chosen on a coarser mesh has its profile from that mesh.
+    let profile = match near_is_chosen {
+        true => None,
+        false => PositionProfile::of(problem, &state, &rivals, seen, &estimate)?,
+    };
     if profile.is_none() {
         check_rivals(&estimate, least_misfit, &all, is_confirmed, coordinates)?;
     }
