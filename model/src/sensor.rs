@@ -54,8 +54,7 @@ use beam_theory::with_beam_theory_error;
 use std::cell::RefCell;
 use std::sync::{Arc, Mutex};
 
-/// Half the width of a two-sided 95 % interval of a normal distribution, in standard deviations.
-pub const TWO_SIDED_95: f64 = 1.96;
+pub use crate::sensing::TWO_SIDED_95;
 
 /// Contacts whose forces are estimated.
 #[derive(Debug, Clone, PartialEq)]

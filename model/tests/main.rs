@@ -34,6 +34,7 @@ mod sensing {
     mod residual_test;
     mod stated_sigma;
     mod surface;
+    mod valleys;
 }
 mod sensor {
     mod rest;

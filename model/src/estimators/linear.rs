@@ -1,7 +1,7 @@
 //! Linear least squares, without a prior and with the paper's range of forces as a prior.
 
 use super::kept::LinearSolution;
-use super::{Answer, EstimatorError, EstimatorRow, Question, known_contacts};
+use super::{Answer, EstimatorError, EstimatorRow, Question, as_stated, known_contacts};
 use crate::Finger;
 use crate::sensing::ForcePrior;
 
@@ -38,5 +38,5 @@ fn answer(finger: &Finger, question: &Question, prior: ForcePrior) -> Result<Ans
     if let ForcePrior::Gaussian { force_n } = prior {
         estimate.warn_of_prior(force_n);
     }
-    Ok((contacts.clone(), estimate))
+    Ok((as_stated(contacts), estimate))
 }

@@ -14,7 +14,7 @@ use crate::mesh::MeshSizeError;
 use crate::registry;
 use crate::sensing::network::NetworkError;
 use crate::sensing::{
-    Contact, ContactQuestion, Direction, Estimate, NearForces, Pad, SensingError, TouchedObject, UnloadedFinger,
+    Contact, ContactQuestion, ContactUncertainty, Direction, Estimate, NearForces, Pad, SensingError, TouchedObject, UnloadedFinger,
     check_contacts,
 };
 use network::{Networks, NoNetwork};
@@ -144,7 +144,7 @@ pub(crate) struct Question<'q> {
 }
 
 /// Contacts with their given or estimated position and direction, and their forces.
-pub(crate) type Answer = (Vec<Contact>, Estimate);
+pub(crate) type Answer = (Vec<(Contact, ContactUncertainty)>, Estimate);
 
 /// The contacts, all with known position and direction. Returns [`EstimatorError::NotKnown`] if a position or direction is unknown or measured
 /// with an error, because most estimators do not support it.
@@ -153,6 +153,11 @@ fn known_contacts(finger: &Finger, contacts: &[ContactQuestion]) -> Result<Vec<C
     let contacts = known.ok_or(EstimatorError::NotKnown)?;
     check_contacts(finger, &contacts)?;
     Ok(contacts)
+}
+
+/// Contacts whose positions and directions are known.
+fn as_stated(contacts: &[Contact]) -> Vec<(Contact, ContactUncertainty)> {
+    contacts.iter().map(|contact| (*contact, ContactUncertainty::default())).collect()
 }
 
 /// Reason for which an estimator returns no forces.

@@ -1,6 +1,6 @@
 //! Trained networks as estimators.
 
-use super::{Answer, EstimatorError, EstimatorRow, Question, known_contacts};
+use super::{Answer, EstimatorError, EstimatorRow, Question, as_stated, known_contacts};
 use crate::Finger;
 use crate::sensing::Contact;
 use crate::sensing::network::{ContactSet, Network, NetworkError, NetworkEstimator};
@@ -31,7 +31,7 @@ fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError
         Ok::<_, EstimatorError>(NetworkEstimator::new(network, finger, &contacts, question.measurement)?)
     })?;
     let estimate = estimator.estimate(question.measurement, question.marker_noise_mm)?;
-    Ok((contacts, estimate))
+    Ok((as_stated(&contacts), estimate))
 }
 
 /// A list of networks, from which the estimator selects a network by the finger and the contacts. Clones share the networks.

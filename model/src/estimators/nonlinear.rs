@@ -25,8 +25,7 @@ pub(super) const ROW: EstimatorRow = EstimatorRow {
 fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError> {
     let &Question { contacts, object, measurement, near, .. } = question;
     let Some(unloaded) = question.unloaded else {
-        let sensed = sense(finger, question)?;
-        return Ok((sensed.contacts, sensed.forces));
+        return Ok(answered(sense(finger, question)?));
     };
     let marker_noise_mm = match question.marker_noise_mm {
         Some(marker_noise_mm) => marker_noise_mm,
@@ -37,8 +36,11 @@ fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError
     let linearised = linearise_assembly(finger, contacts, object, unloaded, measurement, marker_noise_mm, near)?;
     let LinearisedAssembly { measurement, contacts, forces_n } = &linearised;
     let near = Some(NearForces { contacts, forces_n, shape: None });
-    let sensed = sense(finger, &Question { measurement, marker_noise_mm: Some(marker_noise_mm), near, ..*question })?;
-    Ok((sensed.contacts, sensed.forces))
+    Ok(answered(sense(finger, &Question { measurement, marker_noise_mm: Some(marker_noise_mm), near, ..*question })?))
+}
+
+fn answered(sensed: NonlinearEstimate) -> Answer {
+    (sensed.contacts.into_iter().zip(sensed.uncertainties).collect(), sensed.forces)
 }
 
 /// Estimates the forces on a mesh of `mesh_nodes` nodes. Without `mesh_nodes`, refines the mesh until doubling the mesh hardly changes the forces.

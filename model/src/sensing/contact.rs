@@ -95,6 +95,17 @@ impl Contact {
     }
 }
 
+/// Uncertainty of the estimated position and direction of a contact. A known or measured position or direction has none.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ContactUncertainty {
+    /// Standard deviation of the position, mm, about the estimated position. `None` if the position is not estimated.
+    pub position_sd_mm: Option<f64>,
+    /// 95 % interval of the position, mm from the base of the plate.
+    pub position_interval_mm: Option<[f64; 2]>,
+    /// Standard deviation of the direction, degrees. `None` if the direction is not estimated.
+    pub direction_sd_deg: Option<f64>,
+}
+
 /// Direction of a force, known or unknown.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Direction {

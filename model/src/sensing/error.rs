@@ -94,6 +94,35 @@ pub enum SensingError {
         /// Force of the contact in the other of the two sets of forces that explain the measurement, N.
         other_n: f64,
     },
+    /// Two ranges of positions with different forces explain the measurement equally well.
+    #[error(
+        "not identifiable: contact {contact} may lie between {:.0} and {:.0} mm with {:.3} to {:.3} N, or between {:.0} and {:.0} mm with {:.3} to \
+         {:.3} N; state the position or direction, or measure more nodes",
+        .positions_mm[0][0], .positions_mm[0][1], .forces_n[0][0], .forces_n[0][1],
+        .positions_mm[1][0], .positions_mm[1][1], .forces_n[1][0], .forces_n[1][1]
+    )]
+    TwoRanges {
+        /// Position of the contact in the list, from 1.
+        contact: usize,
+        /// Smallest and largest force in each range, N.
+        forces_n: [[f64; 2]; 2],
+        /// Ends of each range, mm from the base.
+        positions_mm: [[f64; 2]; 2],
+    },
+    /// A force is hardly known, because the position of its contact is.
+    #[error(
+        "not identifiable: the markers confine contact {contact} to {:.0} to {:.0} mm from the base, and its force to {:.3} to {:.3} N (95 % \
+         intervals); state the position, measure more nodes, or reduce the noise",
+        .position_mm[0], .position_mm[1], .force_n[0], .force_n[1]
+    )]
+    WideRange {
+        /// Position of the contact in the list, from 1.
+        contact: usize,
+        /// 95 % interval of the force, N.
+        force_n: [f64; 2],
+        /// 95 % interval of the position, mm from the base.
+        position_mm: [f64; 2],
+    },
     /// With few markers, the estimated forces are far from the linear finger's forces, and only one starting point of the search leads to the
     /// estimated forces.
     #[error(

@@ -3,6 +3,9 @@
 use super::ResidualTest;
 use nalgebra::{DMatrix, DVector};
 
+/// Half the width of a two-sided 95 % interval of a normal distribution, in standard deviations.
+pub const TWO_SIDED_95: f64 = 1.96;
+
 /// An error of the method up to this share of the largest force causes no warning. Noise alone causes an error of at least 0.13 % of a force of 3 N.
 const NEGLIGIBLE: f64 = 1e-3;
 /// A prior counts as the main source of a force if the posterior standard deviation exceeds this share of the prior's. The prior then pulls the
@@ -71,6 +74,9 @@ pub struct Estimate {
     /// Standard deviation of each force, N, including the known error of the method. Infinite if no noise is stated and no degree of freedom remains
     /// to estimate the noise from the residual.
     pub sigmas_n: Vec<f64>,
+    /// Distances of the lower and the upper limit of each force's 95 % interval from the force, N, divided by [`TWO_SIDED_95`]. `None` if the
+    /// intervals are symmetric, with `sigmas_n` on either side.
+    pub(super) sides_n: Option<Vec<[f64; 2]>>,
     /// Covariance of the forces, N^2, in the order of the contacts. Its diagonal contains the squares of `sigmas_n`.
     pub covariance_n2: DMatrix<f64>,
     /// Error of each force due to linearisation, mesh, or training of a network, in N. Each standard deviation includes this error of the method. The
@@ -99,6 +105,34 @@ pub struct MeasuredForces {
 }
 
 impl Estimate {
+    /// Lower and upper limit of the 95 % interval of a force (by index), N. If the position of the contact is unknown and only weakly determined, the
+    /// interval is asymmetric.
+    pub fn interval_n(&self, contact: usize) -> [f64; 2] {
+        let (force_n, sigma_n) = (self.forces_n[contact], self.sigmas_n[contact]);
+        let [below_n, above_n] = self.sides_n.as_ref().map_or([sigma_n; 2], |sides_n| sides_n[contact]);
+        [force_n - TWO_SIDED_95 * below_n, force_n + TWO_SIDED_95 * above_n]
+    }
+
+    /// Widens the interval of one force to include `interval_n`, N, and its standard deviation to at least `sd_n`, N. 1.96 times the standard deviation
+    /// then reaches both limits of the interval.
+    pub(super) fn widen_to(&mut self, contact: usize, sd_n: f64, interval_n: [f64; 2]) {
+        let (force_n, sigma_n) = (self.forces_n[contact], self.sigmas_n[contact]);
+        let sides_n =
+            [force_n - interval_n[0], interval_n[1] - force_n].map(|side_n| (side_n / TWO_SIDED_95).max(sigma_n));
+        let symmetric_n = || self.sigmas_n.iter().map(|sigma_n| [*sigma_n; 2]).collect();
+        let all_n = self.sides_n.take().unwrap_or_else(symmetric_n);
+        let needed_n = sides_n.into_iter().fold(sd_n, f64::max);
+        self.add_variance(contact, needed_n.powi(2) - sigma_n.powi(2));
+        self.sides_n.insert(all_n)[contact] = sides_n;
+    }
+
+    /// Widens the standard deviation of a force by an independent error, N.
+    fn widen_by(&mut self, contact: usize, error_n: f64) {
+        self.sigmas_n[contact] = self.sigmas_n[contact].hypot(error_n);
+        let sides_n = self.sides_n.as_mut().map(|sides_n| &mut sides_n[contact]);
+        sides_n.into_iter().flatten().for_each(|side_n| *side_n = side_n.hypot(error_n));
+    }
+
     /// Widens each standard deviation by an error of `share` times the force, which all forces share. The dimensionless `share` is a result of a
     /// calibration.
     pub fn add_force_error(&mut self, share: f64) {
@@ -131,9 +165,7 @@ impl Estimate {
 
     /// Adds an error of each force, N, with one cause, so that the errors of all forces are fully correlated.
     pub(super) fn add_common_error(&mut self, errors_n: &[f64]) {
-        for (sigma_n, error_n) in self.sigmas_n.iter_mut().zip(errors_n) {
-            *sigma_n = sigma_n.hypot(*error_n);
-        }
+        errors_n.iter().enumerate().for_each(|(contact, error_n)| self.widen_by(contact, *error_n));
         let errors = DVector::from_column_slice(errors_n);
         self.add_covariance(&(&errors * errors.transpose()));
     }
@@ -153,14 +185,17 @@ impl Estimate {
         let mut covariance_n2 = DMatrix::zeros(count, count);
         covariance_n2[(contact, contact)] = variance_n2;
         self.add_covariance(&covariance_n2);
-        self.sigmas_n[contact] = self.sigmas_n[contact].hypot(variance_n2.sqrt());
+        self.widen_by(contact, variance_n2.sqrt());
     }
 
     /// If noise does not explain the residual, the finger or its contacts differ from the scene, so the standard deviations are widened.
     pub(crate) fn widen_for_misfit(&mut self) {
         if let Some(Warning::Residual(test)) = self.warning {
             let wider = test.widening_of_misfit();
-            self.sigmas_n.iter_mut().for_each(|sigma_n| *sigma_n *= wider);
+            self.sigmas_n
+                .iter_mut()
+                .chain(self.sides_n.iter_mut().flatten().flatten())
+                .for_each(|side_n| *side_n *= wider);
             self.covariance_n2 *= wider * wider;
             self.measured.iter_mut().for_each(|measured| measured.covariance_n2 *= wider * wider);
         }

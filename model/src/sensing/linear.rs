@@ -217,6 +217,7 @@ impl LinearEstimator {
             forces_n: forces.iter().copied().collect(),
             sigmas_n: inverse.sigmas_n(trusted_noise_mm),
             covariance_n2: inverse.covariance_n2(trusted_noise_mm),
+            sides_n: None,
             method_error_n: vec![0.0; unknowns],
             measured: None,
             trusted_noise_mm,

@@ -16,10 +16,11 @@ mod residual_test;
 
 pub use assembly::{AssemblyErrors, CameraAbove, UnloadedError, UnloadedFinger};
 pub use contact::{
-    Contact, ContactPosition, ContactQuestion, Direction, MeasuredContact, check_contacts, check_questions,
+    Contact, ContactPosition, ContactQuestion, ContactUncertainty, Direction, MeasuredContact, check_contacts,
+    check_questions,
 };
 pub use error::SensingError;
-pub use estimate::{Estimate, MeasuredForces, MethodError, Warning};
+pub use estimate::{Estimate, MeasuredForces, MethodError, TWO_SIDED_95, Warning};
 pub use force::{Discretisation, NearForces, NonlinearEstimate, NonlinearEstimator, Refinement, sense_refining};
 pub(crate) use force::{ForceUnknowns, LinearisedAssembly, LoadedShape, Press, PressedFinger, linearise_assembly};
 pub use lean::{Lean, MeasuredNormal, Normal};

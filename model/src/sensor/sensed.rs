@@ -1,9 +1,8 @@
 //! Sensed forces, with their intervals and warnings.
 
-use super::TWO_SIDED_95;
 use crate::Vector;
 use crate::finger::Finger;
-use crate::sensing::{Contact, Estimate, MeasuredForces, Warning};
+use crate::sensing::{Contact, ContactUncertainty, Estimate, MeasuredForces, Warning};
 use nalgebra::{DMatrix, DVector};
 
 /// Estimated force at a contact.
@@ -13,8 +12,13 @@ pub struct SensedForce {
     pub contact: Contact,
     /// Force along the direction, N.
     pub force_n: f64,
-    /// Standard deviation of the force, N, including the noise and the known error of the model.
+    /// Standard deviation of the force, N, including the noise and the known error of the model. 1.96 times this value reaches both ends of the
+    /// 95 % interval.
     pub sigma_n: f64,
+    /// Uncertainty of an estimated position or direction.
+    pub uncertainty: ContactUncertainty,
+    /// Lower and upper limit of the 95 % interval, N.
+    limits_n: [f64; 2],
 }
 
 /// Estimated forces, in the order of the contacts.
@@ -31,19 +35,29 @@ pub struct SensedForces {
 }
 
 impl SensedForce {
-    /// Lower and upper limit of the 95 % interval of the force, N.
+    /// Lower and upper limit of the 95 % interval of the force, N. Asymmetric about the force if the position of the contact is unknown and the markers
+    /// determine it only weakly.
     pub fn interval_n(&self) -> [f64; 2] {
-        let reach_n = TWO_SIDED_95 * self.sigma_n;
-        [self.force_n - reach_n, self.force_n + reach_n]
+        self.limits_n
     }
 }
 
 impl SensedForces {
     /// Estimated forces at contacts, with warnings.
-    pub(super) fn new(contacts: &[Contact], estimate: Estimate, warnings: Vec<SensorWarning>) -> SensedForces {
-        let Estimate { forces_n, sigmas_n, covariance_n2, measured, .. } = estimate;
-        let force = |((&contact, force_n), sigma_n)| SensedForce { contact, force_n, sigma_n };
-        let forces = contacts.iter().zip(forces_n).zip(sigmas_n).map(force).collect();
+    pub(super) fn new(
+        contacts: &[(Contact, ContactUncertainty)],
+        estimate: Estimate,
+        warnings: Vec<SensorWarning>,
+    ) -> SensedForces {
+        let force = |(i, &(contact, uncertainty)): (usize, &(Contact, ContactUncertainty))| SensedForce {
+            contact,
+            force_n: estimate.forces_n[i],
+            sigma_n: estimate.sigmas_n[i],
+            uncertainty,
+            limits_n: estimate.interval_n(i),
+        };
+        let forces = contacts.iter().enumerate().map(force).collect();
+        let Estimate { covariance_n2, measured, .. } = estimate;
         SensedForces { forces, warnings, covariance_n2, measured }
     }
 

@@ -76,6 +76,11 @@ struct ContactLine<'a> {
     force_n: f64,
     sigma_n: f64,
     interval_n: [f64; 2],
+    /// Standard deviations of an estimated position, mm, and direction, degrees.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    s_sigma_mm: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    angle_sigma_deg: Option<f64>,
 }
 
 impl<'a> Line<'a> {
@@ -134,6 +139,8 @@ fn contact_lines<'a>(result: &'a FingerResult<'a>) -> impl Iterator<Item = Conta
         force_n: sensed.force_n,
         sigma_n: sensed.sigma_n,
         interval_n: sensed.interval_n(),
+        s_sigma_mm: sensed.uncertainty.position_sd_mm,
+        angle_sigma_deg: sensed.uncertainty.direction_sd_deg,
     })
 }
 

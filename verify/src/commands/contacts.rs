@@ -25,6 +25,11 @@ impl Contacts {
         self.0.iter().any(|asked| asked.position.is_none() && !asked.is_direction_given)
     }
 
+    /// Whether the position of any contact is to be estimated.
+    pub fn ask_position(&self) -> bool {
+        self.0.iter().any(|asked| asked.position.is_none())
+    }
+
     /// Number of contacts.
     pub fn count(&self) -> usize {
         self.0.len()

@@ -68,6 +68,20 @@ struct Row {
     angle_deg: Option<f64>,
     force_n: Option<f64>,
     sigma_n: Option<f64>,
+    /// Limits of the 95 % interval of the force, standard deviation and limits of the 95 % interval of the position, and standard deviation of the
+    /// direction. Without an unknown position, the columns are left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    low_n: Option<Option<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    high_n: Option<Option<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    s_sigma_mm: Option<Option<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    s_low_mm: Option<Option<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    s_high_mm: Option<Option<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    angle_sigma_deg: Option<Option<f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     refused: Option<String>,
 }
@@ -127,7 +141,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         let sensor = question.sensor(&seen)?;
         let sensed = sensed(&sensor, &seen, &table)?;
         warn("", &sensed.warnings);
-        write_file(&arguments.out, &csv_text(rows(finger, &sensed))?)?;
+        write_file(&arguments.out, &csv_text(rows(&question, &sensed))?)?;
         let warnings = sensor.validity_warnings(&sensed);
         warnings.iter().for_each(|warning| print_message(format_args!("warning: {warning}")));
         format!("{} sensed", count(sensed.forces.len(), "force"))
@@ -147,6 +161,17 @@ struct ImageQuestion<'a> {
 }
 
 impl ImageQuestion<'_> {
+    /// The cell of a column that only rows with an estimated position have.
+    fn if_placed(&self, cell: Option<f64>) -> Option<Option<f64>> {
+        self.contacts.ask_position().then_some(cell)
+    }
+
+    /// Row without numbers, for a refused image.
+    fn empty_row(&self) -> Row {
+        let [low_n, high_n, s_sigma_mm, s_low_mm, s_high_mm, angle_sigma_deg] = [self.if_placed(None); 6];
+        Row { low_n, high_n, s_sigma_mm, s_low_mm, s_high_mm, angle_sigma_deg, ..Row::default() }
+    }
+
     fn force(&self, image: &str) -> Option<&MeasuredForce> {
         self.forces.iter().flatten().find(|measured| measured.image == image)
     }
@@ -162,13 +187,12 @@ impl ImageQuestion<'_> {
 
 /// One row per image and contact. Rows of a refused image have a reason instead of numbers.
 fn all_images(question: &ImageQuestion, table: &ObservationTable) -> Result<Vec<Row>, Failure> {
-    let finger = &question.scene.finger;
     let mut all = Vec::new();
     for image in table.images()? {
         let of_image =
             |row: Row, refused: &str| Row { image: Some(image.to_owned()), refused: Some(refused.to_owned()), ..row };
         let refused = |reason: &str| -> Vec<Row> {
-            (0..question.contacts.count()).map(|_| of_image(Row::default(), reason)).collect()
+            (0..question.contacts.count()).map(|_| of_image(question.empty_row(), reason)).collect()
         };
         if let Some(reason) = table.refused(image) {
             all.extend(refused(reason));
@@ -185,7 +209,7 @@ fn all_images(question: &ImageQuestion, table: &ObservationTable) -> Result<Vec<
                 warn(&format!("{image}: "), &sensed.warnings);
                 let warnings = sensor.validity_warnings(&sensed);
                 warnings.iter().for_each(|warning| print_message(format_args!("warning: {image}: {warning}")));
-                all.extend(rows(finger, &sensed).into_iter().map(|row| of_image(row, "")));
+                all.extend(rows(question, &sensed).into_iter().map(|row| of_image(row, "")));
             }
             // An invalid cell of the file ends the command. A refusal for any reason other than an invalid cell affects only the rows of the refused
             // image.
@@ -213,14 +237,25 @@ fn warn(about: &str, warnings: &[SensorWarning]) {
     }
 }
 
-fn rows(finger: &Finger, sensed: &SensedForces) -> Vec<Row> {
-    let row = |sensed: &SensedForce| Row {
-        contact: Some(sensed.contact.position.name()),
-        s_mm: sensed.contact.position_mm(finger),
-        angle_deg: Some(sensed.contact.angle_deg),
-        force_n: Some(sensed.force_n),
-        sigma_n: Some(sensed.sigma_n),
-        ..Row::default()
+fn rows(question: &ImageQuestion, sensed: &SensedForces) -> Vec<Row> {
+    let row = |sensed: &SensedForce| {
+        let [low_n, high_n] = sensed.interval_n().map(Some);
+        let limits_mm = sensed.uncertainty.position_interval_mm;
+        Row {
+            contact: Some(sensed.contact.position.name()),
+            s_mm: sensed.contact.position_mm(&question.scene.finger),
+            angle_deg: Some(sensed.contact.angle_deg),
+            force_n: Some(sensed.force_n),
+            sigma_n: Some(sensed.sigma_n),
+            low_n: question.if_placed(low_n),
+            high_n: question.if_placed(high_n),
+            s_sigma_mm: question.if_placed(sensed.uncertainty.position_sd_mm),
+            s_low_mm: question.if_placed(limits_mm.map(|limits_mm| limits_mm[0])),
+            s_high_mm: question.if_placed(limits_mm.map(|limits_mm| limits_mm[1])),
+            angle_sigma_deg: question.if_placed(sensed.uncertainty.direction_sd_deg),
+            refused: None,
+            image: None,
+        }
     };
     sensed.forces.iter().map(row).collect()
 }

@@ -167,7 +167,8 @@ fn photographs_lead_to_a_finger_and_to_its_forces() {
     let both = folder.put("both.csv", rows);
     let sense = ["sense", &calibrated, "--displacements", &both, "--all-images", "--contact-at", "auto@friction"];
     let sensed = Csv::of(&finray(&sense).computed());
-    assert_eq!(sensed.header.join(","), "image,contact,s_mm,angle_deg,force_n,sigma_n,refused");
+    let columns = "image,contact,s_mm,angle_deg,force_n,sigma_n,low_n,high_n,s_sigma_mm,s_low_mm,s_high_mm,angle_sigma_deg,refused";
+    assert_eq!(sensed.header.join(","), columns);
     assert_eq!(sensed.texts("image"), ["press3.png", "nothing.png"]);
     let refused = sensed.texts("refused");
     assert!(refused[0].is_empty() && !refused[1].is_empty(), "{refused:?}");

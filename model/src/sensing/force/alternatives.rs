@@ -1,6 +1,8 @@
 //! Other forces that explain a measurement as well as an estimate does: they refuse the estimate or widen its standard deviations.
 
 use super::estimate::NonlinearEstimate;
+use super::position::PositionProfile;
+use crate::finger::Finger;
 use crate::frame::FrameMotion;
 use crate::sensing::{Estimate, SensingError};
 use nalgebra::DVector;
@@ -12,9 +14,33 @@ const ANOTHER_ANSWER_SIGMAS: f64 = 5.0;
 /// Without noise, forces count as equal up to a difference of this share of the largest force.
 const SAME_ANSWER: f64 = 1e-3;
 /// Other positions widen a standard deviation only if it grows by more than this factor. Smaller growth hardly changes how often intervals hold.
-const CURVED: f64 = 1.5;
+pub(super) const CURVED: f64 = 1.5;
 /// An estimate is confirmed if it fits at least this number of measured coordinates per force.
 const CONFIRMING_COORDINATES: usize = 4;
+
+/// Other forces and positions that explain a measurement. They widen the estimate on the mesh on which they were found, and on finer meshes.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Alternatives {
+    /// Growth of the misfit over the smallest misfit, mm^2, and forces, N, of other minima.
+    pub minima: Vec<(f64, Vec<f64>)>,
+    /// The same for other positions of several contacts.
+    pub others: Vec<(f64, Vec<f64>)>,
+    /// Profile over the only unknown position.
+    pub profile: Option<PositionProfile>,
+}
+
+impl Alternatives {
+    /// Widens an estimate. `found_mm` is the position at which `profile` has its contact in this estimate.
+    pub fn widen(&self, estimate: &mut NonlinearEstimate, finger: &Finger) {
+        match &self.profile {
+            Some(profile) => profile.widen(estimate, finger),
+            None => {
+                widen_by_rivals(estimate, &self.minima);
+                widen_by_positions(estimate, &self.others);
+            }
+        }
+    }
+}
 
 /// Refuses an estimate with a significant force if zero forces explain the data equally well. Near buckling, a small force causes large
 /// displacements, so noise may be mistaken for a force. Both misfits are in mm^2.
@@ -114,13 +140,13 @@ pub(super) fn check_rivals(
 }
 
 /// Widens the covariance by another minimum with forces that count as equal, if the minimum explains the data equally well and is separate. The forces
-/// of the other minimum are as likely as the ratio of the likelihoods states. The minimum that widens most counts. `minima` lists misfit, mm^2, and
-/// forces, N, of each minimum, and `misfit` is the misfit of the estimate.
-pub(super) fn widen_by_rivals(estimate: &mut NonlinearEstimate, misfit: f64, minima: &[(f64, Vec<f64>)]) {
+/// of the other minimum are as likely as the ratio of the likelihoods states. The minimum that widens most counts. `minima` lists the growth of the
+/// misfit, mm^2, and the forces, N, of each minimum.
+fn widen_by_rivals(estimate: &mut NonlinearEstimate, minima: &[(f64, Vec<f64>)]) {
     let variance_mm2 = estimate.forces.trusted_noise_mm.powi(2);
     let Estimate { forces_n, sigmas_n, .. } = &estimate.forces;
-    let off = |(other_misfit, other_n): &(f64, Vec<f64>)| {
-        let likelihood = (-0.5 * (other_misfit - misfit) / variance_mm2).exp().min(1.0);
+    let off = |(growth_mm2, other_n): &(f64, Vec<f64>)| {
+        let likelihood = (-0.5 * growth_mm2 / variance_mm2).exp().min(1.0);
         DVector::from_iterator(
             forces_n.len(),
             forces_n.iter().zip(other_n).map(|(force_n, other_n)| likelihood.sqrt() * (other_n - force_n)),
@@ -134,12 +160,12 @@ pub(super) fn widen_by_rivals(estimate: &mut NonlinearEstimate, misfit: f64, min
 }
 
 /// Widens standard deviations if the misfit grows less towards other forces than it does for a linear finger, for which it grows by the squared number of
-/// standard deviations. A position may then change far, and the forces with it. `others` lists misfit, mm^2, and forces, N, for other positions, and `misfit`
-/// is the misfit of the estimate.
-pub(super) fn widen_by_positions(estimate: &mut NonlinearEstimate, misfit: f64, others: &[(f64, Vec<f64>)]) {
+/// standard deviations. A position may then change far, and the forces with it. `others` lists the growth of the misfit, mm^2, and the forces, N, for
+/// other positions.
+fn widen_by_positions(estimate: &mut NonlinearEstimate, others: &[(f64, Vec<f64>)]) {
     let variance_mm2 = estimate.forces.trusted_noise_mm.powi(2);
-    for (other_misfit, other_n) in others {
-        let growth = (other_misfit - misfit) / variance_mm2;
+    for (growth_mm2, other_n) in others {
+        let growth = growth_mm2 / variance_mm2;
         if growth > AS_GOOD || growth.is_nan() {
             continue;
         }

@@ -1,14 +1,17 @@
 //! Covariance and identifiability tests of an estimate.
 
+use super::alternatives::Alternatives;
 use super::components::resolve;
 use super::estimate::{FoundLean, NonlinearEstimate};
 use super::largest_explained_rms_mm;
 use super::linearised::Seen;
 use super::problem::{ForceProblem, State};
 use super::unknowns::{IdentifiableLimit, Unknown};
+use crate::finger::Plate;
 use crate::sensing::residual_test::noise_of;
 use crate::sensing::{
-    Contact, ContactQuestion, Direction, Estimate, LARGEST_SPAN, ResidualTest, SensingError, Warning,
+    Contact, ContactQuestion, ContactUncertainty, Direction, Estimate, LARGEST_SPAN, ResidualTest, SensingError,
+    TWO_SIDED_95, Warning,
 };
 use nalgebra::DMatrix;
 
@@ -110,10 +113,20 @@ pub(super) fn assess(
     };
     let covariance = |i: usize, j: usize| linear(i, j) + if i == j { by_direction(i) } else { 0.0 };
     require_determined(problem, &state.forces_n, |j| linear(j, j).sqrt())?;
-    let mut position_sds_mm = vec![0.0; problem.questions.len()];
+    let mut uncertainties = vec![ContactUncertainty::default(); problem.questions.len()];
     for (j, unknown) in problem.unknowns.iter().enumerate() {
-        if let Unknown::Position(i) = *unknown {
-            position_sds_mm[i] = linear(j, j).sqrt();
+        match *unknown {
+            Unknown::Position(i) => {
+                let (sd_mm, length_mm) = (linear(j, j).sqrt(), problem.finger().plate_length_mm(Plate::Front));
+                let limits_mm = state.contacts[i]
+                    .position_mm(problem.finger())
+                    .map(|s_mm| [-1.0, 1.0].map(|sign| (s_mm + sign * TWO_SIDED_95 * sd_mm).clamp(0.0, length_mm)));
+                (uncertainties[i].position_sd_mm, uncertainties[i].position_interval_mm) = (Some(sd_mm), limits_mm);
+            }
+            Unknown::Across(i) => {
+                uncertainties[i].direction_sd_deg = Some((linear(j, j).sqrt() / state.forces_n[i].abs()).to_degrees());
+            }
+            _ => {}
         }
     }
     let leans = problem.unknowns.iter().enumerate().filter_map(|(k, unknown)| match *unknown {
@@ -126,6 +139,7 @@ pub(super) fn assess(
             forces_n: state.forces_n.clone(),
             sigmas_n: (0..problem.questions.len()).map(|i| covariance(i, i).sqrt()).collect(),
             covariance_n2: DMatrix::from_fn(problem.questions.len(), problem.questions.len(), covariance),
+            sides_n: None,
             method_error_n: vec![0.0; problem.questions.len()],
             measured: None,
             trusted_noise_mm,
@@ -140,7 +154,8 @@ pub(super) fn assess(
             .map(|(contact, question)| answered(contact, question))
             .collect(),
         steps,
-        position_sds_mm,
+        uncertainties,
+        alternatives: Alternatives::default(),
     };
     if (0..problem.questions.len()).any(|i| problem.is_normal_measured(i)) {
         resolve(problem, state, measurement, &mut estimate)?;

@@ -1,6 +1,7 @@
 //! Estimated forces with the positions and directions of their contacts.
 
-use crate::sensing::{Contact, Estimate};
+use super::alternatives::Alternatives;
+use crate::sensing::{Contact, ContactUncertainty, Estimate};
 
 /// Estimated forces with the positions and directions of their contacts.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,8 +12,10 @@ pub struct NonlinearEstimate {
     pub contacts: Vec<Contact>,
     /// Number of Gauss-Newton steps.
     pub steps: usize,
-    /// Standard deviation of each contact's position, mm, linearised at the estimate. Zero for a known position.
-    pub position_sds_mm: Vec<f64>,
+    /// Uncertainty of the position and the direction of each contact.
+    pub uncertainties: Vec<ContactUncertainty>,
+    /// Other forces and positions that explain the measurement.
+    pub(super) alternatives: Alternatives,
     /// Estimated leans (angles between force and normal).
     pub(super) leans: Vec<FoundLean>,
 }

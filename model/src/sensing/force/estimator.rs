@@ -1,8 +1,6 @@
 //! The nonlinear estimator, and the course of one estimate: find the minima, assess the best, compare it with others, widen its intervals.
 
-use super::alternatives::{
-    check_against_nothing, check_other_forces, check_rivals, check_unconfirmed, widen_by_positions, widen_by_rivals,
-};
+use super::alternatives::{Alternatives, check_against_nothing, check_other_forces, check_rivals, check_unconfirmed};
 use super::assessment::assess;
 use super::correction::{correct, correct_below_noise};
 use super::estimate::NonlinearEstimate;
@@ -12,7 +10,7 @@ use super::linearised::Seen;
 use super::marker_motion::Posed;
 use super::minima::{KeptScan, MANY_COORDINATES, Minima, find_minima, minimum_near};
 use super::object_start::{require_touch, without_object};
-use super::position::widen_by_position;
+use super::position::PositionProfile;
 use super::problem::{ForceProblem, State};
 use super::search_history::SearchHistory;
 use super::states::{Found, carry_over, state_near, state_under};
@@ -192,12 +190,13 @@ fn estimate_forces(
     if unknowns > coordinates {
         return Err(SensingError::TooFewMarkers { unknowns, coordinates });
     }
+    let near_is_chosen = near.is_chosen;
     let at_hand = minimum_at_hand(problem, near.state, seen)?;
     let minima = match at_hand {
-        Some(best) if near.is_chosen => Minima::only(best),
+        Some(best) if near_is_chosen => Minima::only(best),
         at_hand => find_minima(problem, at_hand, scan, seen)?,
     };
-    let Minima { best, mut all, starts, mut others, scanned } = minima;
+    let Minima { best, mut all, rivals, starts, mut others, scanned } = minima;
     let Found { mut state, steps, near } = best;
     let least_misfit = problem.misfit(&state, measurement);
     let mut estimate = assess(problem, &mut state, seen, steps)?;
@@ -209,11 +208,24 @@ fn estimate_forces(
         let ordered_n = forces_n.clone();
         problem.order(&state.contacts).into_iter().zip(ordered_n).for_each(|(i, force_n)| forces_n[i] = force_n);
     }
-    check_rivals(&estimate, least_misfit, &all, is_confirmed, coordinates)?;
     let unplaced = problem.unplaced().len();
+    // The profile compares minima at different positions. A minimum that was chosen on a coarser mesh has its profile from that mesh.
+    let profile = match near_is_chosen {
+        true => None,
+        false => PositionProfile::of(problem, &state, &rivals, seen, &estimate)?,
+    };
+    if profile.is_none() {
+        check_rivals(&estimate, least_misfit, &all, is_confirmed, coordinates)?;
+    }
     if unplaced > 0 {
-        widen_by_rivals(&mut estimate, least_misfit, &all);
-        widen_by_positions(&mut estimate, least_misfit, &others);
+        let grown =
+            |all: Vec<(f64, Vec<f64>)>| all.into_iter().map(|(of_other, it)| (of_other - least_misfit, it)).collect();
+        let alternatives = Alternatives { minima: grown(all.clone()), others: grown(others), profile };
+        alternatives.widen(&mut estimate, problem.finger());
+        if alternatives.profile.is_some() {
+            check_rivals(&estimate, least_misfit, &all, is_confirmed, coordinates)?;
+        }
+        estimate.alternatives = alternatives;
     }
     // With several unknown positions, the forces of a starting point may belong to other contacts. At a starting point, the forces act along the
     // undeformed normal, so a starting point cannot contradict forces along the deformed normal.
@@ -227,7 +239,6 @@ fn estimate_forces(
         check_other_forces(&estimate, least_misfit, starts.chain(scanned))?;
     }
     widen_by_curvature(problem, &state, measurement, &mut estimate)?;
-    widen_by_position(problem, &state, seen, &mut estimate)?;
     widen_by_leans(problem, &state, seen, &mut estimate)?;
     Ok((estimate, state))
 }

@@ -46,6 +46,8 @@ pub(super) struct Minima {
     pub all: Vec<(f64, Vec<f64>)>,
     /// Forces, N, and shapes from which the searches started.
     pub starts: Vec<(Vec<f64>, FrameMotion)>,
+    /// States of the other minima, if one position is unknown.
+    pub rivals: Vec<State>,
     /// Misfit, mm^2, and forces, N, for other positions that explain the measurement, in the order of [`ForceProblem::order`].
     pub others: Vec<(f64, Vec<f64>)>,
     /// Points of the scan, one list per curve. Empty without a scan.
@@ -55,7 +57,8 @@ pub(super) struct Minima {
 impl Minima {
     /// A minimum that needs no comparison.
     pub fn only(best: Found) -> Minima {
-        Minima { best, all: Vec::new(), starts: Vec::new(), others: Vec::new(), scanned: Vec::new() }
+        let (all, rivals) = (Vec::new(), Vec::new());
+        Minima { best, all, rivals, starts: Vec::new(), others: Vec::new(), scanned: Vec::new() }
     }
 }
 
@@ -75,6 +78,7 @@ struct GlobalSearch<'s, 'm> {
     best: Option<Found>,
     failure: Option<SensingError>,
     all: Vec<(f64, Vec<f64>)>,
+    rivals: Vec<State>,
     starts: Vec<(Vec<f64>, FrameMotion)>,
     others: Vec<(f64, Vec<f64>)>,
 }
@@ -110,6 +114,7 @@ pub(super) fn find_minima(
         best: at_hand,
         failure: None,
         all: Vec::new(),
+        rivals: Vec::new(),
         starts: Vec::new(),
         others: Vec::new(),
         problem,
@@ -126,9 +131,9 @@ pub(super) fn find_minima(
     if search.seeks_rivals(is_at_hand) {
         search.search_from_rivals();
     }
-    let GlobalSearch { best, failure, all, starts, others, .. } = search;
+    let GlobalSearch { best, failure, all, rivals, starts, others, .. } = search;
     let best = best.ok_or_else(|| failure.unwrap_or(SensingError::NoContact))?;
-    Ok(Minima { best, all, starts, others, scanned })
+    Ok(Minima { best, all, rivals, starts, others, scanned })
 }
 
 impl GlobalSearch<'_, '_> {
@@ -184,10 +189,10 @@ impl GlobalSearch<'_, '_> {
         scanned
     }
 
-    /// Whether rivals of the best minimum are sought. A search for a single position keeps a minimum at hand, because the search for the first of
-    /// similar measurements has compared the minima. It also keeps a minimum whose residual exceeds [`POOR_FIT_SIGMAS`], because the estimate then
-    /// carries a warning: the finger is near a limit load, or differs from the scene. Several positions depend on the order of the contacts without a
-    /// comparison.
+    /// Whether rivals of the best minimum are sought. A search for a single position with very many coordinates keeps a minimum at hand, because the
+    /// search for the first of similar measurements has compared the minima. It also keeps a minimum whose residual exceeds [`POOR_FIT_SIGMAS`], because
+    /// the estimate then carries a warning: the finger is near a limit load, or differs from the scene. Several positions depend on the order of the
+    /// contacts without a comparison.
     fn seeks_rivals(&self, is_at_hand: bool) -> bool {
         let coordinates = self.seen.measurement.coordinate_count() as f64;
         let largest_mm2 =
@@ -195,7 +200,10 @@ impl GlobalSearch<'_, '_> {
         let is_within = |found: &Found| largest_mm2.is_none_or(|largest_mm2| self.misfit(found) <= largest_mm2);
         self.problem.object.is_none()
             && match self.problem.unplaced().len() {
-                1 => !is_at_hand && self.best.as_ref().is_some_and(is_within),
+                1 => {
+                    !(is_at_hand && coordinates >= (VERY_MANY * MANY_COORDINATES[0]) as f64)
+                        && self.best.as_ref().is_some_and(is_within)
+                }
                 several => (2..=MOST_UNPLACED).contains(&several),
             }
     }
@@ -242,8 +250,10 @@ impl GlobalSearch<'_, '_> {
                 let forces_n = order.iter().map(|&i| found.state.forces_n[i]).collect();
                 let misfit_mm2 = self.misfit(&found);
                 self.all.extend(self.history.end(Some((misfit_mm2, forces_n))));
-                if self.best.as_ref().is_none_or(|best| misfit_mm2 < self.misfit(best)) {
-                    self.best = Some(found);
+                let is_best = self.best.as_ref().is_none_or(|best| misfit_mm2 < self.misfit(best));
+                let other = if is_best { self.best.replace(found) } else { Some(found) };
+                if self.problem.unplaced().len() == 1 {
+                    self.rivals.extend(other.map(|other| other.state));
                 }
             }
             Ok(None) => self.all.extend(self.history.end(None)),

@@ -105,7 +105,9 @@ impl Refinement {
             let shape = self.states[level - 1].as_ref().map(|state| of_fine.interpolate(of_coarse, &state.motion));
             let (contacts, forces_n) = (&coarse.contacts[..], &coarse.forces.forces_n[..]);
             let near = NearForces { contacts, forces_n, shape: shape.as_ref() };
-            let fine = self.on(level, object, seen, Some(near), true)?;
+            let mut fine = self.on(level, object, seen, Some(near), true)?;
+            fine.alternatives = std::mem::take(&mut coarse.alternatives);
+            fine.alternatives.clone().widen(&mut fine, self.meshes.finger());
             let largest_n = fine.forces.forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
             let pairs = fine.forces.forces_n.iter().zip(&coarse.forces.forces_n);
             let change_n: Vec<f64> = pairs.map(|(fine, coarse)| fine - coarse).collect();

@@ -17,7 +17,7 @@ const LEAST_LEANING_N: f64 = 1e-9;
 /// A direction is not identifiable if its standard deviation exceeds this angle, degrees. A position is not identifiable if its standard deviation
 /// exceeds the share `LARGEST_POSITION_SIGMA` of the plate's length.
 const LARGEST_ANGLE_SIGMA_DEG: f64 = 30.0;
-pub(super) const LARGEST_POSITION_SIGMA: f64 = 0.25;
+const LARGEST_POSITION_SIGMA: f64 = 0.25;
 
 /// One unknown. A number in a variant is the index of the contact or of the shared error, from 0.
 #[derive(Debug, Clone, Copy, PartialEq)]

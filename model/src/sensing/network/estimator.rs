@@ -249,6 +249,7 @@ impl NetworkEstimator {
             forces_n,
             sigmas_n,
             covariance_n2,
+            sides_n: None,
             method_error_n,
             measured: None,
             trusted_noise_mm,
