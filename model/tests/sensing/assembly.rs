@@ -211,7 +211,8 @@ fn intervals_hold_on_fingers_that_were_assembled_anew() {
 /// were once sensed many times too large, with equally wide intervals.
 #[test]
 fn forces_at_hidden_positions_are_within_their_intervals_or_refused() {
-    let few = [3, 26, 36, 75, 78];
+    // The markers confine the position in cases 5 and 12. In the others it spans half the plate, and the force a factor of four or more.
+    let few = [3, 5, 12, 26, 36, 75, 78];
     let all = case_count(few.len(), 1000);
     let cases = if all == few.len() { few.to_vec() } else { (0..all).collect() };
     for knows_direction in [true, false] {

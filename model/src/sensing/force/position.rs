@@ -31,9 +31,6 @@ const MARGIN: f64 = 0.02;
 /// A valley ends where the misfit exceeds the smallest misfit by this number of noise variances. On a linear finger, it therefore ends three standard
 /// deviations from the minimum.
 const BEYOND: f64 = AS_GOOD;
-/// If the search fails at a position, the valley may go on unless the misfit has grown by this number of noise variances: twice a standard deviation
-/// of the position.
-const BOUNDED: f64 = 4.0;
 /// The profile goes on up to this growth, because another valley may begin behind a ridge.
 const FAR: f64 = 50.0;
 /// A step within a valley that raises the misfit by more noise variances is halved. A step that raises it by less than `SHORT` is followed by a longer one.
@@ -347,7 +344,7 @@ impl Valley<'_, '_> {
                         step_mm = (1.6 * step_mm).min(most_mm);
                     }
                 }
-                Err(_) if step_mm <= least_mm && last.growth < BOUNDED => {
+                Err(_) if step_mm <= least_mm && last.growth < BEYOND => {
                     let (contact, sigma) = (self.contact + 1, (last.s_mm - point.s_mm).abs().max(sd_mm));
                     return Err(SensingError::Undetermined { what: "the position", contact, sigma, unit: "mm" });
                 }
