@@ -133,7 +133,7 @@ fn stated_angles_act_where_solved_loads_act() {
     for case in 0..12 {
         let chance = &mut random_stream(6507, case);
         let finger = random_finger(chance);
-        let mesh = Mesh::with_elements_per_member(&finger, 2);
+        let mesh = Mesh::key_nodes(&finger);
         let node = contact_node(&finger, chance.random_range(0.2..0.8));
         let contact = Contact { position: ContactPosition::Node(node), angle_deg: chance.random_range(-40.0..40.0) };
         let force_n = force_for_deflection(&finger, node, contact.angle_deg, 0.02).norm();

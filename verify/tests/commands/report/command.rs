@@ -12,7 +12,8 @@ fn what_exists_for_the_papers_finger_alone_is_left_out_for_others() {
     verdicts_pass(&summary);
     // OpenSees verified the scene's features on other fingers, and the page names these features.
     let of_opensees = |check: &&Value| check["source"] == "OpenSees";
-    let problems = || array(&summary, "checks").iter().filter(of_opensees).filter_map(|check| check["problem"].as_str());
+    let problems =
+        || array(&summary, "checks").iter().filter(of_opensees).filter_map(|check| check["problem"].as_str());
     assert!(problems().count() > 0 && problems().all(|problem| problem.starts_with("finger ")), "{summary}");
     let said = "Reference values of other programs for the finger itself, the paper's Table I, the spring lattice and the hard cases exist only for the paper's finger";
     let page = SPRING_STEELS.pages();
