@@ -17,6 +17,7 @@ mod scene {
 }
 mod scene_keys;
 mod shared_junctions;
+mod side_faces;
 mod sensing {
     mod assembly;
     mod back_plate;
