@@ -5,7 +5,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use finray_bench::{paper, push};
 use finray_model::frame::FrameLoad;
 use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, ContactPosition, LinearEstimator, NonlinearEstimator, Prior};
+use finray_model::sensing::{Contact, ContactPosition, ForcePrior, LinearEstimator, NonlinearEstimator};
 use finray_model::statics::{Statics, equilibria};
 use finray_model::{Kinematics, Mesh, NodeId, statics};
 use rand::{RngExt, SeedableRng};
@@ -26,12 +26,12 @@ fn sensing(criterion: &mut Criterion) {
         let count = contacts.len();
         let estimator = LinearEstimator::new(&finger, &contacts, &measurement).expect("well-posed");
         criterion.bench_function(&format!("least_squares/prepared/{count}"), |bencher| {
-            bencher.iter(|| estimator.estimate(black_box(&measurement), Some(0.067), Prior::None));
+            bencher.iter(|| estimator.estimate(black_box(&measurement), Some(0.067), ForcePrior::None));
         });
         criterion.bench_function(&format!("least_squares/from_scratch/{count}"), |bencher| {
             bencher.iter(|| {
                 LinearEstimator::new(&finger, &contacts, black_box(&measurement))
-                    .map(|estimator| estimator.estimate(&measurement, Some(0.067), Prior::None))
+                    .map(|estimator| estimator.estimate(&measurement, Some(0.067), ForcePrior::None))
             });
         });
     }

@@ -17,7 +17,7 @@ use finray_model::estimators::{ELEMENTS, EstimatorId};
 use finray_model::measurement::Measurement;
 use finray_model::mesh::FingerShape;
 use finray_model::sensing::network::NetworkEstimator;
-use finray_model::sensing::{Contact, LinearEstimator, NonlinearEstimator, Prior};
+use finray_model::sensing::{Contact, ForcePrior, LinearEstimator, NonlinearEstimator};
 use finray_model::statics::{Statics, solve};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId};
 use finray_studies::sampling::noise::Noise;
@@ -245,7 +245,7 @@ type Way<'m> = (EstimatorId, String, &'static str, Box<dyn Fn(&[Contact]) -> Pre
 
 fn ways<'m>(finger: &'m Finger, meshes: &'m [Mesh], networks: &'m Networks) -> Vec<Way<'m>> {
     let mut all: Vec<Way> = Vec::new();
-    for (id, prior) in [(EstimatorId::LeastSquares, Prior::None), (EstimatorId::Ridge, Prior::PAPER)] {
+    for (id, prior) in [(EstimatorId::LeastSquares, ForcePrior::None), (EstimatorId::Ridge, ForcePrior::PAPER)] {
         let prepare = move |contacts: &[Contact]| -> Prepared<'m> {
             let estimator = LinearEstimator::new(finger, contacts, &Measurement::at_rest(finger)).expect("contacts");
             Box::new(move |seen| Some(estimator.estimate(seen, Some(CAMERA_NOISE_MM), prior).forces_n))

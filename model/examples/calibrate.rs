@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p finray-model --example calibrate`
 
-use finray_model::calibration::{CalibrationCase, FactorModel, Unknown, factors};
+use finray_model::calibration::{CalibrationCase, FactorModel, UnknownFactor, factors};
 use finray_model::measurement::Measurement;
 use finray_model::{Kinematics, Load, Mesh, NodeId, Scene, statics};
 
@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let shape = statics::solve(&mesh, &[load], Kinematics::Corotational)?;
     let case = CalibrationCase { load, measurement: Measurement::of_shape(&softer.finger, &shape) };
     let model = FactorModel { kinematics: Kinematics::Corotational, elements: 8, noise_mm: Some(0.067) };
-    let found = factors(&scene.finger, &[case], &[Unknown::Modulus], &model)?;
+    let found = factors(&scene.finger, &[case], &[UnknownFactor::Modulus], &model)?;
     let (modulus_mpa, share) = (47.976 * found.factors[0], found.relative_sigmas[0]);
     println!("Young's modulus: {modulus_mpa:.2} +- {:.2} MPa", modulus_mpa * share);
     assert!((modulus_mpa / 40.0 - 1.0).abs() < 1e-3);

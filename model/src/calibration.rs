@@ -7,7 +7,7 @@ mod modulus;
 mod robust;
 mod views;
 
-pub use factors::{FactorEstimate, FactorModel, Unknown, factors};
+pub use factors::{FactorEstimate, FactorModel, UnknownFactor, factors};
 pub use modulus::{ModulusEstimate, corotational_modulus};
 pub use robust::{OutlyingMarker, RobustFactors, robust_factors};
 pub use views::*;

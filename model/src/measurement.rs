@@ -102,27 +102,28 @@ pub enum MeasurementError {
     },
 }
 
-/// Errors of a finger's markers: a factor on their stated standard deviations, and an error of the model that adds to them.
+/// Errors of a finger's markers: a factor on their stated standard deviations, and the calibration error that adds to them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MarkerErrors {
     /// Ratio of actual to stated marker noise, dimensionless. The ratio is below 1 if part of the stated noise is common to all images and absorbed
     /// by calibration.
     pub noise_factor: f64,
-    /// Error of the finger model, mm: standard deviation of one coordinate.
-    pub model_mm: f64,
+    /// Calibration error, mm: standard deviation of one coordinate of a marker in what the calibrated finger leaves unexplained beside the noise. The
+    /// scene's key is `model_error_mm`.
+    pub calibration_error_mm: f64,
 }
 
 impl Default for MarkerErrors {
-    /// Errors as stated: a noise factor of 1 and a model error of 0.
+    /// Errors as stated: a noise factor of 1 and a calibration error of 0.
     fn default() -> MarkerErrors {
-        MarkerErrors { noise_factor: 1.0, model_mm: 0.0 }
+        MarkerErrors { noise_factor: 1.0, calibration_error_mm: 0.0 }
     }
 }
 
 impl MarkerErrors {
-    /// Total standard deviation of a coordinate, mm, for the stated standard deviation `stated_mm`.
+    /// Standard deviation of a coordinate, mm, including both errors, for the stated standard deviation `stated_mm`.
     pub fn sd_mm(&self, stated_mm: f64) -> f64 {
-        (self.noise_factor * stated_mm).hypot(self.model_mm)
+        (self.noise_factor * stated_mm).hypot(self.calibration_error_mm)
     }
 }
 

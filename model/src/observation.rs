@@ -61,7 +61,7 @@ pub struct ObservedMeasurement {
     /// The displacements. Weights follow from the markers' standard deviations.
     pub measurement: Measurement,
     /// Standard deviation of a coordinate of weight 1, mm; `None` unless the observation states a standard deviation for each marker.
-    pub noise_mm: Option<f64>,
+    pub marker_noise_mm: Option<f64>,
     /// Transformation from the frame in which displacements are expressed to the reference frame of the camera's pose, mm and rad.
     pub frame: Isometry2<f64>,
 }
@@ -153,7 +153,7 @@ impl Observation {
     }
 
     /// Converts the observation to a measurement for sensing forces. If a marker has no stated standard deviation, its largest accepted motion on a
-    /// clamped node follows from `noise_mm`, in mm. `base_is_sought` states whether the base is estimated together with the forces. If it is, the
+    /// clamped node follows from `stated_noise_mm`, in mm. `base_is_sought` states whether the base is estimated together with the forces. If it is, the
     /// uncertainty of the base is separate from the uncertainty of the markers.
     ///
     /// # Errors
@@ -162,9 +162,9 @@ impl Observation {
         &self,
         scene: &Scene,
         base_is_sought: bool,
-        noise_mm: Option<f64>,
+        stated_noise_mm: Option<f64>,
     ) -> Result<ObservedMeasurement, ObservationError> {
-        Reading { errors: scene.marker_errors, base_is_sought, by_position: false, noise_mm }.of(self, scene)
+        Reading { errors: scene.marker_errors, base_is_sought, by_position: false, stated_noise_mm }.of(self, scene)
     }
 
     /// Converts the observation to a measurement for calibrating the scene. Uses the stated standard deviations and the positions of the markers.
@@ -174,12 +174,12 @@ impl Observation {
     /// # Errors
     /// [`ObservationError`] for the first marker that does not fit the finger, or if no standard deviation is known.
     pub fn for_calibration(&self, scene: &Scene) -> Result<(ObservedMeasurement, BaseUncertainty), ObservationError> {
-        let (errors, noise_mm) = (MarkerErrors::default(), scene.noise_mm);
-        let found = Reading { errors, base_is_sought: true, by_position: true, noise_mm }.of(self, scene)?;
-        let noise_mm = found.noise_mm.or(noise_mm).ok_or(ObservationError::NoNoise)?;
+        let (errors, stated_noise_mm) = (MarkerErrors::default(), scene.noise_mm);
+        let found = Reading { errors, base_is_sought: true, by_position: true, stated_noise_mm }.of(self, scene)?;
+        let marker_noise_mm = found.marker_noise_mm.or(scene.noise_mm).ok_or(ObservationError::NoNoise)?;
         let known = found.measurement.base().unwrap_or_default();
         let base = BaseUncertainty { sd_mm: known.sd_mm.max(EXACT.0), sd_rad: known.sd_rad.max(EXACT.1), ..known };
-        Ok((ObservedMeasurement { noise_mm: Some(noise_mm), ..found }, base))
+        Ok((ObservedMeasurement { marker_noise_mm: Some(marker_noise_mm), ..found }, base))
     }
 
     /// Whether displacements refer to an image of the unloaded finger. If they do, their reference positions differ from the unloaded marker
@@ -218,7 +218,7 @@ struct Reading {
     /// Whether positions have priority over displacements.
     by_position: bool,
     /// Standard deviation of one coordinate, mm, if it is stated outside the observation.
-    noise_mm: Option<f64>,
+    stated_noise_mm: Option<f64>,
 }
 
 impl Reading {
@@ -242,17 +242,17 @@ impl Reading {
         }
         self.without_clamped(finger, seen, &mut rows)?;
         let sds: Option<Vec<f64>> = rows.iter().map(|(.., sd_mm)| *sd_mm).collect();
-        let noise_mm = sds.filter(|sds| !sds.is_empty()).map(|sds| root_mean_square(&sds));
+        let marker_noise_mm = sds.filter(|sds| !sds.is_empty()).map(|sds| root_mean_square(&sds));
         let mut measurement = Measurement::empty();
         for (index, marker, sd_mm) in rows {
-            let weight = noise_mm.zip(sd_mm).map_or(1.0, |(noise_mm, sd_mm)| noise_mm / sd_mm);
+            let weight = marker_noise_mm.zip(sd_mm).map_or(1.0, |(noise_mm, sd_mm)| noise_mm / sd_mm);
             let wrong = |error: MeasurementError| ObservationError::Marker { index, reason: error.into() };
             measurement.add(finger, Marker { weight, ..marker }).map_err(wrong)?;
         }
         if let Some(base) = self.base(stated_base.filter(|_| !is_of_pose), scene)? {
             measurement = measurement.with_base(base);
         }
-        Ok(ObservedMeasurement { measurement, noise_mm, frame })
+        Ok(ObservedMeasurement { measurement, marker_noise_mm, frame })
     }
 
     /// Displacement of a marker, mm.
@@ -286,7 +286,8 @@ impl Reading {
         seen: &Observation,
         rows: &mut Vec<(usize, Marker, Option<f64>)>,
     ) -> Result<(), ObservationError> {
-        let of_all = LargestClampedMotion::of(self.noise_mm, rows.iter().map(|(_, marker, _)| marker.displacement));
+        let of_all =
+            LargestClampedMotion::of(self.stated_noise_mm, rows.iter().map(|(_, marker, _)| marker.displacement));
         for (index, marker, sd_mm) in rows.iter() {
             // The motion of a clamped marker includes the error of the base, even if the base is estimated.
             let sd_mm = seen.markers[*index].sd_mm.map(|sd_mm| self.errors.sd_mm(sd_mm)).or(*sd_mm);

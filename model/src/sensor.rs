@@ -270,14 +270,14 @@ impl Sensor {
     /// # Errors
     /// [`Refusal`] as for `sense`.
     pub fn sense_near(&self, seen: &Observation, near: Option<&SensedForces>) -> Result<SensedForces, Refusal> {
-        let (scene, &SensorOptions { estimator, noise_mm, .. }) = (self.scene(), &self.options);
-        let noise_mm = noise_mm.or(scene.noise_mm);
-        let found = seen.for_sensing(scene, estimator.searches(), noise_mm)?;
+        let (scene, estimator) = (self.scene(), self.options.estimator);
+        let stated_noise_mm = self.options.noise_mm.or(scene.noise_mm);
+        let found = seen.for_sensing(scene, estimator.searches(), stated_noise_mm)?;
         // Weights are equal if the noise is stated, because it applies to all nodes, and for networks, because they are trained on equally accurate
         // nodes.
-        let stated_mm = noise_mm.map(|noise_mm| scene.marker_errors.sd_mm(noise_mm));
-        let is_uniform = stated_mm.is_some() || estimator == EstimatorId::Network;
-        let ObservedMeasurement { measurement, noise_mm, frame } = found;
+        let of_stated_mm = stated_noise_mm.map(|stated_mm| scene.marker_errors.sd_mm(stated_mm));
+        let is_uniform = of_stated_mm.is_some() || estimator == EstimatorId::Network;
+        let ObservedMeasurement { measurement, marker_noise_mm, frame } = found;
         let measurement = if is_uniform { measurement.with_markers(|marker| marker.weight = 1.0) } else { measurement };
         let object = scene.touched.as_ref().and_then(|touched| touched.seen_from(&frame));
         let unloaded = scene.assembly.clone().map(|assembly| self.unloaded(assembly, &frame, seen));
@@ -286,10 +286,10 @@ impl Sensor {
             None => measurement,
             Some(stated) => measurement.with_base(stated.map(BaseUncertainty::of_two_images)),
         };
-        self.estimate(&measurement, stated_mm.or(noise_mm), object.as_ref(), unloaded.as_ref(), near)
+        self.estimate(&measurement, of_stated_mm.or(marker_noise_mm), object.as_ref(), unloaded.as_ref(), near)
     }
 
-    /// Estimates the forces of displacements in the finger frame, like [`sense_near`](Sensor::sense_near). `noise_mm` is the standard deviation of one
+    /// Estimates the forces of displacements in the finger frame, like [`sense_near`](Sensor::sense_near). `marker_noise_mm` is the standard deviation of one
     /// coordinate of weight 1, mm, including all errors of the markers; `None` if it is unknown. The scene's object and assembly errors, whose
     /// place depends on an image, are left out.
     ///
@@ -298,21 +298,22 @@ impl Sensor {
     pub fn sense_displacements(
         &self,
         measurement: &Measurement,
-        noise_mm: Option<f64>,
+        marker_noise_mm: Option<f64>,
         near: Option<&SensedForces>,
     ) -> Result<SensedForces, Refusal> {
-        self.estimate(measurement, noise_mm, None, None, near)
+        self.estimate(measurement, marker_noise_mm, None, None, near)
     }
 
     fn estimate(
         &self,
         measurement: &Measurement,
-        noise_mm: Option<f64>,
+        marker_noise_mm: Option<f64>,
         object: Option<&TouchedObject>,
         unloaded: Option<&UnloadedFinger>,
         near: Option<&SensedForces>,
     ) -> Result<SensedForces, Refusal> {
-        let (measurement, noise_mm) = with_beam_theory_error(self.scene().model_error, measurement, noise_mm);
+        let (measurement, marker_noise_mm) =
+            with_beam_theory_error(self.scene().model_error, measurement, marker_noise_mm);
         let near: Option<(Vec<Contact>, Vec<f64>)> =
             near.map(|near| near.forces.iter().map(|sensed| (sensed.contact, sensed.force_n)).unzip());
         // If another thread uses the kept results, this estimate does without them.
@@ -323,7 +324,7 @@ impl Sensor {
             contacts: &self.contacts,
             object,
             measurement: &measurement,
-            noise_mm,
+            marker_noise_mm,
             mesh_nodes: self.options.mesh_nodes,
             networks: &self.options.networks,
             unloaded,
@@ -355,11 +356,11 @@ impl Sensor {
         estimate.add_force_error(self.force_error());
         let is_linear = estimator.is_linear();
         let of_model = estimate.warning.map(|warning| SensorWarning::Model { warning, is_linear });
-        let no_residual = estimate.noise_mm.is_infinite().then_some(SensorWarning::NoResidual);
+        let no_residual = estimate.trusted_noise_mm.is_infinite().then_some(SensorWarning::NoResidual);
         let (residual_rms_mm, moved_rms_mm) = (estimate.residual_rms_mm, question.measurement.displacement_rms_mm());
         let limits_mm = [moved_rms_mm, self.scene().finger.plate_length_mm(Plate::Front)];
         let is_beyond = |(share, whole_mm)| residual_rms_mm > share * whole_mm;
-        let is_large = question.noise_mm.is_none() && LARGE_RESIDUAL.into_iter().zip(limits_mm).all(is_beyond);
+        let is_large = question.marker_noise_mm.is_none() && LARGE_RESIDUAL.into_iter().zip(limits_mm).all(is_beyond);
         let large_residual = is_large.then_some(SensorWarning::LargeResidual { residual_rms_mm, moved_rms_mm });
         let warnings = of_model.into_iter().chain(no_residual).chain(large_residual).collect();
         Ok(SensedForces::new(&contacts, estimate, warnings))

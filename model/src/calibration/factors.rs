@@ -12,7 +12,7 @@ use std::fmt;
 
 /// An unknown of a calibration: a factor on moduli.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Unknown {
+pub enum UnknownFactor {
     /// One factor on all moduli of the finger.
     Modulus,
     /// One common factor on the modulus factors of some zones. The numbers of the zones count from 0 in the order of the finger's description. A zone
@@ -22,11 +22,11 @@ pub enum Unknown {
 }
 
 /// Names of parameters in results: `modulus_factor`, `zone_3_modulus_factor`, `zone_1+2_modulus_factor`.
-impl fmt::Display for Unknown {
+impl fmt::Display for UnknownFactor {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Unknown::Modulus => f.write_str("modulus_factor"),
-            Unknown::Zones(zones) => {
+            UnknownFactor::Modulus => f.write_str("modulus_factor"),
+            UnknownFactor::Zones(zones) => {
                 let numbers: Vec<_> = zones.iter().map(|zone| (zone + 1).to_string()).collect();
                 write!(f, "zone_{}_modulus_factor", numbers.join("+"))
             }
@@ -51,7 +51,7 @@ pub struct FactorEstimate {
     /// The finger with the factors applied.
     pub finger: Finger,
     /// The unknowns.
-    pub unknowns: Vec<Unknown>,
+    pub unknowns: Vec<UnknownFactor>,
     /// Factor of each unknown on the scene's modulus, dimensionless.
     pub factors: Vec<f64>,
     /// Relative standard deviation of each factor, dimensionless: the standard deviation of its logarithm.
@@ -101,7 +101,7 @@ const SMALLEST_STEP: f64 = 1e-10;
 /// Estimates factors on moduli that minimise the sum of squared distances between measured and computed positions of the nodes.
 ///
 /// Each unknown is a factor on the scene's modulus, and the search starts at a factor of 1. The search varies the logarithms of the factors, so
-/// factors stay positive. Factors that are not identifiable are refused, for example [`Unknown::Modulus`] together with a group of zones that covers
+/// factors stay positive. Factors that are not identifiable are refused, for example [`UnknownFactor::Modulus`] together with a group of zones that covers
 /// the whole finger.
 ///
 /// # Reference
@@ -116,7 +116,7 @@ const SMALLEST_STEP: f64 = 1e-10;
 pub fn factors(
     finger: &Finger,
     cases: &[CalibrationCase],
-    unknowns: &[Unknown],
+    unknowns: &[UnknownFactor],
     model: &FactorModel,
 ) -> Result<FactorEstimate, CalibrationError> {
     let count = unknowns.len();
@@ -175,7 +175,7 @@ fn distances_of(cases: &[CalibrationCase], residual: &DVector<f64>) -> Vec<f64> 
 }
 
 /// Refuses factors whose relative standard deviations are too large. NaN counts as too large.
-pub(super) fn require_identified(relative_sigmas: &[f64], unknowns: &[Unknown]) -> Result<(), CalibrationError> {
+pub(super) fn require_identified(relative_sigmas: &[f64], unknowns: &[UnknownFactor]) -> Result<(), CalibrationError> {
     let is_identified = |sigma: &f64| *sigma < LARGEST_RELATIVE_SIGMA;
     let unidentified: Vec<_> =
         relative_sigmas.iter().zip(unknowns).filter(|(sigma, _)| !is_identified(sigma)).map(|(_, of)| of).collect();
@@ -186,7 +186,7 @@ pub(super) fn require_identified(relative_sigmas: &[f64], unknowns: &[Unknown]) 
 }
 
 /// Refuses an unknown that moves no marker, and unknowns whose effects on the markers cancel in some combination.
-fn require_separable(jacobian: &DMatrix<f64>, unknowns: &[Unknown]) -> Result<(), CalibrationError> {
+fn require_separable(jacobian: &DMatrix<f64>, unknowns: &[UnknownFactor]) -> Result<(), CalibrationError> {
     let scales: Vec<f64> = jacobian.column_iter().map(|column| column.norm()).collect();
     let largest = scales.iter().copied().fold(0.0, f64::max);
     // An unknown that belongs to an unloaded part moves markers only by rounding errors.
@@ -210,6 +210,6 @@ fn require_separable(jacobian: &DMatrix<f64>, unknowns: &[Unknown]) -> Result<()
     Err(CalibrationError::NotSeparable { parameters: names(mixed) })
 }
 
-fn names<'u>(unknowns: impl IntoIterator<Item = &'u Unknown>) -> String {
+fn names<'u>(unknowns: impl IntoIterator<Item = &'u UnknownFactor>) -> String {
     unknowns.into_iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
 }

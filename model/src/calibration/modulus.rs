@@ -1,6 +1,8 @@
 //! Estimates one modulus of the co-rotational finger. The method is robust to markers with a wrong node number.
 
-use super::{CalibrationCase, CalibrationError, FactorModel, OutlyingMarker, RobustFactors, Unknown, robust_factors};
+use super::{
+    CalibrationCase, CalibrationError, FactorModel, OutlyingMarker, RobustFactors, UnknownFactor, robust_factors,
+};
 use crate::Kinematics;
 use crate::finger::Finger;
 use crate::sensing::ResidualTest;
@@ -39,7 +41,7 @@ pub fn corotational_modulus(
 ) -> Result<ModulusEstimate, CalibrationError> {
     let model = FactorModel { kinematics: Kinematics::Corotational, elements, noise_mm };
     let RobustFactors { estimate, contradiction, outliers } =
-        robust_factors(finger, cases, &[Unknown::Modulus], &model)?;
+        robust_factors(finger, cases, &[UnknownFactor::Modulus], &model)?;
     let factor = estimate.factors[0];
     Ok(ModulusEstimate {
         factor,

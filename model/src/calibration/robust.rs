@@ -1,7 +1,9 @@
 //! Estimates factors on moduli robustly: markers with a wrong node number get little weight, and the residual is tested against the stated noise.
 
 use super::factors::{distances_mm, require_identified};
-use super::{CalibrationCase, CalibrationError, FactorEstimate, FactorModel, Unknown, factors, median, youngs_modulus};
+use super::{
+    CalibrationCase, CalibrationError, FactorEstimate, FactorModel, UnknownFactor, factors, median, youngs_modulus,
+};
 use crate::finger::{Finger, NodeId};
 use crate::measurement::Marker;
 use crate::sensing::{ResidualTest, noise_of};
@@ -54,7 +56,7 @@ pub struct OutlyingMarker {
 /// If the noise of `model` is not stated or contradicts the residual, the standard deviations follow from the residual.
 ///
 /// # Reference
-/// [`factors`] with weighted squares of distances. If [`Unknown::Modulus`] is sought, the search starts from the factor of the linear finger
+/// [`factors`] with weighted squares of distances. If [`UnknownFactor::Modulus`] is sought, the search starts from the factor of the linear finger
 /// ([`youngs_modulus`]); weights are updated until the factors settle (Huber and Ronchetti, Robust Statistics, 2nd ed., sec. 7.8).
 ///
 /// # Errors
@@ -62,18 +64,18 @@ pub struct OutlyingMarker {
 pub fn robust_factors(
     finger: &Finger,
     cases: &[CalibrationCase],
-    unknowns: &[Unknown],
+    unknowns: &[UnknownFactor],
     model: &FactorModel,
 ) -> Result<RobustFactors, CalibrationError> {
     let unscaled = FactorModel { noise_mm: None, ..*model };
-    let general = unknowns.iter().position(|unknown| *unknown == Unknown::Modulus);
+    let general = unknowns.iter().position(|unknown| *unknown == UnknownFactor::Modulus);
     let Some(general) = general else {
         let (estimate, weighed) = forgiving(finger, cases, unknowns, &unscaled)?;
         return tested(estimate, cases, &weighed, model);
     };
     let mut start = youngs_modulus(finger, cases)?.factor;
     if !start.is_finite() {
-        return Err(CalibrationError::NotIdentifiable { parameters: Unknown::Modulus.to_string() });
+        return Err(CalibrationError::NotIdentifiable { parameters: UnknownFactor::Modulus.to_string() });
     }
     // With the linear finger's modulus, the co-rotational finger may have no equilibrium under the loads.
     let found = (0..=MOST_DOUBLINGS).find_map(|_| {
@@ -124,7 +126,7 @@ fn tested(
 fn forgiving(
     finger: &Finger,
     cases: &[CalibrationCase],
-    unknowns: &[Unknown],
+    unknowns: &[UnknownFactor],
     model: &FactorModel,
 ) -> Result<(FactorEstimate, Vec<CalibrationCase>), CalibrationError> {
     let mut weighed = weighed_by(cases, &distances_mm(finger, cases, model)?);

@@ -101,19 +101,19 @@ impl Kept {
     /// Estimates forces on successively finer meshes. If `question.near` is a kept estimate, the search starts from its shapes. An estimate that
     /// serves as start a second time is expected to differ by noise alone.
     pub fn refine(&mut self, question: &Question) -> Result<NonlinearEstimate, SensingError> {
-        let &Question { object, measurement, noise_mm, near, .. } = question;
+        let &Question { object, measurement, marker_noise_mm, near, .. } = question;
         let is_near = |of: &Option<Refinement>| of.as_ref().zip(near).is_some_and(|(of, near)| of.keeps(near));
         let index = self.refined.iter().position(is_near);
         if let (Some(near), Some(1)) = (near, index)
             && let Some(start) = &mut self.refined[1]
-            && let Some(sample) = start.sense_sample(object, measurement, noise_mm, near)
+            && let Some(sample) = start.sense_sample(object, measurement, marker_noise_mm, near)
         {
             return Ok(sample);
         }
         let start = index.and_then(|index| self.refined[index].take());
         let mut refinement =
             start.clone().unwrap_or_else(|| Refinement::new(question.prepared.meshes.clone(), question.contacts));
-        let found = refinement.sense(object, measurement, noise_mm, near);
+        let found = refinement.sense(object, measurement, marker_noise_mm, near);
         self.refined = [Some(refinement), start];
         found
     }

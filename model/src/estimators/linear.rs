@@ -3,7 +3,7 @@
 use super::kept::LinearSolution;
 use super::{Answer, EstimatorError, EstimatorRow, Question, known_contacts};
 use crate::Finger;
-use crate::sensing::Prior;
+use crate::sensing::ForcePrior;
 
 pub(super) const LEAST_SQUARES: EstimatorRow = EstimatorRow {
     name: "least-squares",
@@ -16,24 +16,24 @@ pub(super) const LEAST_SQUARES: EstimatorRow = EstimatorRow {
     refuses: "contacts that are not identifiable",
     unseen_contacts: "any",
     admits: |finger, contacts, _| known_contacts(finger, contacts).map(drop),
-    answer: |finger, question| answer(finger, question, Prior::None),
+    answer: |finger, question| answer(finger, question, ForcePrior::None),
 };
 
 pub(super) const RIDGE: EstimatorRow = EstimatorRow {
     name: "ridge",
     label: "ridge",
     help: "Least squares with the paper's range of forces as a prior",
-    answer: |finger, question| answer(finger, question, Prior::PAPER),
+    answer: |finger, question| answer(finger, question, ForcePrior::PAPER),
     ..LEAST_SQUARES
 };
 
-fn answer(finger: &Finger, question: &Question, prior: Prior) -> Result<Answer, EstimatorError> {
+fn answer(finger: &Finger, question: &Question, prior: ForcePrior) -> Result<Answer, EstimatorError> {
     let mut kept = question.kept.borrow_mut();
     let LinearSolution { contacts, estimator, linearisation } =
         kept.linear.get_or_compute(question.measurement, || {
             let contacts = known_contacts(finger, question.contacts)?;
             LinearSolution::new(question.prepared, contacts, question.measurement).map_err(EstimatorError::from)
         })?;
-    let estimate = estimator.estimate_on(linearisation, question.measurement, question.noise_mm, prior)?;
+    let estimate = estimator.estimate_on(linearisation, question.measurement, question.marker_noise_mm, prior)?;
     Ok((contacts.clone(), estimate))
 }

@@ -125,7 +125,7 @@ pub(crate) struct Question<'q> {
     /// The measurement.
     pub measurement: &'q Measurement,
     /// Standard deviation of one displacement coordinate, mm. `None` if unknown.
-    pub noise_mm: Option<f64>,
+    pub marker_noise_mm: Option<f64>,
     /// Number of mesh nodes, for estimators whose mesh can be chosen. `None` refines the mesh as needed.
     pub mesh_nodes: Option<usize>,
     /// Candidate networks for [`EstimatorId::Network`].

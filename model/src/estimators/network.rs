@@ -30,7 +30,7 @@ fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError
         let network = question.networks.choose(finger, &contacts)?;
         Ok::<_, EstimatorError>(NetworkEstimator::new(network, finger, &contacts, question.measurement)?)
     })?;
-    let estimate = estimator.estimate(question.measurement, question.noise_mm)?;
+    let estimate = estimator.estimate(question.measurement, question.marker_noise_mm)?;
     Ok((contacts, estimate))
 }
 

@@ -29,20 +29,20 @@ fn answer(finger: &Finger, question: &Question) -> Result<Answer, EstimatorError
         return Ok((sensed.contacts, sensed.forces));
     };
     // Without a stated noise, the noise is the residual of the scene's finger.
-    let noise_mm = match question.noise_mm {
-        Some(noise_mm) => noise_mm,
-        None => sense(finger, question)?.forces.noise_mm,
+    let marker_noise_mm = match question.marker_noise_mm {
+        Some(marker_noise_mm) => marker_noise_mm,
+        None => sense(finger, question)?.forces.trusted_noise_mm,
     };
-    let linearised = linearise_assembly(finger, contacts, object, unloaded, measurement, noise_mm, near)?;
+    let linearised = linearise_assembly(finger, contacts, object, unloaded, measurement, marker_noise_mm, near)?;
     let LinearisedAssembly { measurement, contacts, forces_n } = &linearised;
     let near = Some(NearForces { contacts, forces_n, shape: None });
-    let sensed = sense(finger, &Question { measurement, noise_mm: Some(noise_mm), near, ..*question })?;
+    let sensed = sense(finger, &Question { measurement, marker_noise_mm: Some(marker_noise_mm), near, ..*question })?;
     Ok((sensed.contacts, sensed.forces))
 }
 
 /// Estimates the forces on a mesh of `mesh_nodes` nodes. Without `mesh_nodes`, refines the mesh until doubling the mesh hardly changes the forces.
 fn sense(finger: &Finger, question: &Question) -> Result<NonlinearEstimate, EstimatorError> {
-    let &Question { contacts, object, measurement, noise_mm, .. } = question;
+    let &Question { contacts, object, measurement, marker_noise_mm, .. } = question;
     match question.mesh_nodes {
         None => Ok(question.kept.borrow_mut().refine(question)?),
         Some(nodes) => {
@@ -50,8 +50,8 @@ fn sense(finger: &Finger, question: &Question) -> Result<NonlinearEstimate, Esti
             let finer = Discretisation::finer(&mesh);
             let mut estimator = NonlinearEstimator::new(&mesh, contacts)?.with_object(object);
             let mut estimate = match question.near {
-                None => estimator.estimate(measurement, noise_mm),
-                Some(near) => estimator.estimate_near(near, false, measurement, noise_mm),
+                None => estimator.estimate(measurement, marker_noise_mm),
+                Some(near) => estimator.estimate_near(near, false, measurement, marker_noise_mm),
             }?;
             Discretisation::new(&mesh, &finer).widen(&mut estimator, measurement, &mut estimate)?;
             Ok(estimate)

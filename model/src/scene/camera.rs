@@ -97,8 +97,10 @@ pub(super) struct MarkersRead {
 
 pub(super) fn read_markers(table: &TableReader) -> Result<MarkersRead, SceneError> {
     let on = table.word(&MARKERS.on, [MarkerPoints::Junctions, MarkerPoints::Hinges])?;
-    let errors =
-        MarkerErrors { noise_factor: table.get(&MARKERS.noise_factor)?, model_mm: table.get(&MARKERS.model_error_mm)? };
+    let errors = MarkerErrors {
+        noise_factor: table.get(&MARKERS.noise_factor)?,
+        calibration_error_mm: table.get(&MARKERS.model_error_mm)?,
+    };
     // An empty table `[markers]` counts as a description of the markers' appearance. An empty table is therefore rejected, because the required keys
     // of the appearance are missing.
     let lookless = [MARKERS.on.name, MARKERS.noise_factor.name, MARKERS.model_error_mm.name];

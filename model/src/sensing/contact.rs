@@ -177,6 +177,11 @@ impl ContactQuestion {
     pub(super) fn is_position_measured(&self) -> bool {
         self.position_sd_mm > 0.0 && matches!(self.position, Some(ContactPosition::At(_)))
     }
+
+    /// Whether the normal is measured.
+    pub(super) fn is_normal_measured(&self) -> bool {
+        matches!(self.direction, Direction::Measured(_))
+    }
 }
 
 impl From<Contact> for ContactQuestion {

@@ -3,10 +3,10 @@
 use super::ResidualTest;
 use nalgebra::{DMatrix, DVector};
 
-/// A model error up to this share of the largest force causes no warning. Noise alone causes an error of at least 0.13 % of a force of 3 N.
+/// An error of the method up to this share of the largest force causes no warning. Noise alone causes an error of at least 0.13 % of a force of 3 N.
 const NEGLIGIBLE: f64 = 1e-3;
 
-/// Reason why an estimate is less accurate than noise alone implies. The standard deviations of the estimate include the known error of the model.
+/// Reason why an estimate is less accurate than noise alone implies. The standard deviations of the estimate include the known error of the method.
 /// The standard deviations exclude other errors, such as a wrong contact or a finger that differs from the scene.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Warning {
@@ -22,7 +22,7 @@ pub enum Warning {
          alone causes a standard deviation of {:.3} N",
         .0.error_n, .0.contact, .0.sigma_n
     )]
-    Linearisation(ModelError),
+    Linearisation(MethodError),
     /// The error of linearisation is unknown and not included in the standard deviations.
     #[error(
         "the linear model explains the measurement, but no forces on the co-rotational finger reproduce the linear \
@@ -35,15 +35,15 @@ pub enum Warning {
          {:.3} N; use more mesh nodes",
         .0.error_n, .0.contact, .0.sigma_n
     )]
-    Discretisation(ModelError),
+    Discretisation(MethodError),
 }
 
-/// Error of the model at one contact. Among all contacts, this contact has the largest ratio of the model error to the error due to noise.
+/// Error of the method at one contact. Among all contacts, this contact has the largest ratio of the method's error to the error due to noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ModelError {
+pub struct MethodError {
     /// Position of the contact in the list, from 1.
     pub contact: usize,
-    /// Error of the model, N.
+    /// Error of the method, N.
     pub error_n: f64,
     /// Standard deviation of the force due to noise, N.
     pub sigma_n: f64,
@@ -54,17 +54,17 @@ pub struct ModelError {
 pub struct Estimate {
     /// Force of each contact along the contact's direction, N, in the order of the contacts. A force may be negative.
     pub forces_n: Vec<f64>,
-    /// Standard deviation of each force, N, including the known error of the model. Infinite if no noise is stated and no degree of freedom remains
+    /// Standard deviation of each force, N, including the known error of the method. Infinite if no noise is stated and no degree of freedom remains
     /// to estimate the noise from the residual.
     pub sigmas_n: Vec<f64>,
     /// Covariance of the forces, N^2, in the order of the contacts. Its diagonal contains the squares of `sigmas_n`.
     pub covariance_n2: DMatrix<f64>,
-    /// Error of each force due to linearisation, mesh, or training of a network, in N. Each standard deviation includes this model error. The error
+    /// Error of each force due to linearisation, mesh, or training of a network, in N. Each standard deviation includes this error of the method. The error
     /// is signed if its sign is known.
-    pub model_error_n: Vec<f64>,
+    pub method_error_n: Vec<f64>,
     /// Standard deviation of one measured coordinate, mm, from which `sigmas_n` follow: the stated noise, or the residual standard deviation. Without
     /// a stated noise, the residual standard deviation is widened to account for few degrees of freedom.
-    pub noise_mm: f64,
+    pub trusted_noise_mm: f64,
     /// Forces along and across measured normals. `None` unless a normal is measured.
     pub measured: Option<MeasuredForces>,
     /// Reason why the estimate is less accurate than noise alone implies, if any.
@@ -143,16 +143,16 @@ impl Estimate {
         }
     }
 
-    /// Widens each force's standard deviation by the model error of this force, in N. Sets a warning if a model error exceeds the standard deviation
+    /// Widens each force's standard deviation by the method's error of this force, in N. Sets a warning if such an error exceeds the standard deviation
     /// so far and is not negligible.
-    pub(super) fn add_model_error(&mut self, error_n: Vec<f64>, warning: fn(ModelError) -> Warning) {
+    pub(super) fn add_method_error(&mut self, error_n: Vec<f64>, warning: fn(MethodError) -> Warning) {
         let largest_n = self.forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         let over = |i: usize| error_n[i].abs() / self.sigmas_n[i];
         let counts = |i: &usize| over(*i) > 1.0 && error_n[*i].abs() > NEGLIGIBLE * largest_n;
         let worst = (0..error_n.len()).filter(counts).max_by(|&i, &j| over(i).total_cmp(&over(j)));
-        let of = |i: usize| ModelError { contact: i + 1, error_n: error_n[i], sigma_n: self.sigmas_n[i] };
+        let of = |i: usize| MethodError { contact: i + 1, error_n: error_n[i], sigma_n: self.sigmas_n[i] };
         self.warning = self.warning.or(worst.map(|i| warning(of(i))));
         self.add_common_error(&error_n);
-        self.model_error_n = error_n;
+        self.method_error_n = error_n;
     }
 }

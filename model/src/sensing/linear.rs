@@ -27,7 +27,7 @@ const STEPS_PER_OCTAVE: f64 = 16.0;
 
 /// Prior distribution of the forces.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Prior {
+pub enum ForcePrior {
     /// No prior: least squares.
     None,
     /// Normal distribution about zero: ridge regression.
@@ -37,10 +37,10 @@ pub enum Prior {
     },
 }
 
-impl Prior {
+impl ForcePrior {
     /// Prior for the forces of Xu et al. (2021, sec. IV-A), which are drawn from 0 to 5 N per node. The standard deviation of the prior is the root
     /// mean square of these forces, 5 / sqrt(3) = 2.9 N.
-    pub const PAPER: Prior = Prior::Gaussian { force_n: 2.886_751_345_948_129 };
+    pub const PAPER: ForcePrior = ForcePrior::Gaussian { force_n: 2.886_751_345_948_129 };
 }
 
 /// Weighted linear least squares on the linear finger, for contacts of known position and direction.
@@ -116,11 +116,11 @@ impl LinearEstimator {
 
     /// Estimates the forces from the displacements of the markers for which the estimator is prepared.
     ///
-    /// `noise_mm` is the standard deviation of one coordinate, mm. If `noise_mm` is `None` or zero, the noise is estimated from the residual. If the
+    /// `marker_noise_mm` is the standard deviation of one coordinate, mm. If `marker_noise_mm` is `None` or zero, the noise is estimated from the residual. If the
     /// residual contradicts the stated noise, the estimate contains a warning, and its standard deviations follow from the residual. Only
     /// [`estimate_on`](LinearEstimator::estimate_on) includes the error of linearisation.
-    pub fn estimate(&self, measurement: &Measurement, noise_mm: Option<f64>, prior: Prior) -> Estimate {
-        self.solve(measurement, noise_mm, prior).0
+    pub fn estimate(&self, measurement: &Measurement, marker_noise_mm: Option<f64>, prior: ForcePrior) -> Estimate {
+        self.solve(measurement, marker_noise_mm, prior).0
     }
 
     /// Like [`estimate`](LinearEstimator::estimate), but for a co-rotational finger. The standard deviations include the error of linearisation at
@@ -132,24 +132,24 @@ impl LinearEstimator {
         &self,
         linearisation: &mut Linearisation,
         measurement: &Measurement,
-        noise_mm: Option<f64>,
-        prior: Prior,
+        marker_noise_mm: Option<f64>,
+        prior: ForcePrior,
     ) -> Result<Estimate, SensingError> {
-        let (mut estimate, inverse) = self.solve(measurement, noise_mm, prior);
+        let (mut estimate, inverse) = self.solve(measurement, marker_noise_mm, prior);
         let (coordinates, unknowns) = self.compliance.shape();
         let degrees_of_freedom = coordinates - unknowns;
-        if estimate.noise_mm.is_infinite() {
+        if estimate.trusted_noise_mm.is_infinite() {
             // Unknown noise makes all standard deviations infinite, so the error of linearisation has no effect.
             return Ok(estimate);
         }
         let model = LinearModel { gain: &inverse.gain, compliance: &self.compliance };
-        let stated_mm = noise_mm.filter(|noise_mm| *noise_mm > 0.0);
+        let stated_mm = marker_noise_mm.filter(|noise_mm| *noise_mm > 0.0);
         let linear_mm2 = estimate.residual_rms_mm.powi(2) * coordinates as f64;
         let error = match linearisation.error(model, measurement, &estimate.forces_n) {
             // A linear finger has an equilibrium under any force, and the measurement does not contradict the linear finger.
             Err(SensingError::NotLinearised) if estimate.warning.is_none() => {
                 let moved_mm2 = weighted(measurement, |marker| marker.displacement).norm_squared();
-                if noise_mm.is_none() && linear_mm2 > EXPLAINED_SHARE.powi(2) * moved_mm2 {
+                if marker_noise_mm.is_none() && linear_mm2 > EXPLAINED_SHARE.powi(2) * moved_mm2 {
                     return Err(SensingError::NotLinearised);
                 }
                 estimate.warning = Some(Warning::UnknownLinearisation);
@@ -170,19 +170,24 @@ impl LinearEstimator {
         let test = ResidualTest::new(stated_mm, error.sum_of_squares_mm2, degrees_of_freedom);
         let residual_mm = || unstated_noise_mm(error.sum_of_squares_mm2, degrees_of_freedom);
         let trusted_mm = test.map(|test| test.trusted_noise_mm());
-        estimate.noise_mm = trusted_mm.or(stated_mm).or_else(residual_mm).unwrap_or(estimate.noise_mm);
-        estimate.sigmas_n = inverse.sigmas_n(estimate.noise_mm);
-        estimate.covariance_n2 = inverse.covariance_n2(estimate.noise_mm);
+        estimate.trusted_noise_mm = trusted_mm.or(stated_mm).or_else(residual_mm).unwrap_or(estimate.trusted_noise_mm);
+        estimate.sigmas_n = inverse.sigmas_n(estimate.trusted_noise_mm);
+        estimate.covariance_n2 = inverse.covariance_n2(estimate.trusted_noise_mm);
         if let Some(test) = test.filter(ResidualTest::contradicts) {
             estimate.warning = Some(Warning::Residual(test));
             estimate.widen_for_misfit();
         }
-        estimate.add_model_error(error.error_n, Warning::Linearisation);
+        estimate.add_method_error(error.error_n, Warning::Linearisation);
         Ok(estimate)
     }
 
     /// An estimate, and the inverse from which the estimate follows.
-    fn solve(&self, measurement: &Measurement, noise_mm: Option<f64>, prior: Prior) -> (Estimate, Cow<'_, Inverse>) {
+    fn solve(
+        &self,
+        measurement: &Measurement,
+        marker_noise_mm: Option<f64>,
+        prior: ForcePrior,
+    ) -> (Estimate, Cow<'_, Inverse>) {
         let displacements = weighted(measurement, |marker| marker.displacement);
         let (coordinates, unknowns) = self.compliance.shape();
         let degrees_of_freedom = coordinates - unknowns;
@@ -193,12 +198,15 @@ impl LinearEstimator {
         let unbiased = &self.least_squares.gain * &displacements;
         // The test uses the residual of the least-squares forces, without the prior, because no other forces have a smaller residual.
         let least_mm2 = sum_of_squares(&unbiased);
-        let test = ResidualTest::new(noise_mm, least_mm2, degrees_of_freedom);
-        let stated_mm = noise_mm;
-        let noise_mm = noise_of(test, noise_mm, least_mm2, degrees_of_freedom);
+        let test = ResidualTest::new(marker_noise_mm, least_mm2, degrees_of_freedom);
+        let trusted_noise_mm = noise_of(test, marker_noise_mm, least_mm2, degrees_of_freedom);
         let (forces, inverse) = match prior {
-            Prior::Gaussian { force_n } if noise_mm > 0.0 && noise_mm.is_finite() => {
-                let ridge_mm = if stated_mm == Some(noise_mm) { noise_mm } else { rounded_noise_mm(noise_mm) };
+            ForcePrior::Gaussian { force_n } if trusted_noise_mm > 0.0 && trusted_noise_mm.is_finite() => {
+                let ridge_mm = if marker_noise_mm == Some(trusted_noise_mm) {
+                    trusted_noise_mm
+                } else {
+                    rounded_noise_mm(trusted_noise_mm)
+                };
                 let ridge = Inverse::of(&self.compliance, ridge_mm / force_n);
                 (&ridge.gain * &displacements, Cow::Owned(ridge))
             }
@@ -207,11 +215,11 @@ impl LinearEstimator {
         let estimate = Estimate {
             residual_rms_mm: (sum_of_squares(&forces) / coordinates as f64).sqrt(),
             forces_n: forces.iter().copied().collect(),
-            sigmas_n: inverse.sigmas_n(noise_mm),
-            covariance_n2: inverse.covariance_n2(noise_mm),
-            model_error_n: vec![0.0; unknowns],
+            sigmas_n: inverse.sigmas_n(trusted_noise_mm),
+            covariance_n2: inverse.covariance_n2(trusted_noise_mm),
+            method_error_n: vec![0.0; unknowns],
             measured: None,
-            noise_mm,
+            trusted_noise_mm,
             warning: test.filter(ResidualTest::contradicts).map(Warning::Residual),
             singular_values: self.singular_values.clone(),
         };

@@ -19,11 +19,11 @@ pub use contact::{
     Contact, ContactPosition, ContactQuestion, Direction, MeasuredContact, check_contacts, check_questions,
 };
 pub use error::SensingError;
-pub use estimate::{Estimate, MeasuredForces, ModelError, Warning};
+pub use estimate::{Estimate, MeasuredForces, MethodError, Warning};
 pub use force::{Discretisation, NearForces, NonlinearEstimate, NonlinearEstimator, Refinement, sense_refining};
 pub(crate) use force::{LinearisedAssembly, linearise_assembly};
 pub use lean::{Lean, MeasuredNormal, Normal};
-pub use linear::{LinearEstimator, Prior};
+pub use linear::{ForcePrior, LinearEstimator};
 pub use linearisation::Linearisation;
 pub use object::{NotConvex, ObjectShape, TouchedObject};
 pub use pad::Pad;

@@ -20,8 +20,8 @@ const MISFIT_SHARE: f64 = 2.5;
 /// Numerical Recipes, sec. 15.1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResidualTest {
-    /// Stated standard deviation of one coordinate, mm.
-    pub noise_mm: f64,
+    /// Standard deviation of one coordinate of weight 1, mm: the noise that the markers are expected to have.
+    pub marker_noise_mm: f64,
     /// Residual standard deviation, mm: square root of the weighted sum of squares divided by the degrees of freedom.
     pub residual_sd_mm: f64,
     /// Number of measured coordinates minus number of unknowns.
@@ -30,25 +30,29 @@ pub struct ResidualTest {
 
 impl ResidualTest {
     /// Test of a weighted sum of squared residuals, mm^2. `None` if the noise is not stated or zero, or if no degree of freedom remains.
-    pub fn new(noise_mm: Option<f64>, sum_of_squares_mm2: f64, degrees_of_freedom: usize) -> Option<ResidualTest> {
-        let noise_mm = noise_mm.filter(|noise_mm| *noise_mm > 0.0)?;
+    pub fn new(
+        marker_noise_mm: Option<f64>,
+        sum_of_squares_mm2: f64,
+        degrees_of_freedom: usize,
+    ) -> Option<ResidualTest> {
+        let marker_noise_mm = marker_noise_mm.filter(|marker_noise_mm| *marker_noise_mm > 0.0)?;
         let residual_sd_mm = residual_sd_mm(sum_of_squares_mm2, degrees_of_freedom)?;
-        Some(ResidualTest { noise_mm, residual_sd_mm, degrees_of_freedom })
+        Some(ResidualTest { marker_noise_mm, residual_sd_mm, degrees_of_freedom })
     }
 
     /// Probability, 0 to 1, that the stated noise causes a residual at least as large as this one.
     pub fn p_value(&self) -> f64 {
-        let squares = self.degrees_of_freedom as f64 * (self.residual_sd_mm / self.noise_mm).powi(2);
+        let squares = self.degrees_of_freedom as f64 * (self.residual_sd_mm / self.marker_noise_mm).powi(2);
         // There is at least one degree of freedom, so the distribution exists.
         ChiSquared::new(self.degrees_of_freedom as f64).map_or(f64::NAN, |chi_squared| chi_squared.sf(squares))
     }
 
     /// Residual and noise in words, with at least three decimals, so that the difference between the two has two digits.
     pub(super) fn sizes_in_words(&self) -> String {
-        let [residual_mm, noise_mm] = [self.residual_sd_mm, self.noise_mm];
-        let digits = (1.0 - (residual_mm - noise_mm).abs().log10().floor()).clamp(3.0, 17.0) as usize;
+        let [residual_mm, marker_noise_mm] = [self.residual_sd_mm, self.marker_noise_mm];
+        let digits = (1.0 - (residual_mm - marker_noise_mm).abs().log10().floor()).clamp(3.0, 17.0) as usize;
         format!(
-            "a residual standard deviation of {residual_mm:.digits$} mm, where {noise_mm:.digits$} mm of noise is expected"
+            "a residual standard deviation of {residual_mm:.digits$} mm, where {marker_noise_mm:.digits$} mm of noise is expected"
         )
     }
 
@@ -62,7 +66,7 @@ impl ResidualTest {
 
     /// Whether the measurement contradicts the model or the stated noise.
     pub fn contradicts(&self) -> bool {
-        let squared = (self.residual_sd_mm / self.noise_mm).powi(2);
+        let squared = (self.residual_sd_mm / self.marker_noise_mm).powi(2);
         // Clear cases need no gamma function. A residual below the noise has p > 0.3 for any number of degrees of freedom. The ratio of chi-squared
         // to degrees of freedom at p = 0.01 is largest for one degree of freedom: 6.63.
         squared > 7.0 || (squared > 1.0 && self.p_value() < SIGNIFICANCE)
@@ -71,7 +75,7 @@ impl ResidualTest {
     /// Standard deviation of a coordinate, mm, from which the standard deviations of forces follow. The result is the stated noise, or the residual
     /// standard deviation if the residual contradicts the noise.
     pub fn trusted_noise_mm(&self) -> f64 {
-        if self.contradicts() { self.residual_sd_mm } else { self.noise_mm }
+        if self.contradicts() { self.residual_sd_mm } else { self.marker_noise_mm }
     }
 
     /// Factor by which a misfit widens standard deviations that follow from [`trusted_noise_mm`](Self::trusted_noise_mm). A misfit counts as an error
@@ -81,9 +85,9 @@ impl ResidualTest {
         if !self.contradicts() || self.p_value() > MISFIT {
             return 1.0;
         }
-        let misfit_mm2 = self.residual_sd_mm.powi(2) - self.noise_mm.powi(2);
+        let misfit_mm2 = self.residual_sd_mm.powi(2) - self.marker_noise_mm.powi(2);
         let shared_mm2 = MISFIT_SHARE.powi(2) * self.degrees_of_freedom as f64 * misfit_mm2;
-        (self.noise_mm.powi(2) + shared_mm2).sqrt() / self.residual_sd_mm
+        (self.marker_noise_mm.powi(2) + shared_mm2).sqrt() / self.residual_sd_mm
     }
 }
 

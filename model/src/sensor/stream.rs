@@ -107,7 +107,7 @@ impl StreamSensor {
         let stated_mm = options.noise_mm.or(scene.noise_mm);
         let found = seen.for_sensing(scene, options.estimator.searches(), stated_mm)?;
         let stated_mm = stated_mm.map(|noise_mm| scene.marker_errors.sd_mm(noise_mm));
-        let Some(noise_mm) = stated_mm.or(found.noise_mm) else { return Ok(false) };
+        let Some(noise_mm) = stated_mm.or(found.marker_noise_mm) else { return Ok(false) };
         let markers = found.measurement.markers().iter().map(|marker| {
             let sd_mm = noise_mm / if stated_mm.is_some() { 1.0 } else { marker.weight };
             (scene.finger.marker_position(marker.node), marker.displacement, sd_mm)

@@ -1,7 +1,8 @@
 //! Calibration of several moduli: known factors are recovered, intervals cover the truth, and factors that are not identifiable are refused.
 
 use finray_model::calibration::{
-    CalibrationCase, CalibrationError, FactorEstimate, FactorModel, RobustFactors, Unknown, factors, robust_factors,
+    CalibrationCase, CalibrationError, FactorEstimate, FactorModel, RobustFactors, UnknownFactor, factors,
+    robust_factors,
 };
 use finray_model::finger::{Finger, FingerDescription, Joints, Part, Zone};
 use finray_model::measurement::Measurement;
@@ -45,9 +46,9 @@ fn zoned(factors: [f64; 5]) -> Finger {
     ])
 }
 
-fn each_zone(finger: &Finger) -> Vec<Unknown> {
-    let zones = (0..finger.description().zones.len()).map(|zone| Unknown::Zones(vec![zone]));
-    std::iter::once(Unknown::Modulus).chain(zones).collect()
+fn each_zone(finger: &Finger) -> Vec<UnknownFactor> {
+    let zones = (0..finger.description().zones.len()).map(|zone| UnknownFactor::Zones(vec![zone]));
+    std::iter::once(UnknownFactor::Modulus).chain(zones).collect()
 }
 
 /// Shapes of the finger under weights of two sizes on six nodes.
@@ -92,7 +93,7 @@ fn random_factors_are_found_again() {
 #[test]
 fn zones_may_share_a_factor() {
     let (start, truth) = (zoned([1.0, 0.5, 0.3, 1.0, 2.0]), zoned([0.4, 0.2, 0.3, 1.0, 2.0]));
-    let unknowns = [Unknown::Zones(vec![0, 1])];
+    let unknowns = [UnknownFactor::Zones(vec![0, 1])];
     let found = factors(&start, &measured(&truth, &LARGE), &unknowns, &LARGE).expect("factors");
     for zone in 0..5 {
         let (ours, factor) = (factor_of_zone(&found.finger, zone), factor_of_zone(&truth, zone));
@@ -201,7 +202,7 @@ fn sigmas_cover() {
 
 #[test]
 fn what_is_not_identifiable_is_refused_by_name() {
-    let refusal = |start: &Finger, unknowns: &[Unknown], loads: &[CalibrationCase]| {
+    let refusal = |start: &Finger, unknowns: &[UnknownFactor], loads: &[CalibrationCase]| {
         factors(start, loads, unknowns, &LINEAR).expect_err("no unique answer").to_string()
     };
     // If zones cover the whole finger, the general modulus is not identifiable.
@@ -268,7 +269,7 @@ fn a_misfit_is_noticed_and_widens_the_sigmas() {
     let mut thinner = zoned([0.7, 1.0, 1.0, 1.0, 1.0]).description().clone();
     thinner.ribs.strip.as_mut().expect("elastic ribs").thickness_mm *= 0.8;
     let truth = Finger::new(thinner).expect("a possible finger");
-    let unknowns = [Unknown::Modulus, Unknown::Zones(vec![0])];
+    let unknowns = [UnknownFactor::Modulus, UnknownFactor::Zones(vec![0])];
     let cases_of = |finger: &Finger| {
         let mut rng = ChaCha8Rng::seed_from_u64(4);
         let mut cases = measured(finger, &LARGE);
@@ -296,7 +297,7 @@ fn a_misfit_is_noticed_and_widens_the_sigmas() {
 #[test]
 fn an_outlying_marker_hardly_changes_the_factors_of_zones() {
     let (start, truth) = (zoned([1.0; 5]), zoned([0.7, 1.0, 1.0, 0.6, 1.0]));
-    let unknowns = [Unknown::Modulus, Unknown::Zones(vec![0]), Unknown::Zones(vec![3])];
+    let unknowns = [UnknownFactor::Modulus, UnknownFactor::Zones(vec![0]), UnknownFactor::Zones(vec![3])];
     let mut rng = ChaCha8Rng::seed_from_u64(6);
     let mut cases = measured(&truth, &LARGE);
     cases.iter_mut().for_each(|it| it.measurement.add_noise(CAMERA_NOISE_MM, || StandardNormal.sample(&mut rng)));

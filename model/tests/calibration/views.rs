@@ -168,8 +168,8 @@ fn what_markers_err_by_is_found() {
         let found: Vec<_> = sets.collect();
         let mean_mm2 = found.iter().map(|errors| errors.sd_mm(stated_mm).powi(2)).sum::<f64>() / SETS as f64;
         assert!((mean_mm2.sqrt() / NOISE_MM - 1.0).abs() < 0.1, "stated {stated_mm}: {found:?}");
-        let only_noise = found.iter().all(|errors| errors.model_mm == 0.0 && errors.noise_factor < 1.0);
-        let only_finger = found.iter().all(|errors| errors.model_mm > 0.0 && errors.noise_factor == 1.0);
+        let only_noise = found.iter().all(|errors| errors.calibration_error_mm == 0.0 && errors.noise_factor < 1.0);
+        let only_finger = found.iter().all(|errors| errors.calibration_error_mm > 0.0 && errors.noise_factor == 1.0);
         assert!(if stated_mm > NOISE_MM { only_noise } else { only_finger }, "stated {stated_mm}: {found:?}");
     }
 }
@@ -201,7 +201,7 @@ fn a_finger_and_its_rig_are_found() {
         assert!((modulus.value / truth.modulus_factor - 1.0).abs() < 0.01, "{modulus:?}");
         assert!(modulus.sigma < 0.005, "{modulus:?}");
         // The residual contains only noise.
-        assert!(estimate.marker_errors.model_mm < NOISE_MM, "{:?}", estimate.marker_errors);
+        assert!(estimate.marker_errors.calibration_error_mm < NOISE_MM, "{:?}", estimate.marker_errors);
         for (view, (s_mm, force_n, angle_deg)) in estimate.views.iter().zip(PRESSES) {
             assert!((view.s_mm - s_mm).abs() < 1.0, "{view:?}");
             assert!((view.force.norm() / force_n - 1.0).abs() < 1e-12);

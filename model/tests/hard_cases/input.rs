@@ -4,7 +4,7 @@ use super::soundness::Soundness;
 use super::{Case, Outcome, middle, worst};
 use finray_fixtures::PAPER_SCENE;
 use finray_model::measurement::{Marker, Measurement, MeasurementError};
-use finray_model::sensing::{Contact, LinearEstimator, NonlinearEstimator, Prior};
+use finray_model::sensing::{Contact, ForcePrior, LinearEstimator, NonlinearEstimator};
 use finray_model::statics::{Statics, StaticsError};
 use finray_model::{Kinematics, Load, Mesh, Scene, Vector};
 use finray_tests::{paper, seen};
@@ -140,7 +140,7 @@ fn displacements() -> Outcome {
         let factor = 10_f64.powi(exponent);
         let scaled = unit.markers().iter().map(|it| Marker { displacement: it.displacement * factor, ..*it });
         let scaled = Measurement::new(&finger, scaled)?;
-        off.push((linear.estimate(&scaled, None, Prior::None).forces_n[0] / factor - 1.0).abs());
+        off.push((linear.estimate(&scaled, None, ForcePrior::None).forces_n[0] / factor - 1.0).abs());
         nonlinear.reset();
         // The estimator may refuse. Under tiny displacements, forces equal those of the linear finger; displacements of 1e20 mm are impossible.
         if let Ok(found) = nonlinear.estimate(&scaled, None) {

@@ -3,7 +3,7 @@
 use super::{Case, Outcome, middle, worst};
 use finray_model::measurement::{Marker, Measurement};
 use finray_model::sensing::{
-    Contact, ContactQuestion, Estimate, LinearEstimator, NonlinearEstimator, Prior, SensingError,
+    Contact, ContactQuestion, Estimate, ForcePrior, LinearEstimator, NonlinearEstimator, SensingError,
 };
 use finray_model::{Kinematics, Mesh, NodeId, Vector};
 use finray_tests::{CAMERA_NOISE_MM, at_node, noisy, paper, random_stream, seen};
@@ -42,7 +42,7 @@ impl Task {
     fn sense(&self, kinematics: Kinematics, seen: &Measurement, noise_mm: f64) -> Result<Estimate, SensingError> {
         if kinematics == Kinematics::Linear {
             let estimator = LinearEstimator::new(self.mesh.finger(), &self.contacts, seen)?;
-            return Ok(estimator.estimate(seen, Some(noise_mm), Prior::None));
+            return Ok(estimator.estimate(seen, Some(noise_mm), ForcePrior::None));
         }
         let questions: Vec<ContactQuestion> = self.contacts.iter().copied().map(ContactQuestion::from).collect();
         Ok(NonlinearEstimator::new(&self.mesh, &questions)?.estimate(seen, Some(noise_mm))?.forces)

@@ -3,8 +3,8 @@
 use finray_model::finger::{Plate, PlatePosition};
 use finray_model::measurement::{BaseUncertainty, Marker, Measurement};
 use finray_model::sensing::{
-    Contact, ContactPosition, ContactQuestion, Direction, LinearEstimator, MeasuredContact, NonlinearEstimator, Pad,
-    Prior,
+    Contact, ContactPosition, ContactQuestion, Direction, ForcePrior, LinearEstimator, MeasuredContact,
+    NonlinearEstimator, Pad,
 };
 use finray_model::{Finger, Kinematics, Mesh, NodeId, Vector};
 use finray_tests::{built_finger, cases, contact_node, force_for_deflection, mirrored, noisy, random_stream, seen};
@@ -62,7 +62,7 @@ proptest! {
         let theirs = noisy(&seen(&mesh, &contacts, &forces_n, Kinematics::Linear).expect("linear"), noise_mm, &mut random_stream(1, case));
         let sensed = |finger: &Finger, contacts: &[Contact], measurement: &Measurement| {
             let estimator = LinearEstimator::new(finger, contacts, measurement)?;
-            Ok::<_, finray_model::sensing::SensingError>(estimator.estimate(measurement, Some(noise_mm), Prior::None))
+            Ok::<_, finray_model::sensing::SensingError>(estimator.estimate(measurement, Some(noise_mm), ForcePrior::None))
         };
         let Ok(expected) = sensed(&finger, &contacts, &theirs) else { return Err(TestCaseError::reject("not identifiable")) };
         let other: Vec<Contact> = contacts.iter().map(|contact| across(*contact)).collect();

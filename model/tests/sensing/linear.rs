@@ -3,7 +3,7 @@
 use finray_model::compliance::{Compliance, NodalCompliance};
 use finray_model::measurement::{Marker, Measurement};
 use finray_model::sensing::{
-    Contact, ContactPosition, Estimate, LinearEstimator, Linearisation, Prior, SensingError, Warning,
+    Contact, ContactPosition, Estimate, ForcePrior, LinearEstimator, Linearisation, SensingError, Warning,
 };
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId};
 use finray_tests::{
@@ -30,7 +30,7 @@ fn sense(
     m: &Measurement,
     noise_mm: Option<f64>,
 ) -> Result<Estimate, SensingError> {
-    Ok(LinearEstimator::new(finger, contacts, m)?.estimate(m, noise_mm, Prior::None))
+    Ok(LinearEstimator::new(finger, contacts, m)?.estimate(m, noise_mm, ForcePrior::None))
 }
 
 proptest! {
@@ -113,14 +113,14 @@ fn stated_sigma_is_the_scatter() {
     let mut sigmas = Vec::new();
     for _ in 0..count {
         let noisy = noisy(&clean, noise_mm, &mut rng);
-        let known = estimator.estimate(&noisy, Some(noise_mm), Prior::None);
+        let known = estimator.estimate(&noisy, Some(noise_mm), ForcePrior::None);
         for i in 0..3 {
             let error = known.forces_n[i] - forces[i];
             sums[0][i] += error;
             sums[1][i] += error * error;
         }
         sigmas = known.sigmas_n;
-        estimated_noise += estimator.estimate(&noisy, None, Prior::None).noise_mm.powi(2);
+        estimated_noise += estimator.estimate(&noisy, None, ForcePrior::None).trusted_noise_mm.powi(2);
     }
     for i in 0..3 {
         let scatter = (sums[1][i] / f64::from(count)).sqrt();
@@ -200,7 +200,7 @@ fn ridge_is_the_posterior_of_its_prior() {
     let m = measured(&finger, &contacts, &[2.0, -1.0]);
     let (noise_mm, force_n) = (0.4, 1.5);
     let estimator = LinearEstimator::new(&finger, &contacts, &m).expect("well-posed");
-    let ours = estimator.estimate(&m, Some(noise_mm), Prior::Gaussian { force_n });
+    let ours = estimator.estimate(&m, Some(noise_mm), ForcePrior::Gaussian { force_n });
     let unit: Vec<Measurement> = [[1.0, 0.0], [0.0, 1.0]].iter().map(|f| measured(&finger, &contacts, f)).collect();
     let column =
         |m: &Measurement| m.markers().iter().flat_map(|m| [m.displacement.x, m.displacement.y]).collect::<Vec<_>>();
@@ -231,13 +231,13 @@ fn a_ridge_of_estimated_noise_is_rounded() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     for _ in 0..50 {
         let m = noisy(&clean, CAMERA_NOISE_MM, &mut rng);
-        let unbiased = estimator.estimate(&m, None, Prior::None);
-        let ridge = estimator.estimate(&m, None, Prior::Gaussian { force_n: prior_n });
+        let unbiased = estimator.estimate(&m, None, ForcePrior::None);
+        let ridge = estimator.estimate(&m, None, ForcePrior::Gaussian { force_n: prior_n });
         let length = estimator.singular_values()[0];
         let shrinkage = unbiased.forces_n[0] / ridge.forces_n[0] - 1.0;
-        let expected = (unbiased.noise_mm / prior_n / length).powi(2);
+        let expected = (unbiased.trusted_noise_mm / prior_n / length).powi(2);
         assert!((shrinkage / expected - 1.0).abs() < 0.045, "{shrinkage} for {expected}");
-        assert_eq!(ridge.noise_mm, unbiased.noise_mm);
+        assert_eq!(ridge.trusted_noise_mm, unbiased.trusted_noise_mm);
         ridges.insert((shrinkage * 1e9).round() as i64);
     }
     // The estimates of the noise scatter by 10 %, so their ridges have some ten values.
@@ -252,7 +252,12 @@ fn exact_linear_data_are_not_refused_where_the_corotational_finger_is_lost() {
     let reference = Arc::new(Mesh::with_elements_per_member(&finger, 4));
     let answer = |contacts: &[Contact], measurement: &Measurement, noise_mm: Option<f64>| {
         let estimator = LinearEstimator::new(&finger, contacts, measurement).expect("identifiable");
-        estimator.estimate_on(&mut Linearisation::new(reference.clone(), contacts), measurement, noise_mm, Prior::None)
+        estimator.estimate_on(
+            &mut Linearisation::new(reference.clone(), contacts),
+            measurement,
+            noise_mm,
+            ForcePrior::None,
+        )
     };
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     for (node, forces_n) in [(19, [20.0, -0.1]), (16, [29.0, 6.0]), (24, [60.0, 12.0]), (14, [-15.0, 3.0])] {
@@ -284,7 +289,7 @@ fn the_interval_holds_if_neither_finger_explains_the_measurement() {
         let contacts = [at_position(s_mm, 0.0)];
         let bent = seen(&reference, &contacts, &[force_n], Kinematics::Corotational).expect("an equilibrium");
         let estimator = LinearEstimator::new(&finger, &contacts, &bent).expect("identifiable");
-        for prior in [Prior::None, Prior::Gaussian { force_n: 2.0 }] {
+        for prior in [ForcePrior::None, ForcePrior::Gaussian { force_n: 2.0 }] {
             let mut linearisation = Linearisation::new(reference.clone(), &contacts);
             let estimate = estimator.estimate_on(&mut linearisation, &bent, Some(CAMERA_NOISE_MM), prior);
             let Estimate { forces_n, sigmas_n, warning, .. } = estimate.expect("an answer");

@@ -23,6 +23,6 @@ fn nothing_is_tested_without_noise_or_degrees_of_freedom() {
 
 #[test]
 fn a_residual_that_is_no_number_does_not_pass_as_small() {
-    let test = ResidualTest { noise_mm: 0.1, residual_sd_mm: f64::INFINITY, degrees_of_freedom: 3 };
+    let test = ResidualTest { marker_noise_mm: 0.1, residual_sd_mm: f64::INFINITY, degrees_of_freedom: 3 };
     assert!(test.contradicts());
 }

@@ -2,7 +2,7 @@
 
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{
-    Contact, Discretisation, Estimate, LinearEstimator, Linearisation, NonlinearEstimator, Prior, ResidualTest,
+    Contact, Discretisation, Estimate, ForcePrior, LinearEstimator, Linearisation, NonlinearEstimator, ResidualTest,
     SIGNIFICANCE, SensingError, Warning,
 };
 use finray_model::{Finger, Kinematics, Mesh};
@@ -19,7 +19,7 @@ fn linear(
 ) -> Result<Estimate, SensingError> {
     let mesh = Arc::new(Mesh::with_elements_per_member(finger, ELEMENTS));
     let mut linearisation = Linearisation::new(mesh, &[contact]);
-    LinearEstimator::new(finger, &[contact], seen)?.estimate_on(&mut linearisation, seen, noise_mm, Prior::None)
+    LinearEstimator::new(finger, &[contact], seen)?.estimate_on(&mut linearisation, seen, noise_mm, ForcePrior::None)
 }
 
 /// For 3 N at -60 deg on node 19, the linear model senses 3.97 N. Its stated standard deviation was once 0.008 N. The error of linearisation,
@@ -35,7 +35,7 @@ fn a_linear_force_a_newton_off_is_not_stated_to_8_millinewtons() {
             let estimate = linear(&finger, contact, &clean, noise_mm).expect("an answer");
             let true_error_n = estimate.forces_n[0] - 3.0;
             // Four elements per member cause an error of 0.04 % of the shape, which is 1.2 mN for a force of 3 N.
-            let off_n = estimate.model_error_n[0] - true_error_n;
+            let off_n = estimate.method_error_n[0] - true_error_n;
             assert!(
                 off_n.abs() <= 0.01 * true_error_n.abs() + 0.0012,
                 "{node} at {angle_deg}: {off_n} of {true_error_n} N"
@@ -79,11 +79,11 @@ fn a_coarse_mesh_states_its_own_error() {
         Discretisation::new(&coarse, &finer).widen(&mut estimator, &clean, &mut estimate).expect("an error");
         let estimate = estimate.forces;
         // Compared with one element per member, four elements reduce the error to a twentieth. Extrapolation has about the same accuracy.
-        let off_n = estimate.model_error_n[0] - true_error_n;
+        let off_n = estimate.method_error_n[0] - true_error_n;
         assert!(off_n.abs() <= 0.2 * true_error_n.abs() + 1e-4, "node {node}: {off_n} of {true_error_n} N");
         assert!(true_error_n.abs() <= TWO_SIDED_95 * estimate.sigmas_n[0], "node {node}: {estimate:?}");
         let warned = matches!(estimate.warning, Some(Warning::Discretisation(_)));
-        assert_eq!(warned, estimate.model_error_n[0].abs() > noise_n, "node {node}: {estimate:?}");
+        assert_eq!(warned, estimate.method_error_n[0].abs() > noise_n, "node {node}: {estimate:?}");
         largest = largest.max(true_error_n.abs() / noise_n);
     }
     assert!(largest > 2.5, "some node is well beyond its noise: {largest}");
@@ -106,7 +106,7 @@ fn the_residual_test_keeps_its_significance() {
         let as_stated = answer(0.1);
         warned += usize::from(as_stated.warning.is_some());
         // The standard deviation follows from the stated noise, or from the residual if the residual contradicts the stated noise.
-        let ratio = as_stated.noise_mm / 0.1;
+        let ratio = as_stated.trusted_noise_mm / 0.1;
         assert_eq!(ratio == 1.0, as_stated.warning.is_none(), "{as_stated:?}");
         of_twice += usize::from(answer(0.05).warning.is_some());
     }
@@ -119,8 +119,8 @@ fn the_residual_test_keeps_its_significance() {
 /// Residual and noise are written with enough digits to show their difference.
 #[test]
 fn a_residual_is_told_apart_from_the_noise() {
-    let said = |residual_sd_mm, noise_mm| {
-        Warning::Residual(ResidualTest { noise_mm, residual_sd_mm, degrees_of_freedom: 45 }).to_string()
+    let said = |residual_sd_mm, marker_noise_mm| {
+        Warning::Residual(ResidualTest { marker_noise_mm, residual_sd_mm, degrees_of_freedom: 45 }).to_string()
     };
     for (residual_mm, noise_mm, expected) in [
         (0.00138, 0.001, "standard deviation of 0.00138 mm, where 0.00100 mm of noise"),

@@ -1,6 +1,6 @@
 //! Least-squares problem of modulus factors: fits computed equilibria to measurements.
 
-use super::{FactorModel, Unknown};
+use super::{FactorModel, UnknownFactor};
 use crate::Vector;
 use crate::calibration::{CalibrationCase, CalibrationError};
 use crate::finger::{Finger, ImpossibleFinger};
@@ -19,7 +19,7 @@ const LARGEST_STEP: f64 = 1.0;
 pub(super) struct FactorProblem<'p> {
     pub finger: &'p Finger,
     pub cases: &'p [CalibrationCase],
-    pub unknowns: &'p [Unknown],
+    pub unknowns: &'p [UnknownFactor],
     pub model: &'p FactorModel,
     /// Equilibrium of each case at the last evaluated point.
     pub motions: Vec<FrameMotion>,
@@ -110,21 +110,25 @@ fn refusal(error: CalibrationError) -> Refusal<CalibrationError> {
 }
 
 /// Index of each affected member, and the relative change of the member's stiffness per relative change of the unknown factor.
-fn shares(mesh: &Mesh, unknown: &Unknown) -> Vec<(usize, f64)> {
+fn shares(mesh: &Mesh, unknown: &UnknownFactor) -> Vec<(usize, f64)> {
     match unknown {
-        Unknown::Modulus => (0..mesh.frame().members().len()).map(|member| (member, 1.0)).collect(),
-        Unknown::Zones(zones) => zones.iter().flat_map(|&zone| mesh.zone_shares(zone)).collect(),
+        UnknownFactor::Modulus => (0..mesh.frame().members().len()).map(|member| (member, 1.0)).collect(),
+        UnknownFactor::Zones(zones) => zones.iter().flat_map(|&zone| mesh.zone_shares(zone)).collect(),
     }
 }
 
 /// The finger with factors applied. `logs` are the natural logarithms of the factors.
-pub(super) fn with_factors(finger: &Finger, unknowns: &[Unknown], logs: &[f64]) -> Result<Finger, ImpossibleFinger> {
+pub(super) fn with_factors(
+    finger: &Finger,
+    unknowns: &[UnknownFactor],
+    logs: &[f64],
+) -> Result<Finger, ImpossibleFinger> {
     let mut description = finger.description().clone();
     let mut general = 1.0;
     for (unknown, log) in unknowns.iter().zip(logs) {
         match unknown {
-            Unknown::Modulus => general *= log.exp(),
-            Unknown::Zones(zones) => {
+            UnknownFactor::Modulus => general *= log.exp(),
+            UnknownFactor::Zones(zones) => {
                 for &zone in zones {
                     let missing = || ImpossibleFinger {
                         key: ZONE.path().to_owned(),

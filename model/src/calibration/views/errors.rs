@@ -10,7 +10,7 @@ use nalgebra::DMatrix;
 const LEAST_NOISE_FACTOR: f64 = 1e-3;
 const STEPS: usize = 60;
 /// Prior standard deviation of the logarithm of the factor on the stated noise. The prior is needed if the stated noise is equal for all markers,
-/// because residuals then show only the sum of model error and noise.
+/// because residuals then show only the sum of calibration error and noise.
 const FACTOR_SD: f64 = 1.0;
 /// Two solutions count as equally likely if twice the difference of their log-likelihoods is at most this value, which is far from significant.
 const ALIKE: f64 = 1e-6;
@@ -26,7 +26,7 @@ struct CoordinateResidual {
     stated_mm: f64,
 }
 
-/// Estimates the factor on the stated marker noise, and the model error, from the residuals of a fit. `covariance` is the covariance of the fit.
+/// Estimates the factor on the stated marker noise, and the calibration error, from the residuals of a fit. `covariance` is the covariance of the fit.
 pub(super) fn marker_errors(problem: &Problem, fitted: &Fit<Point>, covariance: &DMatrix<f64>) -> MarkerErrors {
     let mut left = Vec::new();
     for (view, _, rows, _) in problem.parts(&fitted.point) {
@@ -53,7 +53,8 @@ pub(super) fn new_marker_errors(problem: &Problem, share: f64) -> MarkerErrors {
     let markers = || problem.views.iter().flat_map(|view| view.measurement.markers().iter().map(move |it| (view, it)));
     let variance_mm2 = |(view, marker): (&View, &Marker)| problem.errors.sd_mm(view.noise_mm / marker.weight).powi(2);
     let mean_mm2 = markers().map(variance_mm2).sum::<f64>() / markers().count() as f64;
-    MarkerErrors { model_mm: problem.errors.model_mm.hypot((share * mean_mm2).sqrt()), ..problem.errors }
+    let calibration_error_mm = problem.errors.calibration_error_mm.hypot((share * mean_mm2).sqrt());
+    MarkerErrors { calibration_error_mm, ..problem.errors }
 }
 
 /// Marker errors that maximise the likelihood of the residuals. The noise is the stated noise or, if `may_reduce_noise`, possibly smaller.
@@ -78,8 +79,8 @@ fn likeliest(mut left: Vec<CoordinateResidual>, may_reduce_noise: bool) -> Marke
     let most_mm = left.iter().map(|it| it.square_mm2).sum::<f64>().sqrt();
     let with = |logarithm: f64| {
         let noise_factor = logarithm.exp();
-        let of = |model_mm: f64| MarkerErrors { noise_factor, model_mm };
-        let best = of(least(0.0, most_mm, |model_mm| unlikely(&of(model_mm))));
+        let of = |calibration_error_mm: f64| MarkerErrors { noise_factor, calibration_error_mm };
+        let best = of(least(0.0, most_mm, |error_mm| unlikely(&of(error_mm))));
         if unlikely(&of(0.0)) <= unlikely(&best) + ALIKE { of(0.0) } else { best }
     };
     let as_stated = with(0.0);

@@ -126,7 +126,7 @@ pub struct ViewEstimate {
     pub views: Vec<FoundView>,
     /// Errors of the markers estimated from the residuals, relative to the stated noise of the views.
     pub marker_errors: MarkerErrors,
-    /// Errors of the markers in a new view. `model_mm` also includes the uncertainty of the calibrated geometry.
+    /// Errors of the markers in a new view. `calibration_error_mm` also includes the uncertainty of the calibrated geometry.
     pub new_marker_errors: MarkerErrors,
     /// Relative error of sensed forces. `None` if no modulus is sought or no force was measured.
     pub force_error: Option<ForceError>,
@@ -146,8 +146,8 @@ pub struct ForceError {
     pub of_new: f64,
 }
 
-/// Standard deviation of the model error, mm, with which the fit starts. Later rounds use the estimate of the last fit.
-const FIRST_MODEL_ERROR_MM: f64 = 0.05;
+/// Calibration error, mm, with which the fit starts. Later rounds use the estimate of the last fit.
+const FIRST_CALIBRATION_ERROR_MM: f64 = 0.05;
 /// Relative scatter of forces with which the fit starts. This value is kept if the measurements do not show the scatter. `LEAST_SCATTER` is the
 /// smallest scatter that matters.
 const FIRST_SCATTER: f64 = 0.01;
@@ -166,7 +166,9 @@ fn have_settled(before: (MarkerErrors, Option<f64>), after: (MarkerErrors, Optio
     let close = |before: f64, after: f64| (before - after).abs() <= SETTLED * after;
     let scatters_close =
         before.1.zip(after.1).is_none_or(|(before, after)| (before - after).abs() <= SETTLED * after + LEAST_SCATTER);
-    close(before.0.noise_factor, after.0.noise_factor) && close(before.0.model_mm, after.0.model_mm) && scatters_close
+    close(before.0.noise_factor, after.0.noise_factor)
+        && close(before.0.calibration_error_mm, after.0.calibration_error_mm)
+        && scatters_close
 }
 
 /// Estimates the shared quantities of a finger and its rig from several views.
@@ -214,7 +216,7 @@ fn views_from(
     let sought = &[sought, shared_lean.as_slice()].concat()[..];
     let is_scaled = sought.iter().any(|sought| sought.quantity.is_modulus()) && views.iter().any(|v| v.force.is_some());
     let scatter = is_scaled.then_some(FIRST_SCATTER);
-    let errors = MarkerErrors { noise_factor: 1.0, model_mm: FIRST_MODEL_ERROR_MM };
+    let errors = MarkerErrors { noise_factor: 1.0, calibration_error_mm: FIRST_CALIBRATION_ERROR_MM };
     let mut problem = Problem { finger, views, sought, model, errors, scatter };
     let names = |quantities: &mut dyn Iterator<Item = usize>| {
         quantities.map(|k| sought[k].quantity.to_string()).collect::<Vec<_>>().join(", ")

@@ -71,7 +71,7 @@ pub(super) struct Problem<'p> {
     pub views: &'p [View],
     pub sought: &'p [Sought],
     pub model: &'p ViewModel,
-    /// Factor on the stated noise of the markers, and the model error that adds to this noise.
+    /// Factor on the stated noise of the markers, and the calibration error that adds to this noise.
     pub errors: MarkerErrors,
     /// Relative standard deviation of measured forces, dimensionless. `None` if they are exact.
     pub scatter: Option<f64>,

@@ -148,7 +148,7 @@ impl RigEstimate {
         let mut put = |key: String, value: Value| values.push((key, Some(value)));
         let errors = self.views.new_marker_errors;
         put(MARKERS.noise_factor.path(), Value::from(errors.noise_factor));
-        put(MARKERS.model_error_mm.path(), Value::from(errors.model_mm));
+        put(MARKERS.model_error_mm.path(), Value::from(errors.calibration_error_mm));
         if let Some(share) = self.force_error {
             put(CONTACT.force_error_share.path(), Value::from(share));
         }

@@ -5,7 +5,7 @@ use super::contradiction::{check_forces, marker_force, wrong_name};
 use super::problem::{Candidate, Point, Problem, ViewUnknowns};
 use super::shape_motion::misfit_of_shape;
 use super::unloaded::unloaded_error;
-use super::{FIRST_MODEL_ERROR_MM, View, ViewError};
+use super::{FIRST_CALIBRATION_ERROR_MM, View, ViewError};
 use crate::calibration::CalibrationError;
 use crate::finger::Plate;
 use crate::sensing::{
@@ -97,7 +97,7 @@ fn start_of_unknown(problem: &Problem, stated: &Candidate, view: &View) -> Resul
     let questions = [question];
     let mut estimator = NonlinearEstimator::new(&stated.mesh, &questions)?;
     let measurement = view.measurement.clone().with_base(view.base);
-    let sensed = estimator.estimate(&measurement, Some(view.noise_mm.hypot(FIRST_MODEL_ERROR_MM)));
+    let sensed = estimator.estimate(&measurement, Some(view.noise_mm.hypot(FIRST_CALIBRATION_ERROR_MM)));
     let refused = match sensed {
         Ok(sensed) => {
             let s_mm = sensed.contacts[0].position_mm(problem.finger).unwrap_or_default();
@@ -118,7 +118,7 @@ fn start_of_unknown(problem: &Problem, stated: &Candidate, view: &View) -> Resul
         camera: Some(CameraAbove { eye: view.eye, middle: view.eye, distance_mm: height_mm }),
         measured_in_frame_sd_rad: None,
     };
-    let noise_mm = view.noise_mm.hypot(FIRST_MODEL_ERROR_MM);
+    let noise_mm = view.noise_mm.hypot(FIRST_CALIBRATION_ERROR_MM);
     let found = linearise_assembly(problem.finger, &questions, None, &unloaded, &measurement, noise_mm, None);
     let found = found.map_err(|_| refused)?;
     Ok(own(found.contacts[0].position_mm(problem.finger).unwrap_or_default(), found.forces_n[0]))

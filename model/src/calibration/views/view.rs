@@ -56,7 +56,7 @@ impl LocatedView {
         let view = View {
             name: observation.image.clone(),
             measurement: measured.measurement,
-            noise_mm: measured.noise_mm.unwrap_or(f64::NAN),
+            noise_mm: measured.marker_noise_mm.unwrap_or(f64::NAN),
             base: uncertainty,
             eye: (base.inverse() * Point2::from(eye)).coords,
             force: force.map(|force| base.rotation.inverse() * force),

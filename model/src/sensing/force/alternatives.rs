@@ -26,8 +26,8 @@ pub(super) fn check_against_nothing(
     misfit: f64,
     misfit_at_rest: f64,
 ) -> Result<(), SensingError> {
-    let Estimate { forces_n, sigmas_n, noise_mm, .. } = &estimate.forces;
-    if misfit_at_rest - misfit > AS_GOOD * noise_mm * noise_mm {
+    let Estimate { forces_n, sigmas_n, trusted_noise_mm, .. } = &estimate.forces;
+    if misfit_at_rest - misfit > AS_GOOD * trusted_noise_mm * trusted_noise_mm {
         return Ok(());
     }
     let claimed = (0..forces_n.len()).find(|&i| forces_n[i].abs() > ANOTHER_ANSWER_SIGMAS * sigmas_n[i]);
@@ -74,7 +74,7 @@ pub(super) fn check_unconfirmed(
 /// [`SensingError::Ambiguous`] if the other forces differ and explain the data equally well.
 fn is_confirmed_by(estimate: &NonlinearEstimate, other_n: &[f64], excess: f64) -> Result<bool, SensingError> {
     match other_answer(estimate, other_n) {
-        Some(i) if excess <= AS_GOOD * estimate.forces.noise_mm.powi(2) => {
+        Some(i) if excess <= AS_GOOD * estimate.forces.trusted_noise_mm.powi(2) => {
             let (force_n, other_n) = (estimate.forces.forces_n[i], other_n[i]);
             Err(SensingError::Ambiguous { contact: i + 1, force_n, other_n })
         }
@@ -117,7 +117,7 @@ pub(super) fn check_rivals(
 /// of the other minimum are as likely as the ratio of the likelihoods states. The minimum that widens most counts. `minima` lists misfit, mm^2, and
 /// forces, N, of each minimum, and `misfit` is the misfit of the estimate.
 pub(super) fn widen_by_rivals(estimate: &mut NonlinearEstimate, misfit: f64, minima: &[(f64, Vec<f64>)]) {
-    let variance_mm2 = estimate.forces.noise_mm.powi(2);
+    let variance_mm2 = estimate.forces.trusted_noise_mm.powi(2);
     let Estimate { forces_n, sigmas_n, .. } = &estimate.forces;
     let off = |(other_misfit, other_n): &(f64, Vec<f64>)| {
         let likelihood = (-0.5 * (other_misfit - misfit) / variance_mm2).exp().min(1.0);
@@ -137,7 +137,7 @@ pub(super) fn widen_by_rivals(estimate: &mut NonlinearEstimate, misfit: f64, min
 /// standard deviations. A position may then change far, and the forces with it. `others` lists misfit, mm^2, and forces, N, for other positions, and `misfit`
 /// is the misfit of the estimate.
 pub(super) fn widen_by_positions(estimate: &mut NonlinearEstimate, misfit: f64, others: &[(f64, Vec<f64>)]) {
-    let variance_mm2 = estimate.forces.noise_mm.powi(2);
+    let variance_mm2 = estimate.forces.trusted_noise_mm.powi(2);
     for (other_misfit, other_n) in others {
         let growth = (other_misfit - misfit) / variance_mm2;
         if growth > AS_GOOD || growth.is_nan() {

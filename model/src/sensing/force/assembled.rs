@@ -6,10 +6,10 @@
 use super::estimator::NearForces;
 use super::linearised::Seen;
 use super::minima::{find_minima, minimum_near};
-use super::nuisances::Nuisances;
 use super::problem::{ForceProblem, State};
 use super::search_history::SearchHistory;
-use super::states::{resume, state_of, state_under};
+use super::states::{carry_over, state_of, state_under};
+use super::values::Nuisances;
 use crate::Finger;
 use crate::finger::Plate;
 use crate::measurement::Measurement;
@@ -42,7 +42,7 @@ pub(crate) struct LinearisedAssembly {
     pub forces_n: Vec<f64>,
 }
 
-/// Linearises the errors of a finger at the forces that explain a measurement best. `noise_mm` is the standard deviation of one coordinate, mm.
+/// Linearises the errors of a finger at the forces that explain a measurement best. `marker_noise_mm` is the standard deviation of one coordinate, mm.
 ///
 /// # Errors
 /// [`SensingError`] if no forces explain the measurement, the search does not settle, or a finger with one of the errors is impossible.
@@ -52,7 +52,7 @@ pub(crate) fn linearise_assembly(
     object: Option<&TouchedObject>,
     unloaded: &UnloadedFinger,
     measurement: &Measurement,
-    noise_mm: f64,
+    marker_noise_mm: f64,
     near: Option<NearForces>,
 ) -> Result<LinearisedAssembly, SensingError> {
     let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
@@ -66,19 +66,19 @@ pub(crate) fn linearise_assembly(
         forces = near.pad_forces(questions).collect();
     }
     let mut state: Option<State> = None;
-    let first = FIRST_ERRORS_MM.into_iter().filter(|error_mm| *error_mm > noise_mm);
+    let first = FIRST_ERRORS_MM.into_iter().filter(|error_mm| *error_mm > marker_noise_mm);
     let mut change_n = f64::INFINITY;
     for error_mm in first.chain(std::iter::repeat(0.0)).take(ROUNDS) {
         let pushed = Pushed { questions, forces: &forces };
         let seen_as = unloaded.allowed_for(finger, measurement, pushed, &errors)?;
-        let seen = Seen { measurement: &seen_as, noise_mm: Some(noise_mm.hypot(error_mm)) };
+        let seen = Seen { measurement: &seen_as, marker_noise_mm: Some(marker_noise_mm.hypot(error_mm)) };
         problem.expect(seen)?;
         let found = match state.take() {
             None => first_state(&mut problem, near, seen)?,
             Some(state) => {
-                let mut start = resume(&mut problem, state, seen)?;
+                let mut start = carry_over(&mut problem, state, seen)?;
                 let off = start.solve(seen.measurement, 0.0)?.decrease;
-                if error_mm == 0.0 && off <= (SETTLED_SIGMAS * noise_mm).powi(2) {
+                if error_mm == 0.0 && off <= (SETTLED_SIGMAS * marker_noise_mm).powi(2) {
                     return Ok(LinearisedAssembly { measurement: seen_as, contacts, forces_n });
                 }
                 // The history is empty, so the search cannot meet the path of an earlier search.
@@ -133,7 +133,7 @@ fn minimum_from(
     seen: Seen,
 ) -> Option<(f64, State)> {
     let state = state_under(problem, contacts, forces_n, None)?;
-    let start = resume(problem, state, seen).ok()?;
+    let start = carry_over(problem, state, seen).ok()?;
     // The history is empty, so the search cannot meet the path of an earlier search.
     let found = minimum_near(problem, start, seen, &mut SearchHistory::default()).ok()??;
     Some((problem.misfit(&found.state, seen.measurement), found.state))

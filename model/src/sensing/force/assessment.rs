@@ -5,18 +5,12 @@ use super::estimate::{FoundLean, NonlinearEstimate};
 use super::largest_explained_rms_mm;
 use super::linearised::Seen;
 use super::problem::{ForceProblem, State};
-use super::unknowns::Unknown;
-use crate::finger::Plate;
+use super::unknowns::{IdentifiableLimit, Unknown};
 use crate::sensing::residual_test::noise_of;
 use crate::sensing::{
     Contact, ContactQuestion, Direction, Estimate, LARGEST_SPAN, ResidualTest, SensingError, Warning,
 };
 use nalgebra::DMatrix;
-
-/// A direction is not identifiable if its standard deviation exceeds this angle, degrees. A position is not identifiable if its standard deviation
-/// exceeds the share `LARGEST_POSITION_SIGMA` of the plate's length.
-const LARGEST_ANGLE_SIGMA_DEG: f64 = 30.0;
-pub(super) const LARGEST_POSITION_SIGMA: f64 = 0.25;
 
 /// The estimated contact. Known or measured positions and directions replace the estimated ones. The angle is reduced to the range from -180 to 180
 /// degrees.
@@ -58,21 +52,15 @@ fn require_determined(
     sigma: impl Fn(usize) -> f64,
 ) -> Result<(), SensingError> {
     for (j, unknown) in problem.unknowns.iter().enumerate() {
-        let (what, contact, sigma, limit, unit) = match *unknown {
-            Unknown::Force(_) | Unknown::Base(_) | Unknown::Object(_) | Unknown::Shared(_) => continue,
-            Unknown::Position(i) if problem.questions[i].is_position_measured() => continue,
-            Unknown::Across(i) if problem.is_normal_measured(i) => continue,
-            Unknown::Position(i) => {
-                let limit = LARGEST_POSITION_SIGMA * problem.finger().plate_length_mm(Plate::Front);
-                ("the position", i + 1, sigma(j), limit, "mm")
-            }
-            Unknown::Across(i) => {
-                let sigma_deg = (sigma(j) / forces_n[i].abs()).to_degrees();
-                ("the direction", i + 1, sigma_deg, LARGEST_ANGLE_SIGMA_DEG, "deg")
-            }
+        let Some(limit) = unknown.limit(&problem.questions, problem.finger()) else { continue };
+        let IdentifiableLimit { what, contact, sigma: largest, unit } = limit;
+        let sigma = match unknown {
+            // The unknown is a force across the direction, the limit an angle.
+            Unknown::Across(i) => (sigma(j) / forces_n[*i].abs()).to_degrees(),
+            _ => sigma(j),
         };
-        if sigma > limit {
-            return Err(SensingError::Undetermined { what, contact, sigma, unit });
+        if sigma > largest {
+            return Err(SensingError::Undetermined { what, contact: contact + 1, sigma, unit });
         }
     }
     Ok(())
@@ -85,7 +73,7 @@ fn require_determined(
 pub(super) fn assess(
     problem: &ForceProblem,
     state: &mut State,
-    Seen { measurement, noise_mm }: Seen,
+    Seen { measurement, marker_noise_mm }: Seen,
     steps: usize,
 ) -> Result<NonlinearEstimate, SensingError> {
     let (coordinates, count) = (measurement.coordinate_count(), problem.unknowns.len());
@@ -93,13 +81,15 @@ pub(super) fn assess(
     let residual_rms_mm = (misfit / coordinates as f64).sqrt();
     let moved: f64 = measurement.markers().iter().map(|marker| marker.displacement.norm_squared()).sum();
     let moved_rms_mm = (moved / coordinates as f64).sqrt();
-    if noise_mm.is_some_and(|noise_mm| residual_rms_mm > largest_explained_rms_mm(noise_mm, moved_rms_mm)) {
+    if marker_noise_mm
+        .is_some_and(|marker_noise_mm| residual_rms_mm > largest_explained_rms_mm(marker_noise_mm, moved_rms_mm))
+    {
         return Err(SensingError::Unexplained { residual_rms_mm, moved_rms_mm });
     }
     let degrees_of_freedom = coordinates + problem.known_count() - count;
-    let test = ResidualTest::new(noise_mm, misfit, degrees_of_freedom);
+    let test = ResidualTest::new(marker_noise_mm, misfit, degrees_of_freedom);
     // A residual that the stated noise does not explain adds to the uncertainty.
-    let noise_mm = noise_of(test, noise_mm, misfit, degrees_of_freedom);
+    let trusted_noise_mm = noise_of(test, marker_noise_mm, misfit, degrees_of_freedom);
     problem.rescale(state);
     let parts = state.linearised.singular_parts(measurement)?;
     let span = parts.span();
@@ -108,7 +98,8 @@ pub(super) fn assess(
         return Err(SensingError::IllConditioned { span, limit: LARGEST_SPAN, weakest });
     }
     let scales = &state.linearised.scales;
-    let linear = |i: usize, j: usize| scales[i] * scales[j] * parts.covariance(i, j) * noise_mm * noise_mm;
+    let linear =
+        |i: usize, j: usize| scales[i] * scales[j] * parts.covariance(i, j) * trusted_noise_mm * trusted_noise_mm;
     // A force b across the direction adds b^2 / (2 f) to the force f, to second order. If the force b has the standard deviation s, the mean
     // square of b^2 / (2 f) is 3 s^4 / (4 f^2). Terms of higher order are negligible if the direction is known to within some degrees.
     let by_direction = |i: usize| {
@@ -135,9 +126,9 @@ pub(super) fn assess(
             forces_n: state.forces_n.clone(),
             sigmas_n: (0..problem.questions.len()).map(|i| covariance(i, i).sqrt()).collect(),
             covariance_n2: DMatrix::from_fn(problem.questions.len(), problem.questions.len(), covariance),
-            model_error_n: vec![0.0; problem.questions.len()],
+            method_error_n: vec![0.0; problem.questions.len()],
             measured: None,
-            noise_mm,
+            trusted_noise_mm,
             warning: test.filter(ResidualTest::contradicts).map(Warning::Residual),
             residual_rms_mm,
             singular_values: parts.descending(),

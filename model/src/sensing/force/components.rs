@@ -35,10 +35,10 @@ pub(super) fn resolve(
     let parts = state.linearised.singular_parts(measurement);
     state.linearised.prior_rows = rows;
     let (parts, scales) = (parts?, &state.linearised.scales);
-    let noise_mm = estimate.forces.noise_mm;
+    let trusted_noise_mm = estimate.forces.trusted_noise_mm;
     let unknowns = problem.unknowns.len();
     let covariance = DMatrix::from_fn(unknowns, unknowns, |i, j| {
-        scales[i] * scales[j] * parts.covariance(i, j) * noise_mm * noise_mm
+        scales[i] * scales[j] * parts.covariance(i, j) * trusted_noise_mm * trusted_noise_mm
     });
     // The force across is the product of the force along and of the tangent of the lean.
     let tangent = |i: usize| if problem.is_normal_measured(i) { state.nuisances.tangent(i) } else { 0.0 };

@@ -73,7 +73,7 @@ pub(super) fn correct(problem: &mut ForceProblem, state: &mut State, seen: Seen)
 
 /// Corrects a state like [`correct`], but only until the next step is expected to be negligible compared with the noise.
 pub(super) fn correct_below_noise(problem: &mut ForceProblem, state: &mut State, seen: Seen) -> Option<usize> {
-    corrected(problem, state, seen, NEGLIGIBLE_SIGMAS * seen.noise_mm.unwrap_or(0.0))
+    corrected(problem, state, seen, NEGLIGIBLE_SIGMAS * seen.marker_noise_mm.unwrap_or(0.0))
 }
 
 fn corrected(problem: &mut ForceProblem, state: &mut State, seen: Seen, negligible_mm: f64) -> Option<usize> {
@@ -89,7 +89,7 @@ fn corrected(problem: &mut ForceProblem, state: &mut State, seen: Seen, negligib
             return Some(steps);
         }
         let turn = match state.unit_motions.take() {
-            Some(unit_motions) => state.follow(&unit_motions),
+            Some(unit_motions) => state.move_by_forces(&unit_motions),
             // In the first step, nothing is factored yet.
             None if steps == 1 || problem.object.is_some() => {
                 problem.statics.corrected(&mut state.motion, &state.loads)?

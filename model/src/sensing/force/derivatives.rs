@@ -1,13 +1,13 @@
-//! Derivatives of the shape with respect to the unknowns of a force problem.
+//! Linearises states: derivatives of the markers' displacements with respect to the unknowns of a force problem.
+//!
+//! Without an object, they follow from the factored tangent ([`MarkerRates`]). With an object, they are differences of states.
 
+use super::linearised::Linearised;
+use super::marker_motion::MarkerRates;
 use super::problem::{ForceProblem, State};
-use super::unknowns::{BaseMotion, Unknown};
-use crate::Vector;
-use crate::frame::FrameLoad;
-use crate::mesh::LoadError;
-use crate::sensing::{Direction, PadForce, SensingError};
+use crate::sensing::{PadForce, SensingError};
 use crate::statics::StaticsError;
-use nalgebra::{Point2, UnitComplex};
+use nalgebra::UnitComplex;
 
 /// Step of the difference quotients, as a share of each unknown's scale. The differenced quantities are almost linear within such a small step.
 const STEP: f64 = 1e-5;
@@ -41,7 +41,6 @@ pub(super) fn look_ahead(problem: &mut ForceProblem, state: &mut State) -> Optio
 
 /// Computes the derivatives of the shape with respect to the unknowns from the factored tangent.
 pub(super) fn differentiate(problem: &mut ForceProblem, state: &mut State) -> Result<(), SensingError> {
-    let finger = problem.finger();
     problem.rescale(state);
     state.linearised.turn_signs.clone_from(&problem.priors.turn_signs);
     state.linearised.prior_rows.clear();
@@ -51,78 +50,13 @@ pub(super) fn differentiate(problem: &mut ForceProblem, state: &mut State) -> Re
     }
     let forces: Vec<PadForce> = state.pad_forces(&problem.questions).collect();
     let State { nuisances, motion, linearised, .. } = state;
-    let (base, points, across) = (nuisances.base, &linearised.marker_points, &mut linearised.across);
-    let turned = base.rotation != UnitComplex::identity();
-    let ladder = problem.statics.equations_mut();
-    for (unknown, rates) in problem.unknowns.iter().zip(linearised.rates.chunks_exact_mut(finger.key_node_count())) {
-        match *unknown {
-            Unknown::Position(i) => {
-                let plate = forces[i].contact.position.plate();
-                let moved = |load: &FrameLoad, out: &mut [Vector]| ladder.moved_load(motion, load, plate, out);
-                add_up(forces[i].loads(problem.mesh), rates, across, moved)?;
-            }
-            Unknown::Force(i) | Unknown::Across(i) => {
-                let unit = match (*unknown, problem.questions[i].direction) {
-                    (Unknown::Force(_), Direction::Measured(_)) => {
-                        PadForce { force_n: 1.0_f64.hypot(nuisances.tangent(i)), ..forces[i] }
-                    }
-                    (Unknown::Force(_), _) => PadForce { force_n: 1.0, ..forces[i] },
-                    (_, Direction::Measured(_)) => forces[i].turned(90.0 - nuisances.further_leans_deg[i], 1.0),
-                    _ => forces[i].turned(90.0, 1.0),
-                };
-                add_up(unit.loads(problem.mesh), rates, across, |load, out| ladder.added_load(motion, load, out))?;
-            }
-            // The pose of an object is unknown only if the estimator has an object.
-            Unknown::Object(_) => continue,
-            Unknown::Shared(k) => {
-                rates.copy_from_slice(&problem.shared_errors[k].pattern_mm);
-                continue;
-            }
-            Unknown::Base(way) => {
-                for (rate, point) in rates.iter_mut().zip(points) {
-                    let position = base * Point2::from(point.rest + motion.displacements[point.node]);
-                    *rate = match way {
-                        BaseMotion::X => Vector::x(),
-                        BaseMotion::Y => Vector::y(),
-                        BaseMotion::Turn => Vector::new(-position.y, position.x),
-                    };
-                }
-                // In the frame of the rotated base, a force of known direction rotates opposite to the base.
-                let held = forces.iter().zip(&problem.questions).filter(|(_, q)| q.direction.stated_deg().is_some());
-                for (force, _) in held.filter(|_| way == BaseMotion::Turn) {
-                    let back_deg = 90.0 * force.contact.position.plate().turn_sign();
-                    for load in force.turned(back_deg, force.force_n).loads(problem.mesh) {
-                        ladder.added_load(motion, &load?, across);
-                        for (rate, across) in rates.iter_mut().zip(&*across) {
-                            *rate -= base.rotation * *across;
-                        }
-                    }
-                }
-                continue;
-            }
-        }
-        if turned {
-            rates.iter_mut().for_each(|rate| *rate = base.rotation * *rate);
-        }
-    }
-    Ok(())
-}
-
-/// Sums the effects of the loads on each key node, and writes the sums to `rates`. `room` is a buffer for one load.
-fn add_up(
-    loads: impl Iterator<Item = Result<FrameLoad, LoadError>>,
-    rates: &mut [Vector],
-    room: &mut [Vector],
-    mut of: impl FnMut(&FrameLoad, &mut [Vector]),
-) -> Result<(), LoadError> {
-    for (i, load) in loads.enumerate() {
-        match i {
-            0 => of(&load?, rates),
-            _ => {
-                of(&load?, room);
-                rates.iter_mut().zip(&*room).for_each(|(rate, further)| *rate += further);
-            }
-        }
+    let Linearised { marker_points, rates, room, .. } = linearised;
+    let ForceProblem { mesh, questions, shared_errors, statics, .. } = problem;
+    let ladder = statics.equations_mut();
+    let mut of_markers =
+        MarkerRates { mesh, questions, shared_errors, ladder, motion, nuisances, forces: &forces, room };
+    for (&unknown, rates) in problem.unknowns.iter().zip(rates.chunks_exact_mut(marker_points.len())) {
+        of_markers.differentiate(unknown, marker_points, rates)?;
     }
     Ok(())
 }
@@ -134,15 +68,16 @@ fn add_up(
 /// [`SensingError::Statics`] if the tangent does not belong to an equilibrium.
 fn differentiate_by_differences(problem: &mut ForceProblem, state: &mut State) -> Result<(), SensingError> {
     let Some(touching) = problem.object.clone() else { return Ok(()) };
-    let noise_mm = problem.priors.noise_mm();
-    let misses = |state: &State| -> Vec<f64> { touching.misses_mm(problem.mesh, state.posed(), noise_mm).collect() };
-    let before = followed(problem, state, None)?;
+    let marker_noise_mm = problem.priors.marker_noise_mm();
+    let misses =
+        |state: &State| -> Vec<f64> { touching.misses_mm(problem.mesh, state.posed(), marker_noise_mm).collect() };
+    let before = state_after_step(problem, state, None)?;
     let before_misses = misses(&before);
     let at_state = misses(state);
     state.linearised.take_misses(at_state);
     for unknown in 0..problem.unknowns.len() {
         let step = STEP * state.linearised.scales[unknown];
-        let after = followed(problem, state, Some((unknown, step)))?;
+        let after = state_after_step(problem, state, Some((unknown, step)))?;
         let after_misses = misses(&after);
         let states = [(&before, &before_misses), (&after, &after_misses)]
             .map(|(state, misses)| (state.posed(), misses.as_slice()));
@@ -153,7 +88,11 @@ fn differentiate_by_differences(problem: &mut ForceProblem, state: &mut State) -
 
 /// State after a step of one unknown (index and change). The tangent determines the new shape, and the new shape determines the loads. If `step`
 /// is `None`, no unknown changes.
-fn followed(problem: &mut ForceProblem, state: &State, step: Option<(usize, f64)>) -> Result<State, SensingError> {
+fn state_after_step(
+    problem: &mut ForceProblem,
+    state: &State,
+    step: Option<(usize, f64)>,
+) -> Result<State, SensingError> {
     let none = SensingError::Statics(StaticsError::NoEquilibrium { converged_fraction: 1.0 });
     let mut state = state.clone();
     state.linearised.step.clear();

@@ -108,7 +108,7 @@ impl<'m> Discretisation<'m> {
                 error_n
             }
         };
-        estimate.forces.add_model_error(error_n, Warning::Discretisation);
+        estimate.forces.add_method_error(error_n, Warning::Discretisation);
         Ok(())
     }
 

@@ -8,14 +8,15 @@ use super::correction::{correct, correct_below_noise};
 use super::estimate::NonlinearEstimate;
 use super::leaning::widen_by_leans;
 use super::linear_range::{require_linear_range, widen_by_curvature};
-use super::linearised::{Posed, Seen};
+use super::linearised::Seen;
+use super::marker_motion::Posed;
 use super::minima::{KeptScan, MANY_COORDINATES, Minima, find_minima, minimum_near};
-use super::nuisances::Nuisances;
 use super::object_start::{require_touch, without_object};
 use super::position::widen_by_position;
 use super::problem::{ForceProblem, State};
 use super::search_history::SearchHistory;
-use super::states::{Found, resume, state_near, state_under};
+use super::states::{Found, carry_over, state_near, state_under};
+use super::values::Nuisances;
 use crate::frame::FrameMotion;
 use crate::measurement::Measurement;
 use crate::mesh::Mesh;
@@ -79,7 +80,7 @@ impl<'m> NonlinearEstimator<'m> {
         (self.last, self.scan) = (None, None);
     }
 
-    /// Estimates the forces. `noise_mm` is the standard deviation of one coordinate, mm. The noise is estimated from the residual if `noise_mm` is `None` or
+    /// Estimates the forces. `marker_noise_mm` is the standard deviation of one coordinate, mm. The noise is estimated from the residual if `marker_noise_mm` is `None` or
     /// contradicts the residual.
     ///
     /// # Errors
@@ -87,9 +88,9 @@ impl<'m> NonlinearEstimator<'m> {
     pub fn estimate(
         &mut self,
         measurement: &Measurement,
-        noise_mm: Option<f64>,
+        marker_noise_mm: Option<f64>,
     ) -> Result<NonlinearEstimate, SensingError> {
-        let seen = Seen { measurement, noise_mm };
+        let seen = Seen { measurement, marker_noise_mm };
         self.expect(seen)?;
         let state = self.last.take();
         self.estimate_from(Near { state, is_chosen: false }, seen)
@@ -107,14 +108,14 @@ impl<'m> NonlinearEstimator<'m> {
         near: NearForces,
         is_chosen: bool,
         measurement: &Measurement,
-        noise_mm: Option<f64>,
+        marker_noise_mm: Option<f64>,
     ) -> Result<NonlinearEstimate, SensingError> {
-        self.estimate_resuming(None, near, is_chosen, Seen { measurement, noise_mm })
+        self.estimate_from_kept(None, near, is_chosen, Seen { measurement, marker_noise_mm })
     }
 
     /// Estimates the forces like [`estimate_near`](NonlinearEstimator::estimate_near). If a minimum is near the state `kept`, an earlier estimate on
     /// this mesh with the same contacts, the search starts from `kept`. Otherwise the search starts from the equilibrium under the forces of `near`.
-    pub(super) fn estimate_resuming(
+    pub(super) fn estimate_from_kept(
         &mut self,
         kept: Option<State>,
         near: NearForces,
@@ -137,7 +138,7 @@ impl<'m> NonlinearEstimator<'m> {
     }
 
     fn estimate_from(&mut self, near: Near, seen: Seen) -> Result<NonlinearEstimate, SensingError> {
-        let (estimate, state) = estimate(&mut self.problem, near, &mut self.scan, seen)?;
+        let (estimate, state) = estimate_forces(&mut self.problem, near, &mut self.scan, seen)?;
         self.last = Some(state);
         Ok(estimate)
     }
@@ -172,7 +173,7 @@ fn minimum_of_earlier(problem: &mut ForceProblem, mut state: State, seen: Seen) 
 ///
 /// # Errors
 /// [`SensingError`] if the unknowns are not identifiable, no equilibrium explains the measurement, or the search does not converge.
-fn estimate(
+fn estimate_forces(
     problem: &mut ForceProblem,
     near: Near,
     scan: &mut KeptScan,
@@ -245,8 +246,8 @@ fn minimum_at_hand(problem: &mut ForceProblem, near: Option<State>, seen: Seen) 
 /// [`SensingError::NotTouching`] if the object cannot touch the plate.
 fn sense_without_object(problem: &mut ForceProblem, seen: Seen) -> Result<Option<State>, SensingError> {
     let mut plain = without_object(problem)?;
-    let found = plain.expect(seen).and_then(|_| estimate(&mut plain, Near::default(), &mut None, seen));
+    let found = plain.expect(seen).and_then(|_| estimate_forces(&mut plain, Near::default(), &mut None, seen));
     let Ok((_, state)) = found else { return Ok(None) };
     require_touch(problem, &state, seen)?;
-    resume(problem, state, seen).map(Some)
+    carry_over(problem, state, seen).map(Some)
 }

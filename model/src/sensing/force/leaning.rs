@@ -9,7 +9,7 @@ use super::linearised::Seen;
 use super::minima::minimum_near;
 use super::problem::{ForceProblem, State};
 use super::search_history::SearchHistory;
-use super::states::resume;
+use super::states::carry_over;
 use crate::sensing::{ContactQuestion, Direction, Lean, SensingError};
 
 /// Distance, in standard deviations, of two leans (angles between force and normal) on either side of the estimated lean. Forces are evaluated at the
@@ -73,7 +73,7 @@ fn leaning_at(
     }
     let mut problem = problem.with_questions(&questions)?;
     problem.expect(seen)?;
-    let start = resume(&mut problem, state, seen)?;
+    let start = carry_over(&mut problem, state, seen)?;
     // The history is empty, so the search cannot end because it meets the path of an earlier search.
     let found = minimum_near(&mut problem, start, seen, &mut SearchHistory::default())?;
     Ok(found.ok_or(SensingError::NoContact)?.state.forces_n)

@@ -1,7 +1,7 @@
 //! Checks whether standard deviations that follow from linearisation of the finger at the estimate are valid.
 
 use super::estimate::NonlinearEstimate;
-use super::linearised::Posed;
+use super::marker_motion::Posed;
 use super::minima::MANY_COORDINATES;
 use super::problem::{ForceProblem, State};
 use super::states::state_under;
@@ -37,12 +37,12 @@ pub(super) fn widen_by_curvature(
     measurement: &Measurement,
     estimate: &mut NonlinearEstimate,
 ) -> Result<(), SensingError> {
-    let noise_mm = estimate.forces.noise_mm;
+    let trusted_noise_mm = estimate.forces.trusted_noise_mm;
     let is_of_forces =
         problem.unknowns.len() == problem.questions.len() && problem.object.is_none() && !problem.follows_plate();
     if !is_of_forces
         || measurement.coordinate_count() >= MANY_COORDINATES[0]
-        || !(noise_mm > 0.0 && noise_mm.is_finite())
+        || !(trusted_noise_mm > 0.0 && trusted_noise_mm.is_finite())
     {
         return Ok(());
     }
@@ -67,7 +67,7 @@ pub(super) fn widen_by_curvature(
             };
             let misfit_mm2 =
                 problem.misfit_of(shape, &state.linearised, measurement) - beside.map(explained).sum::<f64>();
-            let growth = (misfit_mm2 - least_mm2) / (noise_mm * noise_mm);
+            let growth = (misfit_mm2 - least_mm2) / (trusted_noise_mm * trusted_noise_mm);
             if growth < LEAST_GROWTH {
                 let contact = axis.iamax();
                 let sigma = estimate.forces.sigmas_n[contact];

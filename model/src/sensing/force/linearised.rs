@@ -1,14 +1,13 @@
 //! The problem linearised at a state: residuals and derivatives of the residuals with respect to the unknowns.
 
-use super::nuisances::{Nuisances, PriorRow};
+use super::marker_motion::{MarkerPoint, Posed};
+use super::priors::PriorRow;
 use super::unknowns::Unknown;
 use crate::Vector;
-use crate::finger::NodeId;
-use crate::frame::{FrameMotion, NodeIndex};
 use crate::measurement::{Marker, Measurement};
 use crate::mesh::Mesh;
 use crate::optimise::{GramSchmidt, Prediction, SingularParts};
-use crate::sensing::{Contact, LARGEST_SPAN, SensingError};
+use crate::sensing::{LARGEST_SPAN, SensingError};
 use nalgebra::DMatrix;
 
 /// A marker is down-weighted if its residual exceeds this many standard deviations (Cauchy's weight).
@@ -22,7 +21,7 @@ const ALL_ALIKE: SensingError = SensingError::IllConditioned { span: f64::INFINI
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Seen<'m> {
     pub measurement: &'m Measurement,
-    pub noise_mm: Option<f64>,
+    pub marker_noise_mm: Option<f64>,
 }
 
 /// Derivatives of the shape, and weights of the markers. Derivatives and weights are stored by key node, so they are valid for any set of markers.
@@ -33,7 +32,7 @@ pub(super) struct Linearised {
     /// Displacements of all key nodes, mm per unit of each unknown, one unknown after the other.
     pub rates: Vec<Vector>,
     /// Buffer for displacements of all key nodes.
-    pub across: Vec<Vector>,
+    pub room: Vec<Vector>,
     /// Displacements of all key nodes by a correction of the shape that follows, mm. Zero if the shape is in equilibrium.
     pub ahead: Vec<Vector>,
     /// Robust factor on the weight of each marker: 1, or less for an outlier.
@@ -58,59 +57,19 @@ pub(super) struct Linearised {
     lengths_mm: Vec<f64>,
 }
 
-/// Point of the mesh to which a marker belongs.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct MarkerPoint {
-    pub node: NodeIndex,
-    /// Index of the marker's key node, from 0.
-    key_node: usize,
-    /// Undeformed position, finger frame, mm.
-    pub rest: Vector,
-}
-
-/// A shape of the finger: its deformation, its forces, and the pose of its base.
-#[derive(Clone, Copy)]
-pub(super) struct Posed<'s> {
-    /// Displacements and rotations of the mesh.
-    pub motion: &'s FrameMotion,
-    /// Position and direction of each contact.
-    pub contacts: &'s [Contact],
-    /// Force of each contact, N.
-    pub forces_n: &'s [f64],
-    /// Base pose, leans (angles between force and normal), object pose and shared errors.
-    pub nuisances: &'s Nuisances,
-}
-
 /// Measured minus computed displacement of a marker, times the marker's weight, mm.
 fn distance(points: &[MarkerPoint], marker: &Marker, shape: Posed) -> Vector {
     (marker.displacement - points[marker.node.0 - 1].displacement(shape)) * marker.weight
 }
 
-impl MarkerPoint {
-    /// Displacement of the marker, mm, relative to the expected pose of the base.
-    fn displacement(&self, shape: Posed) -> Vector {
-        let base = &shape.nuisances.base;
-        let displaced = shape.motion.displacements[self.node];
-        // If the base is at its expected pose, the part of the displacement due to the motion of the base is exactly zero.
-        let by_base = base.translation.vector + (base.rotation * (self.rest + displaced) - (self.rest + displaced));
-        displaced + by_base + shape.nuisances.shared_mm(self.key_node)
-    }
-}
-
 impl Linearised {
     pub(super) fn new(mesh: &Mesh, unknowns: &[Unknown]) -> Linearised {
         let unknowns = unknowns.len();
-        let finger = mesh.finger();
-        let key_nodes = finger.key_node_count();
-        let point = |node: NodeId| MarkerPoint {
-            node: mesh.marker_node(node),
-            key_node: node.0 - 1,
-            rest: finger.marker_position(node),
-        };
+        let key_nodes = mesh.finger().key_node_count();
         Linearised {
-            marker_points: (1..=key_nodes).map(|node| point(NodeId(node))).collect(),
+            marker_points: MarkerPoint::of_key_nodes(mesh),
             rates: vec![Vector::zeros(); key_nodes * unknowns],
-            across: vec![Vector::zeros(); key_nodes],
+            room: vec![Vector::zeros(); key_nodes],
             ahead: vec![Vector::zeros(); key_nodes],
             weights: vec![1.0; key_nodes],
             prior_rows: Vec::new(),
@@ -167,7 +126,7 @@ impl Linearised {
 
     /// Sets the robust factor of each marker from the distance between its measured and computed positions. The factor is 1 up to a limit of the
     /// distance, and limit / distance beyond the limit. For large distances, the factor limit / distance is the square root of Cauchy's weight.
-    pub(super) fn weigh(&mut self, shape: Posed, Seen { measurement, noise_mm }: Seen) {
+    pub(super) fn weigh(&mut self, shape: Posed, Seen { measurement, marker_noise_mm }: Seen) {
         // Errors that all markers share leave so few degrees of freedom that the residual of a marker does not show whether it is an outlier.
         if !measurement.shared_errors().is_empty() {
             return;
@@ -181,7 +140,7 @@ impl Linearised {
         let middle = self.distances.len() / 2;
         let median = *self.distances.select_nth_unstable_by(middle, f64::total_cmp).1;
         // Unlike the noise, the median includes the error of the model.
-        let limit = OUTLIER_SIGMAS * noise_mm.unwrap_or(0.0).max(median / RAYLEIGH_MEDIAN);
+        let limit = OUTLIER_SIGMAS * marker_noise_mm.unwrap_or(0.0).max(median / RAYLEIGH_MEDIAN);
         for marker in markers {
             let off = distance(marker).norm();
             self.weights[marker.node.0 - 1] = if off > limit && limit > 0.0 { limit / off } else { 1.0 };

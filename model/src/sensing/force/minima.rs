@@ -17,7 +17,7 @@ use super::scan::{Scan, ScannedPoint, least, scan};
 use super::search::search;
 use super::search_history::SearchHistory;
 use super::start::{StartingPoint, start_at, starting_points};
-use super::states::{Found, resume, state_under};
+use super::states::{Found, carry_over, state_under};
 use crate::frame::FrameMotion;
 use crate::sensing::{ContactQuestion, Direction, SensingError};
 
@@ -89,15 +89,15 @@ pub(super) fn find_minima(
     scan: &mut KeptScan,
     seen: Seen,
 ) -> Result<Minima, SensingError> {
-    let Seen { measurement, noise_mm } = seen;
+    let Seen { measurement, marker_noise_mm } = seen;
     let coordinates = measurement.coordinate_count();
     let moved_rms_mm = measurement.displacement_rms_mm();
     // With priors, several minima may have residuals below a small share of the displacements. With priors, the limit of the misfit follows from
     // the noise alone.
     let share = if problem.priors.count() == 0 { POOR_FIT } else { 0.0 };
-    let poor = (share * moved_rms_mm).max(POOR_FIT_SIGMAS * noise_mm.unwrap_or(0.0));
-    let explained_mm2 =
-        noise_mm.map(|noise_mm| largest_explained_rms_mm(noise_mm, moved_rms_mm).powi(2) * coordinates as f64);
+    let poor = (share * moved_rms_mm).max(POOR_FIT_SIGMAS * marker_noise_mm.unwrap_or(0.0));
+    let explained_mm2 = marker_noise_mm
+        .map(|marker_noise_mm| largest_explained_rms_mm(marker_noise_mm, moved_rms_mm).powi(2) * coordinates as f64);
     let many = MANY_COORDINATES[usize::from(problem.questions.len() > 1)];
     let has_many = coordinates >= many;
     // Positions and directions that are not measured, and unknown base poses, make a scan coarse and slow. A coarse scan is used only for few markers and without priors.
@@ -176,7 +176,7 @@ impl GlobalSearch<'_, '_> {
         for point in least(&scanned) {
             let before = scan.state_before(point);
             let state = state_under(self.problem, &before.contacts, &point.forces_n, Some(before));
-            let Some(start) = state.and_then(|state| resume(self.problem, state, self.seen).ok()) else { continue };
+            let Some(start) = state.and_then(|state| carry_over(self.problem, state, self.seen).ok()) else { continue };
             self.history.begin();
             let found = minimum_near(self.problem, start, self.seen, &mut self.history);
             self.take(found);
@@ -190,7 +190,8 @@ impl GlobalSearch<'_, '_> {
     /// comparison.
     fn seeks_rivals(&self, is_at_hand: bool) -> bool {
         let coordinates = self.seen.measurement.coordinate_count() as f64;
-        let largest_mm2 = self.seen.noise_mm.map(|noise_mm| (POOR_FIT_SIGMAS * noise_mm).powi(2) * coordinates);
+        let largest_mm2 =
+            self.seen.marker_noise_mm.map(|marker_noise_mm| (POOR_FIT_SIGMAS * marker_noise_mm).powi(2) * coordinates);
         let is_within = |found: &Found| largest_mm2.is_none_or(|largest_mm2| self.misfit(found) <= largest_mm2);
         self.problem.object.is_none()
             && match self.problem.unplaced().len() {
@@ -221,7 +222,7 @@ impl GlobalSearch<'_, '_> {
             let near = near.or_else(|| state_under(self.problem, &contacts, &forces_n, None));
             let Some(mut start) = near else { continue };
             start.nuisances.base = best.nuisances.base;
-            let Ok(start) = resume(self.problem, start, self.seen) else { continue };
+            let Ok(start) = carry_over(self.problem, start, self.seen) else { continue };
             self.history.begin();
             let found = minimum_near(self.problem, start, self.seen, &mut self.history);
             // Contacts push. A search from pushing forces that ends at a pulling force has left the rival.
@@ -303,7 +304,7 @@ fn held_start(problem: &mut ForceProblem, seen: Seen) -> Result<State, SensingEr
     let (mut starts, mut history) = (Vec::new(), SearchHistory::default());
     let found = search_from(&mut held, seen, StartingPoint::Times(1.0), &mut starts, &mut history)?;
     // The history is empty, so the search cannot end at an earlier path.
-    resume(problem, found.ok_or(SensingError::NoContact)?.state, seen)
+    carry_over(problem, found.ok_or(SensingError::NoContact)?.state, seen)
 }
 
 /// The nearest minimum of the problem without the object, as a starting point.
@@ -312,5 +313,5 @@ fn search_without_object(problem: &mut ForceProblem, seen: Seen, start: Starting
     plain.expect(seen)?;
     let (mut starts, mut history) = (Vec::new(), SearchHistory::default());
     let found = search_from(&mut plain, seen, start, &mut starts, &mut history)?;
-    resume(problem, found.ok_or(SensingError::NoContact)?.state, seen)
+    carry_over(problem, found.ok_or(SensingError::NoContact)?.state, seen)
 }

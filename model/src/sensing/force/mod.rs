@@ -1,9 +1,26 @@
 //! Sensing with the co-rotational finger: Gauss-Newton on forces, positions and directions.
 //!
-//! A [`ForceProblem`](problem::ForceProblem) holds the contacts, the unknowns and the finger's equations. An estimate starts from least squares on the
-//! linear finger ([`start`]) or from the last estimate. Near the minimum of the difference between measured and computed shape ([`linearised`]),
-//! forces and shape are corrected together ([`correction`]). Far from the minimum, every step ends at an equilibrium ([`search`]). Each result is
-//! tested before it is returned ([`assessment`], [`alternatives`]).
+//! # The problem
+//! - [`unknowns`]: the unknowns, with scale, prior and limit of each. To add an unknown, start there.
+//! - [`values`]: values of the unknowns, and how a step changes them.
+//! - [`marker_motion`]: displacement of a marker as a function of the unknowns, beside its derivatives.
+//! - [`priors`], [`touching`]: rows of the least-squares problem below those of the markers: priors, and contact with an object.
+//! - [`problem`]: [`ForceProblem`](problem::ForceProblem) and its [`State`](problem::State), an equilibrium with the problem linearised there.
+//! - [`linearised`], [`derivatives`]: residuals and derivatives as a least-squares problem, and how they follow from the factored tangent.
+//!
+//! # The search for a minimum
+//! - [`start`], [`object_start`], [`states`]: starting points, and states under given forces or of another problem.
+//! - [`correction`]: near the minimum, forces and shape are corrected together.
+//! - [`search`], [`step_path`], [`projection`]: far from it, every step ends at an equilibrium.
+//! - [`minima`], [`search_history`], [`scan`], [`profile`]: all minima, from several starting points, and the best of them.
+//!
+//! # The estimate
+//! - [`estimator`], [`estimate`]: the course of one estimate, and its result.
+//! - [`assessment`], [`components`]: covariance, and refusal of what is not identifiable.
+//! - [`alternatives`], [`linear_range`], [`position`], [`leaning`]: other explanations of the measurement, which refuse the estimate or widen its
+//!   intervals.
+//! - [`discretisation`], [`refine`]: the error of the mesh, and estimates on finer meshes.
+//! - [`assembled`]: fingers that differ from the scene's.
 
 mod alternatives;
 mod assembled;
@@ -14,14 +31,14 @@ mod derivatives;
 mod discretisation;
 mod estimate;
 mod estimator;
-mod follow;
 mod leaning;
 mod linear_range;
 mod linearised;
+mod marker_motion;
 mod minima;
-mod nuisances;
 mod object_start;
 mod position;
+mod priors;
 mod problem;
 mod profile;
 mod projection;
@@ -31,8 +48,10 @@ mod search;
 mod search_history;
 mod start;
 mod states;
+mod step_path;
 mod touching;
 mod unknowns;
+mod values;
 
 pub(crate) use assembled::{LinearisedAssembly, linearise_assembly};
 pub use discretisation::Discretisation;
@@ -46,8 +65,8 @@ use super::{UNEXPLAINED_SHARE, UNEXPLAINED_SIGMAS};
 /// a force is 1e-6 of the force.
 const SETTLED_ANGLE_DEG: f64 = 1e-4;
 
-/// Largest residual that noise and model error explain, mm, root mean square over the coordinates. `noise_mm` is the standard deviation of a coordinate,
+/// Largest residual that noise and errors of the finger explain, mm, root mean square over the coordinates. `marker_noise_mm` is the standard deviation of a coordinate,
 /// `moved_rms_mm` the root mean square displacement, both mm.
-fn largest_explained_rms_mm(noise_mm: f64, moved_rms_mm: f64) -> f64 {
-    f64::max(UNEXPLAINED_SIGMAS * noise_mm, UNEXPLAINED_SHARE * moved_rms_mm)
+fn largest_explained_rms_mm(marker_noise_mm: f64, moved_rms_mm: f64) -> f64 {
+    f64::max(UNEXPLAINED_SIGMAS * marker_noise_mm, UNEXPLAINED_SHARE * moved_rms_mm)
 }

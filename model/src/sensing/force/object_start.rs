@@ -30,7 +30,7 @@ pub(super) fn without_object<'m>(problem: &ForceProblem<'m>) -> Result<ForceProb
 pub(super) fn require_touch(
     problem: &ForceProblem,
     state: &State,
-    Seen { measurement, noise_mm }: Seen,
+    Seen { measurement, marker_noise_mm }: Seen,
 ) -> Result<(), SensingError> {
     let Some(touching) = &problem.object else { return Ok(()) };
     let (contact, pad_mm) = touching.contacts[0];
@@ -54,7 +54,7 @@ pub(super) fn require_touch(
         object.sd_mm,
         object.sd_rad * object.shape.largest_radius_mm(),
         measurement.base().map_or(0.0, |base| base.sd_mm),
-        OPEN_BETWEEN_MARKERS * noise_mm.unwrap_or_default(),
+        OPEN_BETWEEN_MARKERS * marker_noise_mm.unwrap_or_default(),
         CLOSED_SD_MM[0],
     ];
     let sd_mm = parts_mm.into_iter().fold(0.0, f64::hypot);

@@ -4,13 +4,14 @@
 //! from an end of the plate, the force is a strongly nonlinear function of the position. If the position is very uncertain, a linearised standard
 //! deviation of the force is too small.
 
-use super::assessment::{LARGEST_POSITION_SIGMA, assess};
+use super::assessment::assess;
 use super::estimate::NonlinearEstimate;
 use super::linearised::Seen;
 use super::minima::minimum_near;
 use super::problem::{ForceProblem, State};
 use super::search_history::SearchHistory;
-use super::states::{resume, state_under};
+use super::states::{carry_over, state_under};
+use super::unknowns::LARGEST_POSITION_SIGMA;
 use crate::finger::Plate;
 use crate::sensing::{Contact, ContactPosition, SensingError};
 
@@ -68,7 +69,7 @@ pub(super) fn widen_by_position(
     }
     let step_mm = (STEP_SDS * sd_mm).min(LARGEST_STEP * length_mm);
     let least_mm2 = problem.misfit(state, seen.measurement);
-    let variance_mm2 = estimate.forces.noise_mm.powi(2);
+    let variance_mm2 = estimate.forces.trusted_noise_mm.powi(2);
     let (mut points, mut is_bounded): (Vec<ForcesAt>, bool) = (Vec::new(), true);
     for step_mm in [-step_mm, step_mm] {
         let (mut near, mut growth) = (state.clone(), 0.0);
@@ -124,7 +125,7 @@ fn best_at(
     let mut contacts = near.contacts.clone();
     contacts[contact] = Contact { position, ..contacts[contact] };
     let state = state_under(&mut placed, &contacts, &near.forces_n, Some(near)).ok_or(SensingError::NoContact)?;
-    let start = resume(&mut placed, State { nuisances: near.nuisances.clone(), ..state }, seen)?;
+    let start = carry_over(&mut placed, State { nuisances: near.nuisances.clone(), ..state }, seen)?;
     // The history is empty, so the search cannot end because it meets the path of an earlier search.
     let found = minimum_near(&mut placed, start, seen, &mut SearchHistory::default())?;
     let mut state = found.ok_or(SensingError::NoContact)?.state;

@@ -5,31 +5,23 @@
 //! values of the unknowns, the equilibrium for these values, and the problem linearised at this equilibrium. Search, assessment and widening are
 //! functions of other files over a problem and its states.
 
-use super::linearised::{Linearised, Posed, Seen};
-use super::nuisances::{Nuisances, Priors, leaning_n};
+use super::linearised::{Linearised, Seen};
+use super::marker_motion::Posed;
+use super::priors::Priors;
 use super::touching::{Touching, touches_object};
-use super::unknowns::{BaseMotion, Unknown};
-use crate::finger::{Plate, PlatePosition};
+use super::unknowns::Unknown;
+use super::values::{Nuisances, Values};
+use crate::finger::Plate;
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::measurement::{Measurement, SharedError};
 use crate::mesh::{LoadError, Mesh};
 use crate::optimise::Prediction;
 use crate::sensing::{
-    Contact, ContactPosition, ContactQuestion, Direction, Normal, PadForce, SensingError, TouchedObject,
-    check_questions, plate_turn,
+    Contact, ContactQuestion, Direction, Normal, PadForce, SensingError, TouchedObject, check_questions, plate_turn,
 };
 use crate::statics::{Ladder, Statics};
 use crate::{Finger, Kinematics};
-use nalgebra::{Translation2, UnitComplex};
 use std::sync::Arc;
-
-/// A position changes by at most this share of the plate's length in one step.
-const LONGEST_MOVE: f64 = 0.2;
-/// A position stays at least this share of the plate's length away from the base. Measurements cannot distinguish a contact closer to the base from a
-/// contact at the clamp.
-const NEAREST_TO_BASE: f64 = 0.01;
-/// Scale of a rotation of the base, rad. A rotation of the base by this angle moves the tip about as far as a force of 1 N does.
-const TURN_UNIT: f64 = 0.01;
 
 /// Contacts on a mesh, what is known of them, and the finger's equations.
 #[derive(Debug, Clone)]
@@ -105,7 +97,7 @@ impl State {
     }
 
     /// Moves the shape by the state's step of the forces, to first order. Returns the largest rotation of a node, rad.
-    pub fn follow(&mut self, unit_motions: &[FrameMotion]) -> f64 {
+    pub fn move_by_forces(&mut self, unit_motions: &[FrameMotion]) -> f64 {
         let before = self.motion.rotations.clone();
         for (unit_motion, step_n) in unit_motions.iter().zip(&self.linearised.step) {
             self.motion.add(unit_motion, *step_n);
@@ -148,7 +140,7 @@ pub(super) fn pad_force(
 
 /// Misfit of a shape to the priors and to the conditions of contact with an object, mm^2.
 pub(super) fn known_misfit(mesh: &Mesh, priors: &Priors, object: Option<&Touching>, shape: Posed) -> f64 {
-    let touched = object.map_or(0.0, |object| object.misfit(mesh, shape, priors.noise_mm()));
+    let touched = object.map_or(0.0, |object| object.misfit(mesh, shape, priors.marker_noise_mm()));
     priors.misfit(shape.nuisances, shape.forces_n) + touched
 }
 
@@ -163,7 +155,7 @@ impl<'m> ForceProblem<'m> {
             mesh,
             questions: questions.to_vec(),
             object: None,
-            unknowns: Unknown::of(questions, false, None, 0),
+            unknowns: Unknown::list(questions, None, &Measurement::empty()),
             shared_errors: Vec::new(),
             priors: Priors::default(),
             statics: Statics::ladder(mesh, Kinematics::Corotational),
@@ -173,7 +165,7 @@ impl<'m> ForceProblem<'m> {
     /// This problem with an object that its contacts touch.
     pub fn with_object(self, object: Option<&TouchedObject>) -> ForceProblem<'m> {
         let object = object.and_then(|object| Touching::new(&self.questions, object));
-        let unknowns = Unknown::of(&self.questions, false, object.as_ref().map(|it| &it.object), 0);
+        let unknowns = Unknown::list(&self.questions, object.as_ref().map(|it| &it.object), &Measurement::empty());
         ForceProblem { object, unknowns, shared_errors: Vec::new(), ..self }
     }
 
@@ -189,20 +181,19 @@ impl<'m> ForceProblem<'m> {
     /// # Errors
     /// [`SensingError::NoiseNotStated`] if a prior or an object requires a stated noise, [`SensingError::NoObject`] if a direction requires an
     /// object.
-    pub fn expect(&mut self, Seen { measurement, noise_mm }: Seen) -> Result<bool, SensingError> {
+    pub fn expect(&mut self, Seen { measurement, marker_noise_mm }: Seen) -> Result<bool, SensingError> {
         if let Some(i) = self.questions.iter().position(touches_object).filter(|_| self.object.is_none()) {
             return Err(SensingError::NoObject { contact: i + 1 });
         }
         let object = self.object.as_ref().map(|touching| &touching.object);
-        let is_base_sought = measurement.base().is_some();
-        let has_base = self.unknowns.iter().any(|unknown| matches!(unknown, Unknown::Base(_)));
-        let is_other = is_base_sought != has_base || self.shared_errors != measurement.shared_errors();
+        let unknowns = Unknown::list(&self.questions, object, measurement);
+        let is_other = unknowns != self.unknowns || self.shared_errors != measurement.shared_errors();
         if is_other {
             self.shared_errors = measurement.shared_errors().to_vec();
-            self.unknowns = Unknown::of(&self.questions, is_base_sought, object, self.shared_errors.len());
         }
-        self.priors = Priors::new(&self.unknowns, &self.questions, object, measurement, noise_mm);
-        if (self.priors.count() > 0 || object.is_some()) && noise_mm.is_none() {
+        self.unknowns = unknowns;
+        self.priors = Priors::new(&self.unknowns, &self.questions, object, measurement, marker_noise_mm);
+        if (self.priors.count() > 0 || object.is_some()) && marker_noise_mm.is_none() {
             return Err(SensingError::NoiseNotStated);
         }
         Ok(is_other)
@@ -219,22 +210,18 @@ impl<'m> ForceProblem<'m> {
 
     /// Whether all unknowns are forces, or are measured: positions and directions of measured contacts.
     pub fn is_of_forces(&self) -> bool {
-        self.unknowns.iter().all(|unknown| match *unknown {
-            Unknown::Force(_) => true,
-            Unknown::Position(i) => self.questions[i].is_position_measured(),
-            Unknown::Across(i) => self.is_normal_measured(i),
-            Unknown::Base(_) | Unknown::Object(_) | Unknown::Shared(_) => false,
-        })
+        let is_force = |unknown: &Unknown| matches!(unknown, Unknown::Force(_));
+        self.unknowns.iter().all(|unknown| is_force(unknown) || unknown.is_measured(&self.questions))
     }
 
     /// Whether the normal of a contact is measured.
     pub fn is_normal_measured(&self, contact: usize) -> bool {
-        matches!(self.questions[contact].direction, Direction::Measured(_))
+        self.questions[contact].is_normal_measured()
     }
 
     /// Whether loads turn with the deformed plate: directions that follow the plate, or pads under forces whose normal is not measured.
     pub fn loads_follow_plate(&self) -> bool {
-        let has_turning_pad = |q: &ContactQuestion| !q.pad.is_none() && !matches!(q.direction, Direction::Measured(_));
+        let has_turning_pad = |q: &ContactQuestion| !q.pad.is_none() && !q.is_normal_measured();
         self.follows_plate() || self.questions.iter().any(has_turning_pad)
     }
 
@@ -274,42 +261,18 @@ impl<'m> ForceProblem<'m> {
         weighted.misfit(shape, measurement) + known_misfit(self.mesh, &self.priors, self.object.as_ref(), shape)
     }
 
-    /// Sets the scale of each unknown: 1 N for forces, [`TURN_UNIT`] for rotations, 1 mm for translations, and one standard deviation for errors that
-    /// all markers share. The scale of a position is a shift of the contact that moves the finger about as far as a force of 1 N does, or the standard
-    /// deviation of a measured position. The scale of a force across a measured normal is its standard deviation before the measurement, so that small
-    /// forces and accurate normals remain identifiable.
+    /// Sets the [scale](Unknown::scale) of each unknown.
     pub fn rescale(&self, state: &mut State) {
-        let largest = state.forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         for (scale, unknown) in state.linearised.scales.iter_mut().zip(&self.unknowns) {
-            *scale = match *unknown {
-                Unknown::Base(BaseMotion::Turn) | Unknown::Object(BaseMotion::Turn) => TURN_UNIT,
-                Unknown::Across(i) => match self.questions[i].direction {
-                    Direction::Measured(normal) => {
-                        leaning_n(state.forces_n[i]).abs() * normal.tangent_sd(self.questions.len())
-                    }
-                    _ => 1.0,
-                },
-                Unknown::Force(_) | Unknown::Base(_) | Unknown::Object(_) | Unknown::Shared(_) => 1.0,
-                Unknown::Position(i) if self.questions[i].is_position_measured() => self.questions[i].position_sd_mm,
-                Unknown::Position(i) => {
-                    let force = state.forces_n[i].abs().max(1e-3 * largest).max(f64::MIN_POSITIVE);
-                    0.1 * self.finger().plate_length_mm(Plate::Front) / force
-                }
-            };
+            *scale = unknown.scale(&self.questions, &state.forces_n, self.finger());
         }
     }
 
-    /// Largest relative change of an unknown by the state's step. Changes of forces are relative to the largest force, and changes of positions and
-    /// translations to the plate's length. Changes of rotations are in rad.
+    /// Largest [relative change](Unknown::relative_change) of an unknown by the state's step.
     pub fn relative_change(&self, state: &State) -> f64 {
-        let largest = state.forces_n.iter().fold(f64::MIN_POSITIVE, |m, f| m.max(f.abs()));
-        let length = self.finger().plate_length_mm(Plate::Front);
-        let change = |(unknown, x): (&Unknown, &f64)| match unknown {
-            Unknown::Force(_) | Unknown::Across(_) => x.abs() / largest,
-            Unknown::Base(BaseMotion::Turn) | Unknown::Object(BaseMotion::Turn) => x.abs(),
-            // One standard deviation of a shared error moves markers by some tenths of a millimetre.
-            Unknown::Position(_) | Unknown::Base(_) | Unknown::Object(_) | Unknown::Shared(_) => x.abs() / length,
-        };
+        let largest_n = state.forces_n.iter().fold(f64::MIN_POSITIVE, |m, f| m.max(f.abs()));
+        let length_mm = self.finger().plate_length_mm(Plate::Front);
+        let change = |(unknown, x): (&Unknown, &f64)| unknown.relative_change(*x, largest_n, length_mm);
         self.unknowns.iter().zip(&state.linearised.step).map(change).fold(0.0, f64::max)
     }
 
@@ -321,46 +284,8 @@ impl<'m> ForceProblem<'m> {
     pub fn advance(&self, state: &mut State) -> Result<f64, LoadError> {
         let finger = self.finger();
         let State { forces_n, contacts, nuisances, plate_turns_rad, loads, motion, linearised, .. } = state;
-        for (unknown, &x) in self.unknowns.iter().zip(&linearised.step) {
-            match *unknown {
-                Unknown::Force(i) => forces_n[i] += x,
-                // Forces are the first unknowns, so the force along the direction has already been updated.
-                Unknown::Across(i) => {
-                    let turned_deg = x.atan2(forces_n[i]).to_degrees();
-                    match self.questions[i].direction {
-                        // The force across a measured normal is the product of the force along it and of the tangent. Its derivative with respect to
-                        // the tangent is the force before the step.
-                        Direction::Measured(_) => {
-                            let tangent = nuisances.tangent(i) + x / leaning_n(forces_n[i] - linearised.step[i]);
-                            nuisances.further_leans_deg[i] = tangent.atan().to_degrees();
-                        }
-                        // A lean (angle between force and normal) is small, so a force keeps its sign.
-                        Direction::Leaning(_) => {
-                            nuisances.further_leans_deg[i] += (x / forces_n[i]).atan().to_degrees();
-                            forces_n[i] = forces_n[i].signum() * forces_n[i].hypot(x);
-                        }
-                        _ => {
-                            contacts[i].angle_deg += turned_deg;
-                            forces_n[i] = forces_n[i].hypot(x);
-                        }
-                    }
-                }
-                Unknown::Base(BaseMotion::X) => nuisances.base.append_translation_mut(&Translation2::new(x, 0.0)),
-                Unknown::Base(BaseMotion::Y) => nuisances.base.append_translation_mut(&Translation2::new(0.0, x)),
-                Unknown::Base(BaseMotion::Turn) => nuisances.base.append_rotation_mut(&UnitComplex::new(x)),
-                Unknown::Object(way) => nuisances.object[way as usize] += x,
-                Unknown::Shared(k) => nuisances.share(k, &self.shared_errors[k], x),
-                Unknown::Position(i) => {
-                    if let ContactPosition::At(PlatePosition { plate, s_mm }) = &mut contacts[i].position {
-                        let length = finger.plate_length_mm(*plate);
-                        let x = x.clamp(-LONGEST_MOVE * length, LONGEST_MOVE * length);
-                        let before_mm = *s_mm;
-                        *s_mm = (before_mm + x).clamp(before_mm.min(NEAREST_TO_BASE * length), length);
-                        nuisances.shifts_mm[i] += *s_mm - before_mm;
-                    }
-                }
-            }
-        }
+        let step = (&self.unknowns[..], &linearised.step[..]);
+        Values { forces_n, contacts, nuisances }.advance(step, &self.questions, &self.shared_errors, finger);
         let mut largest_turn_deg = 0.0_f64;
         loads.clear();
         for (i, (contact, question)) in contacts.iter_mut().zip(&self.questions).enumerate() {

@@ -3,13 +3,13 @@
 //! A shape and such patterns trade off along a curved valley of the misfit: a step of all unknowns together would have to be short. The misfit with the
 //! patterns at their optimum has no such valley (variable projection; Golub and Pereyra, Inverse Problems 19, 2003).
 
-use super::linearised::{Linearised, Posed};
-use super::nuisances::{Nuisances, PriorRow, Priors};
-use super::unknowns::{BaseMotion, Unknown};
-use crate::Vector;
+use super::linearised::Linearised;
+use super::marker_motion::{Posed, fixed_pattern};
+use super::priors::{PriorRow, Priors};
+use super::unknowns::Unknown;
+use super::values::Nuisances;
 use crate::measurement::{Measurement, SharedError};
 use crate::optimise::GramSchmidt;
-use nalgebra::Translation2;
 
 /// The nuisance parameters of `shape`, but with shared errors and the position of the base at their optimum. `None` without shared errors, or if they
 /// are not identifiable.
@@ -20,17 +20,8 @@ pub(super) fn project(
     measurement: &Measurement,
 ) -> Option<Nuisances> {
     shared_errors.first()?;
-    let pattern = |unknown: &Unknown, key_node: usize| match *unknown {
-        Unknown::Shared(k) => Some(shared_errors[k].pattern_mm[key_node]),
-        Unknown::Base(BaseMotion::X) => Some(Vector::x()),
-        Unknown::Base(BaseMotion::Y) => Some(Vector::y()),
-        Unknown::Force(_)
-        | Unknown::Position(_)
-        | Unknown::Across(_)
-        | Unknown::Base(BaseMotion::Turn)
-        | Unknown::Object(_) => None,
-    };
-    let sought: Vec<usize> = (0..unknowns.len()).filter(|&j| pattern(&unknowns[j], 0).is_some()).collect();
+    let pattern = |unknown: Unknown, key_node: usize| fixed_pattern(unknown, shared_errors, key_node);
+    let sought: Vec<usize> = (0..unknowns.len()).filter(|&j| pattern(unknowns[j], 0).is_some()).collect();
     let rows: Vec<PriorRow> =
         priors.rows(shape.nuisances, shape.forces_n).filter(|row| sought.contains(&row.index)).collect();
     let markers = measurement.markers();
@@ -40,7 +31,7 @@ pub(super) fn project(
     for (column, &j) in sought.iter().enumerate() {
         let column = problem.column_mut(column);
         for (marker, of_marker) in markers.iter().zip(column.chunks_exact_mut(2)) {
-            let pattern_mm = pattern(&unknowns[j], marker.node.0 - 1).unwrap_or_default();
+            let pattern_mm = pattern(unknowns[j], marker.node.0 - 1).unwrap_or_default();
             of_marker.copy_from_slice((pattern_mm * linearised.weight(marker)).as_slice());
         }
         for (value, row) in column[coordinates..].iter_mut().zip(&rows) {
@@ -56,17 +47,7 @@ pub(super) fn project(
     }
     let mut nuisances = shape.nuisances.clone();
     for (&j, &by) in sought.iter().zip(problem.solve()?) {
-        match unknowns[j] {
-            Unknown::Shared(k) => nuisances.share(k, &shared_errors[k], by),
-            Unknown::Base(BaseMotion::X) => nuisances.base.append_translation_mut(&Translation2::new(by, 0.0)),
-            Unknown::Base(BaseMotion::Y) => nuisances.base.append_translation_mut(&Translation2::new(0.0, by)),
-            // Not sought here: these unknowns have no pattern.
-            Unknown::Force(_)
-            | Unknown::Position(_)
-            | Unknown::Across(_)
-            | Unknown::Base(BaseMotion::Turn)
-            | Unknown::Object(_) => {}
-        }
+        nuisances.change(unknowns[j], by, shared_errors);
     }
     Some(nuisances)
 }

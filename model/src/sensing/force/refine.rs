@@ -42,10 +42,10 @@ pub fn sense_refining(
     questions: &[ContactQuestion],
     object: Option<&TouchedObject>,
     measurement: &Measurement,
-    noise_mm: Option<f64>,
+    marker_noise_mm: Option<f64>,
     near: Option<NearForces>,
 ) -> Result<NonlinearEstimate, SensingError> {
-    Refinement::new(MeshLevels::new(finger), questions).sense(object, measurement, noise_mm, near)
+    Refinement::new(MeshLevels::new(finger), questions).sense(object, measurement, marker_noise_mm, near)
 }
 
 /// Estimates forces like [`sense_refining`], and keeps the shapes of the last estimate for the next measurement of a stream.
@@ -91,10 +91,10 @@ impl Refinement {
         &mut self,
         object: Option<&TouchedObject>,
         measurement: &Measurement,
-        noise_mm: Option<f64>,
+        marker_noise_mm: Option<f64>,
         near: Option<NearForces>,
     ) -> Result<NonlinearEstimate, SensingError> {
-        let seen = Seen { measurement, noise_mm };
+        let seen = Seen { measurement, marker_noise_mm };
         if !near.is_some_and(|near| self.keeps(near)) {
             self.states.clear();
         }
@@ -119,7 +119,7 @@ impl Refinement {
                 let remains = if is_settled { REMAINS } else { 1.0 };
                 let error_n: Vec<f64> = change_n.iter().map(|change| remains * change).collect();
                 let is_explained = coarse.forces.warning.is_none();
-                coarse.forces.add_model_error(error_n.clone(), Warning::Discretisation);
+                coarse.forces.add_method_error(error_n.clone(), Warning::Discretisation);
                 self.states.truncate(level + 1);
                 let (contacts, forces_n) = (coarse.contacts.clone(), coarse.forces.forces_n.clone());
                 let mesh_error = Known { contacts: contacts.clone(), forces_n: forces_n.clone(), error_n };
@@ -138,7 +138,7 @@ impl Refinement {
         &mut self,
         object: Option<&TouchedObject>,
         measurement: &Measurement,
-        noise_mm: Option<f64>,
+        marker_noise_mm: Option<f64>,
         near: NearForces,
     ) -> Option<NonlinearEstimate> {
         let found = self.found.as_ref().filter(|found| found.is_explained)?;
@@ -148,14 +148,14 @@ impl Refinement {
         if kept.unit_motions.is_none() {
             kept.unit_motions = unit_motions(&mut estimator.problem, kept);
         }
-        let seen = Seen { measurement, noise_mm };
-        let mut estimate = estimator.estimate_resuming(Some(kept.clone()), near, false, seen).ok()?;
+        let seen = Seen { measurement, marker_noise_mm };
+        let mut estimate = estimator.estimate_from_kept(Some(kept.clone()), near, false, seen).ok()?;
         let (contacts, Estimate { forces_n, sigmas_n, warning, .. }) = (&estimate.contacts, &estimate.forces);
         let differs = |((a, b), sigma_n): ((&f64, &f64), &f64)| (a - b).abs() > NOISE_SIGMAS * sigma_n;
         let differs = forces_n.iter().zip(near.forces_n).zip(sigmas_n).any(differs);
         let is_similar = !differs && found.mesh_error.serves(self.meshes.finger(), contacts, forces_n);
         (is_similar && warning.is_none()).then_some(())?;
-        estimate.forces.add_model_error(found.mesh_error.error_n.clone(), Warning::Discretisation);
+        estimate.forces.add_method_error(found.mesh_error.error_n.clone(), Warning::Discretisation);
         Some(estimate)
     }
 
@@ -181,8 +181,8 @@ impl Refinement {
         let last = &mut self.states[level];
         let mut estimator = NonlinearEstimator::new(&mesh, &self.questions)?.with_object(object);
         let estimate = match near {
-            None => estimator.estimate(seen.measurement, seen.noise_mm),
-            Some(near) => estimator.estimate_resuming(last.take(), near, is_chosen, seen),
+            None => estimator.estimate(seen.measurement, seen.marker_noise_mm),
+            Some(near) => estimator.estimate_from_kept(last.take(), near, is_chosen, seen),
         };
         *last = estimator.last.take();
         estimate

@@ -3,16 +3,16 @@
 //!
 //! The finger hardly responds to a force along a plate until the plate buckles. A step that suits the linearised finger may lead far away, or to no
 //! equilibrium. The trust region therefore limits steps to the range in which earlier predictions were accurate. A step also ends at an equilibrium
-//! whose misfit is much larger than the misfit at the start of the step ([`follow`](super::follow)).
+//! whose misfit is much larger than the misfit at the start of the step ([`follow_step`]).
 
 use super::SETTLED_ANGLE_DEG;
 use super::correction::correct;
 use super::derivatives::linearise;
-use super::follow::{follow, part_of_step};
 use super::linearised::Seen;
 use super::problem::{ForceProblem, State};
 use super::search_history::SearchHistory;
 use super::states::Found;
+use super::step_path::{follow_step, part_of_step};
 use crate::optimise::{Convergence, Prediction, TrustRegion};
 use crate::sensing::SensingError;
 
@@ -130,7 +130,7 @@ impl Search<'_, '_> {
             return Some(End::Minimum(0));
         }
         let of_residual_mm2 = misfit_mm2 / self.seen.measurement.coordinate_count() as f64;
-        let variance_mm2 = f64::max(self.seen.noise_mm.unwrap_or(0.0).powi(2), of_residual_mm2);
+        let variance_mm2 = f64::max(self.seen.marker_noise_mm.unwrap_or(0.0).powi(2), of_residual_mm2);
         let is_there = self.is_settled && CONVERGENCE.is_small_decrease(next.decrease, variance_mm2);
         if is_there || self.last_change <= self.near {
             let corrected = self.corrected();
@@ -158,7 +158,7 @@ impl Search<'_, '_> {
         let change = self.problem.relative_change(&self.state);
         let mut next = self.state.clone();
         self.is_settled = self.problem.advance(&mut next)? <= SETTLED_ANGLE_DEG;
-        let (followed, best) = follow(self.problem, &self.state, &mut next, self.seen.measurement, misfit_mm2);
+        let (followed, best) = follow_step(self.problem, &self.state, &mut next, self.seen.measurement, misfit_mm2);
         if let Ok(after_mm2) = followed {
             let slack = if self.is_settled { SETTLED_SLACK } else { TURNING_SLACK };
             if after_mm2 <= misfit_mm2 * (1.0 + slack) || CONVERGENCE.is_small_step(change) {

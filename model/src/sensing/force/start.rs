@@ -2,14 +2,14 @@
 
 use super::derivatives::differentiate;
 use super::linearised::Seen;
-use super::nuisances::Nuisances;
 use super::problem::{ForceProblem, State};
 use super::states::state_of;
+use super::values::Nuisances;
 use crate::finger::{Finger, Plate};
 use crate::measurement::Measurement;
 use crate::rigid_fit::rigid_fit;
 use crate::sensing::{
-    Contact, ContactPosition, Direction, Estimate, LinearEstimator, Prior, SensingError, halved_below,
+    Contact, ContactPosition, Direction, Estimate, ForcePrior, LinearEstimator, SensingError, halved_below,
 };
 use crate::statics::{Equilibrium, StaticsError};
 use nalgebra::{Isometry2, Point2};
@@ -142,7 +142,7 @@ fn linear_start(
     // point. A prior prevents such forces. The standard deviation of the prior for each force is about the size of a single force that would move
     // the markers as far as measured. The prior has little effect on forces that the markers separate well.
     let moved: f64 = measurement.markers().iter().map(|m| (m.displacement * m.weight).norm_squared()).sum();
-    let prior = Prior::Gaussian { force_n: moved.sqrt() / estimator.singular_values()[0] };
+    let prior = ForcePrior::Gaussian { force_n: moved.sqrt() / estimator.singular_values()[0] };
     let mut estimate = estimator.estimate(measurement, None, prior);
     let mut parts = components.iter().zip(estimate.forces_n.clone());
     let (mut contacts, mut forces_n) = (Vec::new(), Vec::new());

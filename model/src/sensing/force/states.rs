@@ -3,9 +3,9 @@
 use super::SETTLED_ANGLE_DEG;
 use super::derivatives::differentiate;
 use super::linearised::{Linearised, Seen};
-use super::nuisances::Nuisances;
 use super::problem::{ForceProblem, State};
 use super::unknowns::Unknown;
+use super::values::Nuisances;
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::mesh::LoadError;
 use crate::sensing::{Contact, Direction, SensingError};
@@ -115,10 +115,10 @@ pub(super) fn unit_motions(problem: &mut ForceProblem, state: &State) -> Option<
 ///
 /// # Errors
 /// [`SensingError`] if loads that follow an object have no equilibrium.
-pub(super) fn resume(problem: &mut ForceProblem, state: State, seen: Seen) -> Result<State, SensingError> {
+pub(super) fn carry_over(problem: &mut ForceProblem, state: State, seen: Seen) -> Result<State, SensingError> {
     let linearised = Linearised::new(problem.mesh, &problem.unknowns);
     let mut state = State { linearised, unit_motions: None, ..state };
-    state.nuisances.resume(&problem.shared_errors);
+    state.nuisances.use_patterns(&problem.shared_errors);
     if problem.object.is_some() {
         settle(problem, &mut state)?;
     }

@@ -4,7 +4,7 @@
 //! plate must coincide with the contact, both perpendicular to the plate and along the plate. The rows of a contact with an object determine the
 //! contact's position and direction as accurately as the object's pose is known.
 
-use super::linearised::Posed;
+use super::marker_motion::Posed;
 use crate::Vector;
 use crate::finger::PlatePosition;
 use crate::mesh::{Load, LoadError, Mesh};
@@ -36,20 +36,25 @@ impl Touching {
     }
 
     /// Violations of the contact conditions by a shape. Each violation is divided by its standard deviation and multiplied by the noise, mm.
-    pub fn misses_mm<'t>(&'t self, mesh: &'t Mesh, shape: Posed<'t>, noise_mm: f64) -> impl Iterator<Item = f64> + 't {
+    pub fn misses_mm<'t>(
+        &'t self,
+        mesh: &'t Mesh,
+        shape: Posed<'t>,
+        marker_noise_mm: f64,
+    ) -> impl Iterator<Item = f64> + 't {
         self.contacts.iter().flat_map(move |&(i, pad_mm)| {
             // The contacts have been checked and are on their plates.
             let contact = &shape.contacts[i];
             let s_mm = contact.position_mm(mesh.finger()).unwrap_or(f64::NAN);
             let at = PlatePosition { plate: contact.position.plate(), s_mm };
             let missed = self.missed_mm(mesh, (at, pad_mm), shape).unwrap_or([f64::NAN; 2]);
-            [0, 1].map(|way| missed[way] / CLOSED_SD_MM[way] * noise_mm)
+            [0, 1].map(|way| missed[way] / CLOSED_SD_MM[way] * marker_noise_mm)
         })
     }
 
     /// Sum of the squared violations, mm^2.
-    pub fn misfit(&self, mesh: &Mesh, shape: Posed, noise_mm: f64) -> f64 {
-        self.misses_mm(mesh, shape, noise_mm).map(|missed_mm| missed_mm * missed_mm).sum()
+    pub fn misfit(&self, mesh: &Mesh, shape: Posed, marker_noise_mm: f64) -> f64 {
+        self.misses_mm(mesh, shape, marker_noise_mm).map(|missed_mm| missed_mm * missed_mm).sum()
     }
 
     /// Distance between the plate at the position `at`, with a pad of thickness `pad_mm`, and the point of the outline that faces this position. Returns

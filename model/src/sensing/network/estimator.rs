@@ -147,8 +147,8 @@ impl NetworkEstimator {
     }
 
     /// Estimates forces with their standard deviations. The standard deviations combine three errors: noise, hidden markers, and the network's error
-    /// on held-out samples. The network's derivatives linearise the effects of noise and hidden markers. `noise_mm` is the standard deviation of one
-    /// coordinate, mm. The noise is estimated from the residual if `noise_mm` is `None` or contradicts the residual.
+    /// on held-out samples. The network's derivatives linearise the effects of noise and hidden markers. `marker_noise_mm` is the standard deviation of one
+    /// coordinate, mm. The noise is estimated from the residual if `marker_noise_mm` is `None` or contradicts the residual.
     ///
     /// The residual is the part of the displacements outside the principal directions. The singular values of the estimate are the reciprocals of the
     /// singular values of the forces' derivatives with respect to the displacements.
@@ -156,7 +156,11 @@ impl NetworkEstimator {
     /// # Errors
     /// [`NetworkError`] for markers other than the prepared ones, for weights other than 1, for shapes or forces outside the training, and for
     /// [`ContactSet::AnyOf`] if a force acts at another contact of the training.
-    pub fn estimate(&mut self, measurement: &Measurement, noise_mm: Option<f64>) -> Result<Estimate, NetworkError> {
+    pub fn estimate(
+        &mut self,
+        measurement: &Measurement,
+        marker_noise_mm: Option<f64>,
+    ) -> Result<Estimate, NetworkError> {
         if !measurement.markers().iter().map(|marker| marker.node).eq(self.markers.iter().copied()) {
             return Err(NetworkError::OtherMarkers);
         }
@@ -164,9 +168,10 @@ impl NetworkEstimator {
             return Err(NetworkError::Weighted { node: marker.node, weight: marker.weight });
         }
         let x: Vec<f64> = measurement.markers().iter().flat_map(|m| [m.displacement.x, m.displacement.y]).collect();
-        let (noise_mm, residual_rms_mm, warning) = self.residual(&DVector::from_column_slice(&x), noise_mm)?;
+        let (trusted_noise_mm, residual_rms_mm, warning) =
+            self.residual(&DVector::from_column_slice(&x), marker_noise_mm)?;
         let z = self.prepared.inputs(&x);
-        self.require_range(&z, noise_mm)?;
+        self.require_range(&z, trusted_noise_mm)?;
         let mut forces_n = vec![0.0; self.prepared.outputs()];
         self.forward.forces(&x, &mut forces_n);
 
@@ -174,12 +179,12 @@ impl NetworkEstimator {
         let gain = &derivatives * &self.prepared.projection;
         // Errors of the network on held-out samples count as independent between forces.
         let clean_n2 = self.clean_rms_n.iter().map(|clean_rms_n| clean_rms_n.powi(2));
-        let covariance_n2 = &gain * gain.transpose() * noise_mm.powi(2)
+        let covariance_n2 = &gain * gain.transpose() * trusted_noise_mm.powi(2)
             + &derivatives * &self.hidden_covariance * derivatives.transpose()
             + DMatrix::from_diagonal(&DVector::from_iterator(self.clean_rms_n.len(), clean_n2));
         let sigmas_n: Vec<f64> = covariance_n2.diagonal().iter().map(|variance_n2| variance_n2.sqrt()).collect();
         self.require_trained_forces(&forces_n, &sigmas_n)?;
-        let further = self.further.iter().map(|contact| contact.force(&x, noise_mm));
+        let further = self.further.iter().map(|contact| contact.force(&x, trusted_noise_mm));
         if let Some((_, Some(refusal))) = further.max_by(|(a, _), (b, _)| a.total_cmp(b)) {
             return Err(refusal);
         }
@@ -189,9 +194,9 @@ impl NetworkEstimator {
             forces_n,
             sigmas_n,
             covariance_n2,
-            model_error_n: self.clean_rms_n.clone(),
+            method_error_n: self.clean_rms_n.clone(),
             measured: None,
-            noise_mm,
+            trusted_noise_mm,
             warning,
             residual_rms_mm,
             singular_values,
@@ -201,7 +206,11 @@ impl NetworkEstimator {
     /// Tests the residual against the stated noise (chi-squared test). The residual is the part of the displacements `x`, mm, outside the principal
     /// directions. For noise-free training shapes, the residual is negligible. Returns the noise (mm), the root mean square of the residual (mm), and
     /// a warning if the residual exceeds the stated noise significantly. The standard deviations of the forces follow from the returned noise.
-    fn residual(&self, x: &DVector<f64>, stated_mm: Option<f64>) -> Result<(f64, f64, Option<Warning>), SensingError> {
+    fn residual(
+        &self,
+        x: &DVector<f64>,
+        marker_noise_mm: Option<f64>,
+    ) -> Result<(f64, f64, Option<Warning>), SensingError> {
         let coordinates = x.len() as f64;
         let from_mean = x - &self.mean;
         let residual = &from_mean - &self.span * self.span.tr_mul(&from_mean);
@@ -210,13 +219,13 @@ impl NetworkEstimator {
         let explained = |noise_mm: f64| {
             residual_rms_mm <= f64::max(UNEXPLAINED_SIGMAS * noise_mm, UNEXPLAINED_SHARE * moved_rms_mm)
         };
-        if stated_mm.is_some_and(|noise_mm| !explained(noise_mm)) {
+        if marker_noise_mm.is_some_and(|noise_mm| !explained(noise_mm)) {
             return Err(SensingError::Unexplained { residual_rms_mm, moved_rms_mm });
         }
         let degrees_of_freedom = x.len().saturating_sub(self.span.ncols());
-        let test = ResidualTest::new(stated_mm, residual.norm_squared(), degrees_of_freedom);
-        let noise_mm = noise_of(test, stated_mm, residual.norm_squared(), degrees_of_freedom);
-        Ok((noise_mm, residual_rms_mm, test.filter(ResidualTest::contradicts).map(Warning::Residual)))
+        let test = ResidualTest::new(marker_noise_mm, residual.norm_squared(), degrees_of_freedom);
+        let trusted_noise_mm = noise_of(test, marker_noise_mm, residual.norm_squared(), degrees_of_freedom);
+        Ok((trusted_noise_mm, residual_rms_mm, test.filter(ResidualTest::contradicts).map(Warning::Residual)))
     }
 
     /// Refuses inputs outside the range of the training.

@@ -58,16 +58,16 @@ fn noise_that_the_residual_contradicts_is_not_believed() {
     let measurement = measured(&network.card.markers, &noisy);
     let unknown = estimator.estimate(&measurement, None).expect("noise alone");
     // 36 coordinates have uniform noise between -0.5 and 0.5, with a standard deviation of 0.29.
-    assert!((0.2..0.4).contains(&unknown.noise_mm), "{}", unknown.noise_mm);
+    assert!((0.2..0.4).contains(&unknown.trusted_noise_mm), "{}", unknown.trusted_noise_mm);
     let contradicted = estimator.estimate(&measurement, Some(CAMERA_NOISE_MM)).expect("noise alone");
     assert!(matches!(contradicted.warning, Some(Warning::Residual(_))));
     assert_eq!((&contradicted.forces_n, contradicted.residual_rms_mm), (&unknown.forces_n, unknown.residual_rms_mm));
     // Without a stated noise, only the residual determines the noise. For 36 degrees of freedom, Student's t widens the standard deviation by a
     // factor of 2.0281 / 1.9600.
-    let wider = unknown.noise_mm / contradicted.noise_mm;
+    let wider = unknown.trusted_noise_mm / contradicted.trusted_noise_mm;
     assert!((wider - 2.0281 / 1.959_96).abs() < 1e-4, "{wider}");
     let believed = estimator.estimate(&measurement, Some(0.25)).expect("noise alone");
-    assert_eq!((believed.noise_mm, believed.warning), (0.25, None));
+    assert_eq!((believed.trusted_noise_mm, believed.warning), (0.25, None));
 }
 
 /// A network for any subset of its contacts refuses contacts at which the forces do not act, and names the contact of the true force. Forces and noise

@@ -121,10 +121,10 @@ fn what_noise_does_not_explain_is_uncertainty() {
         estimator.estimate(&measurement, Some(noise_mm)).expect("identifiable").forces
     };
     let (right, wrong) = (ask(20, CAMERA_NOISE_MM), ask(19, CAMERA_NOISE_MM));
-    assert_eq!(right.noise_mm, CAMERA_NOISE_MM);
-    assert!(wrong.noise_mm > 3.0 * CAMERA_NOISE_MM && wrong.sigmas_n[0] > 3.0 * right.sigmas_n[0], "{wrong:?}");
+    assert_eq!(right.trusted_noise_mm, CAMERA_NOISE_MM);
+    assert!(wrong.trusted_noise_mm > 3.0 * CAMERA_NOISE_MM && wrong.sigmas_n[0] > 3.0 * right.sigmas_n[0], "{wrong:?}");
     // A stated noise that is large enough to explain the residual is kept.
-    assert_eq!(ask(19, 1.0).noise_mm, 1.0);
+    assert_eq!(ask(19, 1.0).trusted_noise_mm, 1.0);
 }
 
 /// Unknowns that are not identifiable are refused.

@@ -3,7 +3,7 @@
 use super::{assert_normal, draw, linear};
 use finray_model::frame::FrameLoad;
 use finray_model::measurement::{Marker, Measurement};
-use finray_model::sensing::{Contact, ContactPosition, LinearEstimator, Prior};
+use finray_model::sensing::{Contact, ContactPosition, ForcePrior, LinearEstimator};
 use finray_model::statics::Statics;
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
 use finray_tests::{STANDARD_ERRORS, at_node, at_position, largest, paper};
@@ -124,7 +124,7 @@ fn directions_scatter_as_stated() {
     let estimator = LinearEstimator::new(&finger, &components, &measured(0)).expect("well-posed");
     let mut deviations_deg = [Vec::new(), Vec::new()];
     for case in 0..count {
-        let found = estimator.estimate(&measured(case), None, Prior::None).forces_n;
+        let found = estimator.estimate(&measured(case), None, ForcePrior::None).forces_n;
         for (i, contact) in contacts.iter().enumerate() {
             let (inwards_n, towards_tip_n) = (found[2 * i], found[2 * i + 1]);
             let force_n = samples.forces[(i, case)];

@@ -216,7 +216,7 @@ fn rows(found: &RigEstimate) -> Vec<Row> {
         rows.extend(between_objects.map(|sd| row("friction_between_objects", sd, None)));
     }
     rows.push(row("noise_factor", estimate.new_marker_errors.noise_factor, None));
-    rows.push(row("model_error_mm", estimate.new_marker_errors.model_mm, None));
+    rows.push(row("model_error_mm", estimate.new_marker_errors.calibration_error_mm, None));
     rows.extend(force_error.map(|share| row("force_error_share", share, None)));
     rows
 }

@@ -5,7 +5,9 @@ use super::{
 };
 use crate::commands::prelude::*;
 use finray_model::Kinematics;
-use finray_model::calibration::{CalibrationCase, FactorEstimate, FactorModel, RobustFactors, Unknown, robust_factors};
+use finray_model::calibration::{
+    CalibrationCase, FactorEstimate, FactorModel, RobustFactors, UnknownFactor, robust_factors,
+};
 
 /// Estimates the factors. Prints a warning if the linear finger was chosen, the co-rotational finger fits the measured displacements better, and a
 /// factor differs by more than sigma.
@@ -57,7 +59,7 @@ pub fn run(
 }
 
 /// The unknown factors for a value of `--zones` such as `1+2,3`: one on all moduli, then one per group of zones. Zones are numbered from 1.
-fn unknowns(groups: &str, zone_count: usize) -> Result<Vec<Unknown>, Failure> {
+fn unknowns(groups: &str, zone_count: usize) -> Result<Vec<UnknownFactor>, Failure> {
     let bad = |reason: String| bad_input(format!("--zones: {reason}"));
     if zone_count == 0 {
         return Err(bad("expected tables [[finger.zone]] in the scene, found none".to_owned()));
@@ -81,7 +83,7 @@ fn unknowns(groups: &str, zone_count: usize) -> Result<Vec<Unknown>, Failure> {
     if let Some(twice) = named.windows(2).find(|pair| pair[0] == pair[1]) {
         return Err(bad(format!("zone {} is named twice", twice[0] + 1)));
     }
-    Ok(std::iter::once(Unknown::Modulus).chain(zones.into_iter().map(Unknown::Zones)).collect())
+    Ok(std::iter::once(UnknownFactor::Modulus).chain(zones.into_iter().map(UnknownFactor::Zones)).collect())
 }
 
 /// Rows of a result: the moduli, the factor on all moduli, then the factor of each estimated zone.
@@ -90,13 +92,13 @@ fn factor_rows(finger: &Finger, estimate: &FactorEstimate) -> Vec<Row> {
     let mut rows = Vec::new();
     for (k, unknown) in estimate.unknowns.iter().enumerate() {
         match unknown {
-            Unknown::Modulus => {
+            UnknownFactor::Modulus => {
                 let factor = estimate.factors[k];
                 rows.extend(modulus_rows(finger, factor, factor * relative(k)));
             }
-            Unknown::Zones(zones) => rows.extend(zones.iter().map(|&zone| {
+            UnknownFactor::Zones(zones) => rows.extend(zones.iter().map(|&zone| {
                 let value = estimate.finger.description().zones[zone].modulus_factor;
-                Row { parameter: Unknown::Zones(vec![zone]).to_string(), value, sigma: Some(value * relative(k)) }
+                Row { parameter: UnknownFactor::Zones(vec![zone]).to_string(), value, sigma: Some(value * relative(k)) }
             })),
         }
     }

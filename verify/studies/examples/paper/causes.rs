@@ -7,11 +7,11 @@
 
 use super::WEIGHTS_N;
 use super::table_one::{CALIBRATION_NODES, cases};
-use finray_model::calibration::{FactorModel, Unknown, factors};
+use finray_model::calibration::{FactorModel, UnknownFactor, factors};
 use finray_model::estimators::{ELEMENTS, EstimatorId};
 use finray_model::finger::{FingerDescription, Part, Plate};
 use finray_model::measurement::Measurement;
-use finray_model::sensing::{Contact, LinearEstimator, NonlinearEstimator, Prior};
+use finray_model::sensing::{Contact, ForcePrior, LinearEstimator, NonlinearEstimator};
 use finray_model::{Finger, Kinematics, Mesh};
 use finray_studies::sampling::sweep::Grid;
 use finray_studies::settings::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
@@ -83,7 +83,7 @@ impl World {
             let zoned = with_zones(finger, !base, !tip);
             let kinematics = if linear { Kinematics::Linear } else { Kinematics::Corotational };
             let how = FactorModel { kinematics, elements: ELEMENTS, noise_mm: None };
-            let calibrated = || factors(&zoned, &weighed, &[Unknown::Modulus], &how).expect("a modulus").finger;
+            let calibrated = || factors(&zoned, &weighed, &[UnknownFactor::Modulus], &how).expect("a modulus").finger;
             (wrong, Mesh::with_elements_per_member(&if modulus { calibrated() } else { zoned.clone() }, ELEMENTS))
         };
         World { truth, models: (0..16).into_par_iter().map(model).collect(), mesh }
@@ -112,12 +112,12 @@ impl World {
                 let assumed = at_position(s_mm + off_mm, contact.angle_deg + off_deg);
                 let [sensed_n, sigma_n] = if has(Linearisation) {
                     let estimator = LinearEstimator::new(finger, &[assumed], seen).ok()?;
-                    let sensed_n = estimator.estimate(seen, Some(noise_mm), Prior::None).forces_n[0];
+                    let sensed_n = estimator.estimate(seen, Some(noise_mm), ForcePrior::None).forces_n[0];
                     [sensed_n, estimator.inverse().sigmas_per_noise[0] * noise_mm]
                 } else {
                     let mut estimator = NonlinearEstimator::new(mesh, &[assumed.into()]).ok()?;
                     let found = estimator.estimate(seen, Some(CAMERA_NOISE_MM)).ok()?.forces;
-                    [found.forces_n[0], found.sigmas_n[0] * noise_mm / found.noise_mm]
+                    [found.forces_n[0], found.sigmas_n[0] * noise_mm / found.trusted_noise_mm]
                 };
                 sum += (sensed_n / force_n - 1.0).powi(2) + (sigma_n / force_n).powi(2);
                 count += 1;

@@ -13,7 +13,7 @@ use finray_fixtures::{OPENSEES_PAPER, TWIN_SCENE};
 use finray_model::estimators::EstimatorId;
 use finray_model::measurement::Measurement;
 use finray_model::scene::ROD_RADIUS_MM;
-use finray_model::sensing::{Contact, LinearEstimator, Prior};
+use finray_model::sensing::{Contact, ForcePrior, LinearEstimator};
 use finray_model::{Finger, Kinematics, Load, Mesh, statics};
 use finray_studies::experiments::contact_scene::study::SceneWithOutline;
 use finray_studies::experiments::continuum::Constants;
@@ -299,7 +299,7 @@ fn error_under(finger: &Finger, node: usize, load: Load) -> f64 {
     let shape = statics::solve(&Mesh::key_nodes(finger), &[load], Kinematics::Linear).expect("a linear finger");
     let seen = Measurement::of_shape(finger, &shape);
     let estimator = LinearEstimator::new(finger, &[at_node(node, 0.0)], &seen).expect("a contact");
-    estimator.estimate(&seen, Some(0.0), Prior::None).forces_n[0] - 1.0
+    estimator.estimate(&seen, Some(0.0), ForcePrior::None).forces_n[0] - 1.0
 }
 
 /// Limits that the paper states (sec. IV-A and V-C).

@@ -12,7 +12,7 @@ use finray_lattice::{Lattice, LatticeError};
 use finray_model::estimators::ELEMENTS;
 use finray_model::measurement::Measurement;
 use finray_model::mesh::FingerShape;
-use finray_model::sensing::{LinearEstimator, NonlinearEstimator, Prior};
+use finray_model::sensing::{ForcePrior, LinearEstimator, NonlinearEstimator};
 use finray_model::statics::Statics;
 use finray_model::{Kinematics, Load, Mesh, NodeId};
 use finray_studies::check::{Check, Kind, NEWTON_LATTICE, SETTLED_LATTICE, difference, worst};
@@ -402,7 +402,7 @@ fn sensed_apart() -> [f64; 2] {
         for ((ours, theirs), force_n) in ours.iter().zip(&theirs).zip(forces_n) {
             let [ours, theirs] = [ours, theirs].map(|shape| Measurement::of_shape(&finger, shape));
             let [a, b] =
-                [&ours, &theirs].map(|seen| linear.estimate(seen, Some(0.0), Prior::None).forces_n[0] / force_n);
+                [&ours, &theirs].map(|seen| linear.estimate(seen, Some(0.0), ForcePrior::None).forces_n[0] / force_n);
             nonlinear.reset();
             let found = nonlinear.estimate(&ours, Some(1e-6)).expect("an estimate").forces.forces_n[0] / force_n;
             largest = [largest[0].max((a - b).abs()), largest[1].max((found - 1.0).abs())];

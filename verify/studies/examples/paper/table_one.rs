@@ -3,7 +3,7 @@
 use super::{WEIGHTS_N, ends, joined, percent, same};
 use finray_model::calibration::{CalibrationCase, youngs_modulus};
 use finray_model::measurement::Measurement;
-use finray_model::sensing::{LinearEstimator, Prior};
+use finray_model::sensing::{ForcePrior, LinearEstimator};
 use finray_model::{Finger, Kinematics};
 use finray_studies::truths::{MeshTruth, Truth, TruthId, fine_mesh};
 use finray_tests::{assert_recorded, assert_said, at_node, paper};
@@ -66,7 +66,7 @@ pub fn table_one(finger: &Finger, truth: &dyn Truth, angle_deg: f64, forces_n: &
         let sense = |(case, force_n): (CalibrationCase, &f64)| {
             let seen = Measurement::new(&calibrated, case.measurement.markers().iter().copied()).expect("markers");
             let estimator = LinearEstimator::new(&calibrated, &[at_node(node, angle_deg)], &seen).expect("a contact");
-            estimator.estimate(&seen, Some(0.0), Prior::None).forces_n[0] / force_n - 1.0
+            estimator.estimate(&seen, Some(0.0), ForcePrior::None).forces_n[0] / force_n - 1.0
         };
         cases(finger, truth, node, angle_deg, forces_n).into_iter().zip(forces_n).map(sense).collect()
     });

@@ -7,7 +7,7 @@
 use super::table_one::{NODES, TableOne, modulus_factor, table_one, uniform};
 use super::{WEIGHTS_N, ends, joined, percent, same};
 use finray_fixtures::TWIN_SCENE;
-use finray_model::calibration::{CalibrationCase, FactorEstimate, FactorModel, Unknown, factors};
+use finray_model::calibration::{CalibrationCase, FactorEstimate, FactorModel, UnknownFactor, factors};
 use finray_model::estimators::{ELEMENTS, EstimatorId};
 use finray_model::finger::{FingerDescription, Part, Zone};
 use finray_model::measurement::Measurement;
@@ -229,8 +229,8 @@ fn calibrate(finger: &Finger, truth: &dyn Truth, seed: u64) -> FactorEstimate {
             cases.push(CalibrationCase { load: contact.load(finger, weight_n), measurement });
         }
     }
-    let zones = [[0, 1], [2, 3], [4, 5]].map(|zones| Unknown::Zones(zones.to_vec()));
-    let unknowns: Vec<_> = std::iter::once(Unknown::Modulus).chain(zones).collect();
+    let zones = [[0, 1], [2, 3], [4, 5]].map(|zones| UnknownFactor::Zones(zones.to_vec()));
+    let unknowns: Vec<_> = std::iter::once(UnknownFactor::Modulus).chain(zones).collect();
     // Averaged over 54 shapes, noise is smaller than the error of a coarse mesh.
     let model = FactorModel { kinematics: Kinematics::Corotational, elements: 12, noise_mm: Some(CAMERA_NOISE_MM) };
     factors(finger, &cases, &unknowns, &model).expect("identifiable")

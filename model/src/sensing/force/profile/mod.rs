@@ -49,7 +49,7 @@ pub(super) struct Rivals {
 /// # Errors
 /// [`SensingError`] if a position is not on the plate, which the grid prevents.
 pub(super) fn find_rivals(problem: &mut ForceProblem, state: &State, seen: Seen) -> Result<Rivals, SensingError> {
-    let Seen { measurement, noise_mm } = seen;
+    let Seen { measurement, marker_noise_mm } = seen;
     let unplaced = problem.unplaced();
     if !problem.statics.linearise(&state.motion, &state.loads) {
         return Err(SensingError::NoContact);
@@ -57,7 +57,8 @@ pub(super) fn find_rivals(problem: &mut ForceProblem, state: &State, seen: Seen)
     let profile = profile(problem, &unplaced, state, measurement)?;
     let misfit_mm2 = problem.misfit(state, measurement);
     let degrees_of_freedom = measurement.coordinate_count().saturating_sub(problem.unknowns.len()).max(1);
-    let variance_mm2 = noise_mm.map_or(misfit_mm2 / degrees_of_freedom as f64, |noise_mm| noise_mm * noise_mm);
+    let variance_mm2 = marker_noise_mm
+        .map_or(misfit_mm2 / degrees_of_freedom as f64, |marker_noise_mm| marker_noise_mm * marker_noise_mm);
     let unexplained_mm2 = (misfit_mm2 - EXPLAINED * degrees_of_freedom as f64 * variance_mm2).max(0.0);
     let limit_mm2 = misfit_mm2 + unexplained_mm2 + RIVAL_VARIANCES * variance_mm2;
     let order = problem.order(&state.contacts);
@@ -192,7 +193,7 @@ fn profile(
     // The lean of a force at an unknown position has a prior. The force across is that of the largest force at this lean.
     for (&i, &(first, count)) in unplaced.iter().zip(&blocks) {
         if let (Direction::Leaning(lean), 2) = (problem.questions[i].direction, count) {
-            let per_n = problem.priors.noise_mm() / (largest_n * lean.sd_deg.to_radians().tan());
+            let per_n = problem.priors.marker_noise_mm() / (largest_n * lean.sd_deg.to_radians().tan());
             for k in 0..grid.at_mm.len() {
                 let j = first + 2 * k + 1;
                 products[(j, j)] += per_n * per_n;

@@ -1,6 +1,6 @@
 //! Follows a step of the search along equilibria, from share zero to share one of the step. The misfit is the sum of squared weighted residuals.
 
-use super::linearised::Posed;
+use super::marker_motion::Posed;
 use super::problem::{ForceProblem, State, known_misfit};
 use super::projection::project;
 use crate::frame::FrameMotion;
@@ -26,7 +26,7 @@ pub(super) struct OnTheWay {
 /// The first result is the misfit at the end of the step, mm^2. If no equilibrium exists at the end, the first result is an error: the share of
 /// the step (0 to 1) up to which equilibria exist. The second result is the equilibrium with the smallest misfit on the path, if this misfit does
 /// not exceed `current_mm2`.
-pub(super) fn follow(
+pub(super) fn follow_step(
     problem: &mut ForceProblem,
     state: &State,
     next: &mut State,
