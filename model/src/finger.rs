@@ -3,8 +3,11 @@
 mod description;
 mod placement;
 mod sections;
+mod side_faces;
 
 pub use description::*;
+pub(crate) use side_faces::SideFaceFactors;
+pub use side_faces::SideFaces;
 
 use crate::Vector;
 use placement::{check_room, check_sizes, check_zones, place_ribs, place_tip};

@@ -16,7 +16,8 @@ pub use object::{ObjectDescription, ObjectMotion, Outline, Until};
 pub use touched::{ObjectFrame, ObjectPlace, TouchedDescription};
 
 use crate::finger::{
-    Finger, FingerDescription, Joints, MarkerPoints, Part, Plate, RibDescription, RibPositions, RigidEnds, Strip, Zone,
+    Finger, FingerDescription, Joints, MarkerPoints, Part, Plate, RibDescription, RibPositions, RigidEnds, SideFaces,
+    Strip, Zone,
 };
 use crate::gripper::Gripper;
 use crate::keys::{
@@ -37,7 +38,7 @@ pub struct Scene {
     pub finger: Finger,
     /// Largest fibre strain at which the material of each part is linear, dimensionless; `None` for parts without a stated limit.
     pub strain_limits: StrainLimits,
-    /// Relative standard deviation of a sensed force due to the errors of beam theory, dimensionless.
+    /// Relative standard deviation of a sensed force due to the errors of beam theory and of the model of free side faces, dimensionless.
     pub model_error: f64,
     /// Standard deviation of one measured marker coordinate, mm; `None` if the scene does not state it.
     pub noise_mm: Option<f64>,
@@ -78,9 +79,9 @@ impl Scene {
     pub fn of_finger(finger: Finger) -> Scene {
         Scene {
             name: String::new(),
+            model_error: finger.side_face_error(),
             finger,
             strain_limits: StrainLimits::default(),
-            model_error: 0.0,
             noise_mm: None,
             marker_errors: MarkerErrors::default(),
             camera: None,
@@ -107,11 +108,11 @@ impl Scene {
         let table = top.table(&FINGER)?;
         let description = read_finger(&table, markers.on)?;
         let strain_limits = read_strain_limits(&table)?;
-        let model_error = table.get(&FINGER.model_error)?;
         let finger = Finger::new(description).map_err(|impossible| SceneError {
             line: document.line_of(&impossible.key),
             message: impossible.to_string(),
         })?;
+        let model_error = table.get(&FINGER.model_error)?.hypot(finger.side_face_error());
         let assembly = top.optional_table(&ASSEMBLY)?;
         let assembly = assembly.as_ref().map(|table| read_assembly(table, finger.rib_count())).transpose()?;
         let camera = top.optional_table(&CAMERA)?.as_ref().map(camera::read_camera).transpose()?;
@@ -164,6 +165,7 @@ fn read_finger(table: &TableReader, markers_on: MarkerPoints) -> Result<FingerDe
         rib_arm_mm: table.optional(&FINGER.rib_arm_mm)?,
         clamp_arm_mm: table.optional(&FINGER.clamp_arm_mm)?,
         poissons_ratio: table.get(&FINGER.poissons_ratio)?,
+        side_faces: read_side_faces(table)?,
         shear_correction: table.get(&FINGER.shear_correction)?,
         front: front.0,
         back: back.0,
@@ -172,6 +174,17 @@ fn read_finger(table: &TableReader, markers_on: MarkerPoints) -> Result<FingerDe
         zones: table.tables(&ZONE)?.iter().map(read_zone).collect::<Result<_, _>>()?,
         markers_on,
     })
+}
+
+fn read_side_faces(table: &TableReader) -> Result<SideFaces, SceneError> {
+    let side_faces = table.word(&FINGER.side_faces, [SideFaces::Fixed, SideFaces::Free])?;
+    if side_faces == SideFaces::Free && !table.has(&FINGER.poissons_ratio) {
+        let needed = FINGER.poissons_ratio.name;
+        let message =
+            format!("expected {needed} beside free side faces: without it, no section contracts along the depth");
+        return Err(table.at(FINGER.side_faces.name, &message));
+    }
+    Ok(side_faces)
 }
 
 fn read_strain_limits(finger: &TableReader) -> Result<StrainLimits, SceneError> {

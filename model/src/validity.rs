@@ -10,9 +10,9 @@ mod warning;
 pub use warning::ValidityWarning;
 
 use crate::element::{Beam, Station};
-use crate::finger::{Finger, Part, Plate};
+use crate::finger::{Finger, Part, Plate, SideFaceFactors};
 use crate::frame::{FrameLoad, FrameMotion};
-use crate::mesh::{Line, Load, Mesh};
+use crate::mesh::{Load, Mesh};
 use crate::statics::{Statics, StaticsError};
 use crate::{Kinematics, NodeId, Vector};
 
@@ -117,8 +117,8 @@ impl Validity {
     /// Examines the motion of a mesh that is in equilibrium under loads. `kinematics` must be the kinematics with which the motion was solved.
     pub fn of(mesh: &Mesh, motion: &FrameMotion, kinematics: Kinematics, loads: &[FrameLoad]) -> Validity {
         let finger = mesh.finger();
-        let examined = |line| examine(mesh, line, motion, kinematics, loads);
-        let members: Vec<Examined> = mesh.lines().iter().filter_map(examined).collect();
+        let examined = |index| examine(mesh, index, motion, kinematics, loads);
+        let members: Vec<Examined> = (0..mesh.lines().len()).filter_map(examined).collect();
         let largest = |part| {
             let strains =
                 members.iter().filter(|examined| examined.member.part == part).map(|examined| examined.strain);
@@ -127,8 +127,7 @@ impl Validity {
         let strained: f64 = members.iter().map(|member| member.strain_energy).sum();
         let sheared: f64 = members.iter().map(|member| member.shear_energy).sum();
         let most = members.iter().max_by(|a, b| a.shear_energy.total_cmp(&b.shear_energy));
-        let beams = mesh.frame().members().iter().map(|member| &member.beam);
-        let thickest = beams.map(thickness_mm).fold(0.0, f64::max);
+        let thickest = members.iter().map(|examined| examined.thickest_mm).fold(0.0, f64::max);
         Validity {
             strains: PARTS.into_iter().filter_map(largest).collect(),
             shear_share: if sheared > 0.0 { sheared / strained } else { 0.0 },
@@ -157,15 +156,18 @@ impl Validity {
 
 const PARTS: [Part; 3] = [Part::Front, Part::Back, Part::Ribs];
 
-/// Thickness of a beam with rectangular section, mm, from the ratio of its rigidities. A zone with a different modulus does not change this ratio.
-/// For an element of a tapered plate, the result lies between the thicknesses at the element's ends.
-fn thickness_mm(beam: &Beam) -> f64 {
-    (12.0 * beam.bending_rigidity_nmm2 / beam.axial_rigidity_n).sqrt()
+/// Thickness of a beam with rectangular section, mm, from the ratio of its rigidities in plane strain. A zone with a different modulus does not change
+/// this ratio. For an element of a tapered plate, the result lies between the thicknesses at the element's ends.
+fn thickness_mm(beam: &Beam, faces: SideFaceFactors) -> f64 {
+    let bending_nmm2 = beam.bending_rigidity_nmm2 / faces.bending;
+    (12.0 * bending_nmm2 * faces.stretching / beam.axial_rigidity_n).sqrt()
 }
 
 /// Largest fibre strain and energies (N mm) of one member.
 struct Examined {
     member: FingerMember,
+    /// Largest thickness of an element, mm.
+    thickest_mm: f64,
     strain: FibreStrain,
     /// Strain energy of elongation and bending, N mm.
     strain_energy: f64,
@@ -173,19 +175,24 @@ struct Examined {
     shear_energy: f64,
 }
 
-/// Examines one member. Returns `None` for an undeformable rib.
+/// Examines the member with index `line`. Returns `None` for an undeformable rib.
 fn examine(
     mesh: &Mesh,
-    line: &Line,
+    line: usize,
     motion: &FrameMotion,
     kinematics: Kinematics,
     loads: &[FrameLoad],
 ) -> Option<Examined> {
     let finger = mesh.finger();
+    // Lines are the members of the back plate, then of the front plate, then the ribs.
+    let of_plate = finger.rib_count() + 1;
+    let nth = if line < 2 * of_plate { line % of_plate } else { line - 2 * of_plate };
+    let line = &mesh.lines()[line];
+    let faces = finger.side_face_factors(line.part, nth);
     let members = &mesh.frame().members()[line.members.clone()];
     let (first, last) = (line.nodes.first()?, line.nodes.last()?);
     let free_mm: f64 = members.iter().map(|member| member.beam.length_mm).sum();
-    let thickest_mm = members.iter().map(|member| thickness_mm(&member.beam)).fold(0.0, f64::max);
+    let thickest_mm = members.iter().map(|member| thickness_mm(&member.beam, faces)).fold(0.0, f64::max);
     let examined = FingerMember {
         part: line.part,
         nodes: [NodeId(first + 1), NodeId(last + 1)],
@@ -198,12 +205,12 @@ fn examine(
         Part::Ribs => 0.0,
     };
     let mut start_mm = origin_mm + members.first()?.ends[0].arm.norm();
-    let shear_rigidity = SHEAR_CORRECTION * (1.0 - finger.description().poissons_ratio) / 2.0;
+    let shear_rigidity = SHEAR_CORRECTION * (1.0 - finger.description().poissons_ratio) / (2.0 * faces.stretching);
     let mut strain = FibreStrain { strain: 0.0, axial_strain: 0.0, member: examined, at_mm: start_mm };
     let (mut strain_energy, mut shear_energy) = (0.0, 0.0);
     for (index, member) in line.members.clone().zip(members) {
         let beam = &member.beam;
-        let thickness_mm = thickness_mm(beam);
+        let thickness_mm = thickness_mm(beam, faces);
         let forces: Vec<(f64, Vector)> = loads.iter().filter_map(|load| inside(load, index)).collect();
         for ends in mesh.frame().stations(motion, index, kinematics, &forces).chunks_exact(2) {
             let [from, to] = [ends[0], ends[1]];
@@ -219,13 +226,13 @@ fn examine(
             strain_energy += 0.5 * length_mm * (axial * from.axial_strain.powi(2) + bending * mean_square(&from, &to));
             if length_mm > 0.0 && finger.description().shear_correction == 0.0 {
                 let shear_n = bending * (to.curvature_per_mm - from.curvature_per_mm) / length_mm;
-                // The axial rigidity is E A / (1 - nu^2), so G A is (1 - nu) / 2 times the axial rigidity.
+                // The axial rigidity in plane strain is E A / (1 - nu^2), so G A is (1 - nu) / 2 times that.
                 shear_energy += 0.5 * length_mm * shear_n.powi(2) / (shear_rigidity * axial);
             }
         }
         start_mm += beam.length_mm;
     }
-    Some(Examined { member: examined, strain, strain_energy, shear_energy })
+    Some(Examined { member: examined, thickest_mm, strain, strain_energy, shear_energy })
 }
 
 /// Position (fraction of the length) and force (N) of a load between the ends of member `index`; `None` for any other load.

@@ -18,6 +18,7 @@ mod scene {
 }
 mod scene_keys;
 mod shared_junctions;
+mod side_faces;
 mod sensing {
     mod assembly;
     mod back_plate;

@@ -3,7 +3,7 @@
 use finray_model::Finger;
 use finray_model::finger::{
     BracketLengths, FingerDescription, Joints, MarkerPoints, Part, Plate, RibDescription, RibPositions, RigidEnds,
-    Strip, Zone,
+    SideFaces, Strip, Zone,
 };
 use proptest::prelude::*;
 
@@ -91,6 +91,7 @@ pub fn finger() -> impl Strategy<Value = Finger> {
                 rib_arm_mm: None,
                 clamp_arm_mm: None,
                 poissons_ratio: extras.1,
+                side_faces: SideFaces::Fixed,
                 shear_correction: 0.0,
                 front,
                 back,

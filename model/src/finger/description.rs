@@ -2,7 +2,7 @@
 
 pub use crate::keys::{BracketLengths, OfRibs};
 
-use super::{Finger, Plate};
+use super::{Finger, Plate, SideFaces};
 
 /// Thickness and material of a plate or of the ribs.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -120,8 +120,10 @@ pub struct FingerDescription {
     pub rib_arm_mm: Option<f64>,
     /// Length of the rigid arms of plates and ribs at clamped nodes, mm; `None` for the arm of the member's other nodes.
     pub clamp_arm_mm: Option<f64>,
-    /// Poisson's ratio, dimensionless. Strips are wide compared with their thickness, so their effective modulus is E / (1 - nu^2).
+    /// Poisson's ratio, dimensionless. The effective modulus is E / (1 - nu^2) (plane strain), and smaller with free side faces.
     pub poissons_ratio: f64,
+    /// State of the side faces, which are parallel to the plane of the finger frame.
+    pub side_faces: SideFaces,
     /// Shear correction factor kappa of plates and ribs, dimensionless: the shear rigidity is kappa G A. Zero for members without shear deformation.
     pub shear_correction: f64,
     /// The front plate.

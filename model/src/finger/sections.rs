@@ -17,6 +17,13 @@ impl Finger {
         thickness_mm + more_mm * (s_mm / self.plate_length_mm(part))
     }
 
+    /// Thickness of a rib, mm; ribs are numbered from 0 at the base. Zero for undeformable ribs.
+    pub(crate) fn rib_thickness_mm(&self, rib: usize) -> f64 {
+        let ribs = &self.description.ribs;
+        let alike_mm = ribs.strip.map_or(0.0, |strip| strip.thickness_mm);
+        ribs.thicknesses_mm.as_ref().map_or(alike_mm, |each_mm| each_mm[rib])
+    }
+
     fn strip(&self, part: Plate) -> &Strip {
         match part {
             Plate::Front => &self.description.front,
@@ -24,19 +31,19 @@ impl Finger {
         }
     }
 
-    /// Section of a part, ignoring zones, with the plane-strain modulus E / (1 - nu^2). For a plate, this is the section at its base; for ribs, the
+    /// Section of a part, ignoring zones and free side faces, with the plane-strain modulus E / (1 - nu^2). For a plate, this is the section at its base; for ribs, the
     /// section of the thickest rib. `None` for undeformable ribs.
     pub fn section(&self, part: Part) -> Option<Section> {
         match part {
-            Part::Front => Some(self.base_section(Plate::Front)),
-            Part::Back => Some(self.base_section(Plate::Back)),
+            Part::Front => Some(self.section_of(&self.description.front)),
+            Part::Back => Some(self.section_of(&self.description.back)),
             Part::Ribs => self.description.ribs.strip.as_ref().map(|strip| self.section_of(strip)),
         }
     }
 
-    /// Section of a plate at its base, ignoring zones.
-    pub(crate) fn base_section(&self, plate: Plate) -> Section {
-        self.section_of(self.strip(plate))
+    /// Section of a plate with the thickness at its base, ignoring zones, with the side faces of a member; members are numbered from 0 at the base.
+    pub fn member_section(&self, plate: Plate, member: usize) -> Section {
+        self.side_face_factors(plate.into(), member).apply(self.section_of(self.strip(plate)))
     }
 
     fn section_of(&self, strip: &Strip) -> Section {
@@ -53,13 +60,13 @@ impl Finger {
         if shear_correction > 0.0 { 2.0 / (shear_correction * (1.0 - poissons_ratio)) } else { 0.0 }
     }
 
-    /// Section of a rib, including the effect of zones; ribs are numbered from 0 at the base. `None` for undeformable ribs.
+    /// Section of a rib, including the effects of zones and side faces; ribs are numbered from 0 at the base. `None` for undeformable ribs.
     pub fn rib_section(&self, rib: usize) -> Option<Section> {
         let d = &self.description;
         let mut strip = d.ribs.strip?;
-        strip.thickness_mm = d.ribs.thicknesses_mm.as_ref().map_or(strip.thickness_mm, |each_mm| each_mm[rib]);
+        strip.thickness_mm = self.rib_thickness_mm(rib);
         let zones = d.zones.iter().filter(|zone| zone.holds_rib(self.ribs[rib][0]));
         let factor: f64 = zones.map(|zone| zone.modulus_factor).product();
-        Some(self.section_of(&strip).scaled(factor))
+        Some(self.side_face_factors(Part::Ribs, rib).apply(self.section_of(&strip)).scaled(factor))
     }
 }

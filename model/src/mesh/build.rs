@@ -72,7 +72,7 @@ impl Mesh {
         let free = [positions[0] + arms_mm[0], positions[1] - arms_mm[1]];
         let position = |i: usize| element_start(free, elements, i);
         let sections: Vec<Section> =
-            (0..elements).map(|i| self.finger.plate_section(plate, position(i), position(i + 1))).collect();
+            (0..elements).map(|i| self.finger.plate_section(plate, member, position(i), position(i + 1))).collect();
         let first_member = self.frame.members().len();
         self.add_line(plate.into(), ends, &sections);
         let spans = &mut self.plates[plate.index()];

@@ -11,12 +11,12 @@ pub(super) fn element_start([from, to]: [f64; 2], elements: usize, i: usize) -> 
 }
 
 impl Finger {
-    /// Section with the mean compliances of a plate segment, including the effect of zones. The mean shear compliance and the mean axial compliance,
+    /// Section with the mean compliances of a segment of a plate member, including the effects of zones and side faces. The mean shear compliance and the mean axial compliance,
     /// relative to the base section, are equal, because both rigidities are proportional to modulus times thickness.
-    pub(super) fn plate_section(&self, plate: Plate, from_mm: f64, to_mm: f64) -> Section {
+    pub(super) fn plate_section(&self, plate: Plate, member: usize, from_mm: f64, to_mm: f64) -> Section {
         let d = self.description();
         let zones: Vec<Zone> = d.zones.iter().filter(|zone| zone.part == Part::from(plate)).copied().collect();
-        let of_base = self.base_section(plate);
+        let of_base = self.member_section(plate, member);
         let mean = |relative: &dyn Fn(f64, f64) -> f64| {
             compliance(&zones, from_mm, to_mm, relative, |_| true) / (to_mm - from_mm)
         };

@@ -4,7 +4,7 @@
 //! standard deviations.
 
 use finray_model::finger::{
-    BracketLengths, FingerDescription, Joints, MarkerPoints, Plate, RibDescription, RibPositions, Strip,
+    BracketLengths, FingerDescription, Joints, MarkerPoints, Plate, RibDescription, RibPositions, SideFaces, Strip,
 };
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, ContactQuestion, NearForces, SensingError, sense_refining};
@@ -41,6 +41,7 @@ pub(super) fn random_finger(rng: &mut ChaCha8Rng) -> Finger {
             rib_arm_mm: None,
             clamp_arm_mm: None,
             poissons_ratio: 0.0,
+            side_faces: SideFaces::Fixed,
             shear_correction: 0.0,
             front: strip(rng),
             back: strip(rng),
@@ -174,6 +175,7 @@ fn a_v_seen_at_its_tip_is_given_no_force_of_the_wrong_sign() {
         rib_arm_mm: None,
         clamp_arm_mm: None,
         poissons_ratio: 0.0,
+        side_faces: SideFaces::Fixed,
         shear_correction: 0.0,
         front: strip(2.0),
         back: strip(4.0),

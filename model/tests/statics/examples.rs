@@ -1,7 +1,7 @@
 //! Equilibria of single fingers: mesh sizes of the paper, and regressions of fingers that were once solved wrongly.
 
 use finray_model::finger::{
-    BracketLengths, FingerDescription, Joints, MarkerPoints, RibDescription, RibPositions, Strip,
+    BracketLengths, FingerDescription, Joints, MarkerPoints, RibDescription, RibPositions, SideFaces, Strip,
 };
 use finray_model::statics::{Statics, StaticsError, reaction, solve};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
@@ -68,6 +68,7 @@ fn a_buckling_load_is_not_jumped_over() {
         rib_arm_mm: None,
         clamp_arm_mm: None,
         poissons_ratio: 0.0,
+        side_faces: SideFaces::Fixed,
         shear_correction: 0.0,
         front: strip(1.94819, 181.17),
         back: strip(0.5, 353.372),

@@ -1,6 +1,6 @@
 //! Beams with shear deformation, compared with closed forms, and fingers of such beams on different meshes.
 
-use finray_model::finger::FingerDescription;
+use finray_model::finger::{FingerDescription, SideFaces};
 use finray_model::frame::{FrameLoad, FrameMotion, PlaneFrame, Section};
 use finray_model::statics::Statics;
 use finray_model::validity::{SHEAR_CORRECTION, Validity};
@@ -97,6 +97,7 @@ fn with_shear(finger: &Finger) -> Finger {
         rib_arm_mm: Some(1.4),
         clamp_arm_mm: Some(0.3),
         poissons_ratio: 0.45,
+        side_faces: SideFaces::Fixed,
         ..description
     })
     .expect("a finger")

@@ -113,7 +113,6 @@ impl Assembly {
     }
 
     fn add_plate(&mut self, finger: &Finger, plate: Plate, target_mm: f64) {
-        let Some(section) = finger.section(plate.into()) else { return };
         let zones: Vec<&Zone> =
             finger.description().zones.iter().filter(|zone| zone.part == Part::from(plate)).collect();
         let along = finger.tangent(plate);
@@ -129,12 +128,13 @@ impl Assembly {
             ];
             let free_mm = [positions[0] + arms_mm[0], positions[1] - arms_mm[1]];
             let borders = borders_mm(free_mm, &zones, target_mm);
+            let of_base = finger.member_section(plate, member);
             let anchors = self.divide([from, to], &borders);
             let spans = &mut self.plates[usize::from(plate == Plate::Back)];
             spans.push((free_mm[0], PlateSpan::Arm { anchor: from, at_mm: free_mm[0] }));
             for (&ends, border) in anchors.iter().zip(borders.windows(2)) {
                 let (from_mm, to_mm) = (border[0], border[1]);
-                let section = tapered(finger, plate, section, 0.5 * (from_mm + to_mm));
+                let section = tapered(finger, plate, of_base, 0.5 * (from_mm + to_mm));
                 let section = section.scaled(1.0 / mean_compliance(&zones, from_mm, to_mm));
                 let segment =
                     Segment { ends, pinned: [false; 2], direction: along, length_mm: to_mm - from_mm, section };

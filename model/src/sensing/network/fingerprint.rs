@@ -1,7 +1,7 @@
 //! Fingerprint of the finger that a network belongs to, independent of names in the scene file.
 
 use crate::Finger;
-use crate::finger::{Joints, MarkerPoints, NodeId, Part, Plate};
+use crate::finger::{Joints, MarkerPoints, NodeId, Part, Plate, SideFaces};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use sha2::{Digest, Sha256};
 use std::fmt;
@@ -41,6 +41,10 @@ impl Fingerprint {
         }
         if finger.shear_flexibility() > 0.0 {
             numbers.number("shear_flexibility", finger.shear_flexibility());
+        }
+        if d.side_faces == SideFaces::Free {
+            numbers.number("free side faces: depth_mm", d.depth_mm);
+            numbers.number("free side faces: poissons_ratio", d.poissons_ratio);
         }
         numbers.part(finger, "front", Part::Front);
         numbers.part(finger, "back", Part::Back);

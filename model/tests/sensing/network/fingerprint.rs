@@ -1,6 +1,6 @@
 //! The fingerprint of a finger depends on the finger's numbers, not on how these numbers are written.
 
-use finray_model::finger::{FingerDescription, Joints, Part, RibPositions, Strip, Zone};
+use finray_model::finger::{FingerDescription, Joints, Part, RibPositions, SideFaces, Strip, Zone};
 use finray_model::sensing::network::Fingerprint;
 use finray_model::{Finger, Scene};
 use finray_tests::paper;
@@ -64,6 +64,9 @@ fn every_number_counts_in_a_fingerprint() {
         changed(|d| (d.rod_arm_mm, d.rib_arm_mm) = (1e-3, Some(0.0))),
         changed(|d| (d.rod_arm_mm, d.clamp_arm_mm) = (1e-3, Some(0.0))),
         changed(|d| d.poissons_ratio = 1e-3),
+        changed(|d| (d.poissons_ratio, d.side_faces) = (1e-3, SideFaces::Free)),
+        changed(|d| (d.poissons_ratio, d.side_faces) = (0.4, SideFaces::Free)),
+        changed(|d| (d.poissons_ratio, d.side_faces) = (0.4 * a_bit, SideFaces::Free)),
         changed(|d| d.shear_correction = 0.8),
         changed(|d| d.shear_correction = 0.8 * a_bit),
         changed(|d| d.front.thickness_mm *= a_bit),
