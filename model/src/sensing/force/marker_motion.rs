@@ -14,7 +14,6 @@ use crate::measurement::SharedError;
 use crate::mesh::{LoadError, Mesh};
 use crate::sensing::{Contact, ContactQuestion, Direction, PadForce};
 use crate::statics::Ladder;
-use nalgebra::{Point2, UnitComplex};
 
 /// A shape of the finger: its deformation, its forces, and the pose of its base.
 #[derive(Clone, Copy)]

@@ -48,6 +48,7 @@ fn properties(scene: &Scene, solved: Solved) -> Vec<(String, String)> {
         rib_arm_mm,
         clamp_arm_mm,
         poissons_ratio,
+        side_faces,
         shear_correction,
         front,
         back,
@@ -62,6 +63,7 @@ fn properties(scene: &Scene, solved: Solved) -> Vec<(String, String)> {
         number(&FINGER.back_length_mm, *back_length_mm),
         number(&FINGER.depth_mm, *depth_mm),
         number(&FINGER.poissons_ratio, *poissons_ratio),
+        (FINGER.side_faces.path(), format!("{side_faces:?}").to_lowercase()),
     ];
     all.extend(of_plate(&FRONT, front, &rigid_ends[0]));
     all.extend(of_plate(&BACK, back, &rigid_ends[1]));
