@@ -119,7 +119,8 @@ struct Valley<'s, 'm> {
 }
 
 impl PositionProfile {
-    /// The profile over the only unknown position. `rivals` are other minima. `None` if the position is so certain that forces depend linearly on it.
+    /// The profile over the only unknown position. `rivals` are other minima. `None` if the position is so certain that forces depend linearly on it, or
+    /// the finger does not explain the measurement.
     ///
     /// # Errors
     /// [`SensingError`] if the markers do not confine position and force, or two ranges of positions with different forces explain the measurement.
@@ -143,7 +144,9 @@ impl PositionProfile {
         };
         let rivals: Vec<&State> = rivals.iter().filter(is_rival).collect();
         let is_linear = rivals.is_empty() && is_sharp(problem, state, estimate);
-        if is_linear || problem.object.is_some() || !(noise_mm > 0.0 && noise_mm.is_finite()) {
+        // A finger that differs from the scene makes the noise, and every valley, wide; the estimate then carries a warning.
+        let is_warned = estimate.forces.warning.is_some();
+        if is_linear || is_warned || problem.object.is_some() || !(noise_mm > 0.0 && noise_mm.is_finite()) {
             return Ok(None);
         }
         let mut questions = problem.questions.clone();
