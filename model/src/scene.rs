@@ -16,16 +16,17 @@ pub use object::{ObjectDescription, ObjectMotion, Outline, Until};
 pub use touched::{ObjectFrame, ObjectPlace, TouchedDescription};
 
 use crate::finger::{
-    Finger, FingerDescription, Joints, MarkerPoints, Part, Plate, RibDescription, RibPositions, RigidEnds, Strip, Zone,
+    Fillets, Finger, FingerDescription, Joints, MarkerPoints, Part, Plate, RibDescription, RibPositions, RigidEnds,
+    Strip, Zone,
 };
 use crate::gripper::Gripper;
 use crate::keys::{
-    ASSEMBLY, BACK, BASE, CAMERA, CONTACT, FINGER, FRONT, GRASP, GRIPPER, MARKERS, OBJECT, PlateKeys, RIBS, TOP,
-    TOUCHED, ZONE,
+    ASSEMBLY, BACK, BASE, CAMERA, CONTACT, FINGER, FRONT, GRASP, GRIPPER, Key, MARKERS, Number, OBJECT, PlateKeys,
+    RIBS, TOP, TOUCHED, ZONE,
 };
 use crate::measurement::MarkerErrors;
 use crate::sensing::{AssemblyErrors, UnloadedError};
-use crate::validity::StrainLimits;
+use crate::validity::{SHEAR_CORRECTION, StrainLimits};
 use reader::{Document, TableReader};
 
 /// Contents of a scene file, checked.
@@ -107,7 +108,7 @@ impl Scene {
         let table = top.table(&FINGER)?;
         let description = read_finger(&table, markers.on)?;
         let strain_limits = read_strain_limits(&table)?;
-        let model_error = table.get(&FINGER.model_error)?;
+        let model_error = table.optional(&FINGER.model_error)?;
         let finger = Finger::new(description).map_err(|impossible| SceneError {
             line: document.line_of(&impossible.key),
             message: impossible.to_string(),
@@ -134,9 +135,9 @@ impl Scene {
         }
         Ok(Scene {
             name,
-            finger,
             strain_limits,
-            model_error,
+            model_error: model_error.unwrap_or(finger.one_piece_model_error()),
+            finger,
             noise_mm,
             marker_errors: markers.errors,
             camera,
@@ -155,6 +156,8 @@ impl Scene {
 fn read_finger(table: &TableReader, markers_on: MarkerPoints) -> Result<FingerDescription, SceneError> {
     let front = read_plate(table, &FRONT)?;
     let back = read_plate(table, &BACK)?;
+    let fillets = read_fillets(table)?;
+    let shear_correction = table.optional(&FINGER.shear_correction)?;
     Ok(FingerDescription {
         base_width_mm: table.get(&FINGER.base_width_mm)?,
         front_length_mm: table.get(&FINGER.front_length_mm)?,
@@ -164,7 +167,8 @@ fn read_finger(table: &TableReader, markers_on: MarkerPoints) -> Result<FingerDe
         rib_arm_mm: table.optional(&FINGER.rib_arm_mm)?,
         clamp_arm_mm: table.optional(&FINGER.clamp_arm_mm)?,
         poissons_ratio: table.get(&FINGER.poissons_ratio)?,
-        shear_correction: table.get(&FINGER.shear_correction)?,
+        fillets,
+        shear_correction: shear_correction.unwrap_or(if fillets.is_some() { SHEAR_CORRECTION } else { 0.0 }),
         front: front.0,
         back: back.0,
         rigid_ends: [front.1, back.1],
@@ -172,6 +176,17 @@ fn read_finger(table: &TableReader, markers_on: MarkerPoints) -> Result<FingerDe
         zones: table.tables(&ZONE)?.iter().map(read_zone).collect::<Result<_, _>>()?,
         markers_on,
     })
+}
+
+fn read_fillets(finger: &TableReader) -> Result<Option<Fillets>, SceneError> {
+    let of_all = finger.optional(&FINGER.fillet_mm)?;
+    let of = |table: &TableReader, key: &'static Key<Number>| match (table.optional(key)?, of_all) {
+        (Some(_), None) => Err(table.wrong(key.name, "fillet_mm in [finger] beside it", "none")),
+        (own_mm, _) => Ok(own_mm.or(of_all).unwrap_or_default()),
+    };
+    let plates_mm = [of(&finger.table(&FRONT)?, &FRONT.fillet_mm)?, of(&finger.table(&BACK)?, &BACK.fillet_mm)?];
+    let base_mm = of(finger, &FINGER.base_fillet_mm)?;
+    Ok(of_all.map(|_| Fillets { plates_mm, base_mm }))
 }
 
 fn read_strain_limits(finger: &TableReader) -> Result<StrainLimits, SceneError> {

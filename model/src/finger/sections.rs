@@ -1,6 +1,6 @@
 //! Cross-sections of a finger's plates and ribs.
 
-use super::{Finger, FingerDescription, Part, Plate, Strip};
+use super::{Finger, FingerDescription, Part, Plate, RibDescription, Strip};
 use crate::frame::Section;
 
 impl Finger {
@@ -53,11 +53,17 @@ impl Finger {
         if shear_correction > 0.0 { 2.0 / (shear_correction * (1.0 - poissons_ratio)) } else { 0.0 }
     }
 
+    /// Thickness of a rib, mm; ribs are numbered from 0 at the base. `None` for undeformable ribs.
+    pub(super) fn rib_thickness_mm(&self, rib: usize) -> Option<f64> {
+        let RibDescription { strip, thicknesses_mm, .. } = &self.description.ribs;
+        let of_all = strip.as_ref()?.thickness_mm;
+        Some(thicknesses_mm.as_ref().and_then(|each_mm| each_mm.get(rib)).copied().unwrap_or(of_all))
+    }
+
     /// Section of a rib, including the effect of zones; ribs are numbered from 0 at the base. `None` for undeformable ribs.
     pub fn rib_section(&self, rib: usize) -> Option<Section> {
         let d = &self.description;
-        let mut strip = d.ribs.strip?;
-        strip.thickness_mm = d.ribs.thicknesses_mm.as_ref().map_or(strip.thickness_mm, |each_mm| each_mm[rib]);
+        let strip = Strip { thickness_mm: self.rib_thickness_mm(rib)?, ..d.ribs.strip? };
         let zones = d.zones.iter().filter(|zone| zone.holds_rib(self.ribs[rib][0]));
         let factor: f64 = zones.map(|zone| zone.modulus_factor).product();
         Some(self.section_of(&strip).scaled(factor))

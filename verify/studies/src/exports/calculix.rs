@@ -101,7 +101,7 @@ pub const PROGRAM: Program = Program {
         },
     ],
     is_exported: has_drawing_of,
-    ignored: ". The continuum keeps the E and nu with which it was exported; in the scene, poissons_ratio, rod_arm_mm, rib_arm_mm, clamp_arm_mm, \
+    ignored: ". The continuum keeps the E and nu with which it was exported; in the scene, poissons_ratio, rod_arm_mm, rib_arm_mm, clamp_arm_mm, fillet_mm, \
         shear_correction and a common factor on all moduli may differ",
 };
 
@@ -132,6 +132,7 @@ fn without_material(finger: &Finger) -> FingerDescription {
         rod_arm_mm: 0.0,
         rib_arm_mm: None,
         clamp_arm_mm: None,
+        fillets: None,
         shear_correction: 0.0,
         ..drawn
     };

@@ -19,7 +19,7 @@ pub(super) const CONTINUUM: TruthRow = TruthRow {
     label: "continuum",
     help: "The finger as a plane continuum with stiff rods, solved by CalculiX: exported shapes of seven fingers, with \
         the same limits as mujoco. The continuum has the material of its export (nu = 0.45); poissons_ratio, \
-        rod_arm_mm, rib_arm_mm, clamp_arm_mm, shear_correction and a common factor on all moduli of the scene do not change the continuum",
+        rod_arm_mm, rib_arm_mm, clamp_arm_mm, fillet_mm, shear_correction and a common factor on all moduli of the scene do not change the continuum",
     kinematics: None,
     mesh: |finger| Ok(Mesh::key_nodes(finger)),
     on: |mesh| exported(TruthId::Continuum, &calculix::PROGRAM, mesh.finger()),
