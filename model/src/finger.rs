@@ -1,6 +1,7 @@
 //! A fin-ray finger: geometry and material of two plates in a V and of the ribs between them.
 
 mod description;
+mod one_piece;
 mod placement;
 mod sections;
 mod side_faces;
@@ -10,6 +11,7 @@ pub(crate) use side_faces::SideFaceFactors;
 pub use side_faces::SideFaces;
 
 use crate::Vector;
+use one_piece::Arms;
 use placement::{check_room, check_sizes, check_zones, place_ribs, place_tip};
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -41,6 +43,8 @@ pub struct Finger {
     tip: Vector,
     /// Positions of the front and the back end of each rib along the plates, mm from the base.
     ribs: Vec<[f64; 2]>,
+    /// Arms by the rule for a finger of one piece; `None` without stated fillets.
+    arms: Option<Arms>,
 }
 
 impl Finger {
@@ -56,7 +60,10 @@ impl Finger {
         let tip = place_tip(d)?;
         let ribs = place_ribs(d)?;
         check_zones(d)?;
-        let finger = Finger { tip, ribs, description };
+        let mut finger = Finger { tip, ribs, description, arms: None };
+        if let Some(fillets) = finger.description.fillets {
+            finger.arms = Some(one_piece::arms(&finger, fillets)?);
+        }
         check_room(&finger)?;
         Ok(finger)
     }
@@ -165,7 +172,7 @@ impl Finger {
     }
 
     /// Lengths of the rigid arms at both ends of a plate member, mm. A plate member is the segment between two neighbouring key nodes of a plate; its
-    /// arms model rods, clips and rigid ends. A member between ribs that share a junction has zero length and no arms. Members are numbered from 0 at
+    /// arms model rods, clips and rigid ends, or junctions with fillets. A member between ribs that share a junction has zero length and no arms. Members are numbered from 0 at
     /// the base.
     pub fn member_arms_mm(&self, part: Plate, member: usize) -> [f64; 2] {
         let [from_mm, to_mm] = [member, member + 1].map(|level| self.level_mm(part, level));
@@ -184,11 +191,15 @@ impl Finger {
         let second = if member == self.rib_count() { tip_mm } else { clip_mm };
         let FingerDescription { rod_arm_mm, clamp_arm_mm, .. } = self.description;
         let at_clamp_mm = clamp_arm_mm.filter(|_| from_mm == 0.0).unwrap_or(rod_arm_mm);
-        [first.max(at_clamp_mm), second.max(rod_arm_mm)]
+        let [start_mm, end_mm] = self.arms.as_ref().map_or([at_clamp_mm, rod_arm_mm], |arms| arms.plates[side][member]);
+        [first.max(start_mm), second.max(end_mm)]
     }
 
     /// Lengths of the rigid arms at the front and the back end of a rib, mm; ribs are numbered from 0 at the base.
     pub fn rib_arms_mm(&self, index: usize) -> [f64; 2] {
+        if let Some(arms) = &self.arms {
+            return arms.ribs[index];
+        }
         let FingerDescription { rod_arm_mm, rib_arm_mm, clamp_arm_mm, .. } = self.description;
         let arm_mm = rib_arm_mm.unwrap_or(rod_arm_mm);
         self.rib_nodes(index).map(|node| clamp_arm_mm.filter(|_| self.is_clamped(node)).unwrap_or(arm_mm))

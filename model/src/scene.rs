@@ -16,17 +16,17 @@ pub use object::{ObjectDescription, ObjectMotion, Outline, Until};
 pub use touched::{ObjectFrame, ObjectPlace, TouchedDescription};
 
 use crate::finger::{
-    Finger, FingerDescription, Joints, MarkerPoints, Part, Plate, RibDescription, RibPositions, RigidEnds, SideFaces,
-    Strip, Zone,
+    Fillets, Finger, FingerDescription, Joints, MarkerPoints, Part, Plate, RibDescription, RibPositions, RigidEnds,
+    SideFaces, Strip, Zone,
 };
 use crate::gripper::Gripper;
 use crate::keys::{
-    ASSEMBLY, BACK, BASE, CAMERA, CONTACT, FINGER, FRONT, GRASP, GRIPPER, MARKERS, OBJECT, PlateKeys, RIBS, TOP,
-    TOUCHED, ZONE,
+    ASSEMBLY, BACK, BASE, CAMERA, CONTACT, FINGER, FRONT, GRASP, GRIPPER, Key, MARKERS, Number, OBJECT, PlateKeys,
+    RIBS, TOP, TOUCHED, ZONE,
 };
 use crate::measurement::MarkerErrors;
 use crate::sensing::{AssemblyErrors, UnloadedError};
-use crate::validity::StrainLimits;
+use crate::validity::{SHEAR_CORRECTION, StrainLimits};
 use reader::{Document, TableReader};
 
 /// Contents of a scene file, checked.
@@ -79,7 +79,7 @@ impl Scene {
     pub fn of_finger(finger: Finger) -> Scene {
         Scene {
             name: String::new(),
-            model_error: finger.side_face_error(),
+            model_error: finger.one_piece_model_error().hypot(finger.side_face_error()),
             finger,
             strain_limits: StrainLimits::default(),
             noise_mm: None,
@@ -108,11 +108,11 @@ impl Scene {
         let table = top.table(&FINGER)?;
         let description = read_finger(&table, markers.on)?;
         let strain_limits = read_strain_limits(&table)?;
+        let model_error = table.optional(&FINGER.model_error)?;
         let finger = Finger::new(description).map_err(|impossible| SceneError {
             line: document.line_of(&impossible.key),
             message: impossible.to_string(),
         })?;
-        let model_error = table.get(&FINGER.model_error)?.hypot(finger.side_face_error());
         let assembly = top.optional_table(&ASSEMBLY)?;
         let assembly = assembly.as_ref().map(|table| read_assembly(table, finger.rib_count())).transpose()?;
         let camera = top.optional_table(&CAMERA)?.as_ref().map(camera::read_camera).transpose()?;
@@ -135,9 +135,9 @@ impl Scene {
         }
         Ok(Scene {
             name,
-            finger,
             strain_limits,
-            model_error,
+            model_error: model_error.unwrap_or(finger.one_piece_model_error()).hypot(finger.side_face_error()),
+            finger,
             noise_mm,
             marker_errors: markers.errors,
             camera,
@@ -156,6 +156,8 @@ impl Scene {
 fn read_finger(table: &TableReader, markers_on: MarkerPoints) -> Result<FingerDescription, SceneError> {
     let front = read_plate(table, &FRONT)?;
     let back = read_plate(table, &BACK)?;
+    let fillets = read_fillets(table)?;
+    let shear_correction = table.optional(&FINGER.shear_correction)?;
     Ok(FingerDescription {
         base_width_mm: table.get(&FINGER.base_width_mm)?,
         front_length_mm: table.get(&FINGER.front_length_mm)?,
@@ -166,7 +168,8 @@ fn read_finger(table: &TableReader, markers_on: MarkerPoints) -> Result<FingerDe
         clamp_arm_mm: table.optional(&FINGER.clamp_arm_mm)?,
         poissons_ratio: table.get(&FINGER.poissons_ratio)?,
         side_faces: read_side_faces(table)?,
-        shear_correction: table.get(&FINGER.shear_correction)?,
+        fillets,
+        shear_correction: shear_correction.unwrap_or(if fillets.is_some() { SHEAR_CORRECTION } else { 0.0 }),
         front: front.0,
         back: back.0,
         rigid_ends: [front.1, back.1],
@@ -185,6 +188,17 @@ fn read_side_faces(table: &TableReader) -> Result<SideFaces, SceneError> {
         return Err(table.at(FINGER.side_faces.name, &message));
     }
     Ok(side_faces)
+}
+
+fn read_fillets(finger: &TableReader) -> Result<Option<Fillets>, SceneError> {
+    let of_all = finger.optional(&FINGER.fillet_mm)?;
+    let of = |table: &TableReader, key: &'static Key<Number>| match (table.optional(key)?, of_all) {
+        (Some(_), None) => Err(table.wrong(key.name, "fillet_mm in [finger] beside it", "none")),
+        (own_mm, _) => Ok(own_mm.or(of_all).unwrap_or_default()),
+    };
+    let plates_mm = [of(&finger.table(&FRONT)?, &FRONT.fillet_mm)?, of(&finger.table(&BACK)?, &BACK.fillet_mm)?];
+    let base_mm = of(finger, &FINGER.base_fillet_mm)?;
+    Ok(of_all.map(|_| Fillets { plates_mm, base_mm }))
 }
 
 fn read_strain_limits(finger: &TableReader) -> Result<StrainLimits, SceneError> {

@@ -1,5 +1,7 @@
 //! Conventions of signs, angles and node numbers, tested on an asymmetric finger.
 
+mod one_piece;
+
 use finray_model::finger::{BracketLengths, Plate};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, statics};
 

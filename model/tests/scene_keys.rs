@@ -8,11 +8,12 @@ use std::path::Path;
 use toml::{Table, Value};
 
 /// Scenes that together contain every key except `force_n`, the force that ends a press.
-const SCENES: [&str; 4] = [
+const SCENES: [&str; 5] = [
     include_str!("scenes/pressed.toml"),
     include_str!("scenes/grasped.toml"),
     include_str!("scenes/path.toml"),
     include_str!("scenes/tapered.toml"),
+    include_str!("scenes/one_piece.toml"),
 ];
 
 /// Path to a value in a scene: the names of the keys and, for each array of tables, the index from 0.

@@ -90,6 +90,7 @@ pub fn finger() -> impl Strategy<Value = Finger> {
                 rod_arm_mm: extras.0 * front_length_mm,
                 rib_arm_mm: None,
                 clamp_arm_mm: None,
+                fillets: None,
                 poissons_ratio: extras.1,
                 side_faces: SideFaces::Fixed,
                 shear_correction: 0.0,

@@ -14,8 +14,8 @@ use crate::mesh::MeshSizeError;
 use crate::registry;
 use crate::sensing::network::NetworkError;
 use crate::sensing::{
-    Contact, ContactQuestion, ContactUncertainty, Direction, Estimate, NearForces, Pad, SensingError, TouchedObject, UnloadedFinger,
-    check_contacts,
+    Contact, ContactQuestion, ContactUncertainty, Direction, Estimate, NearForces, Pad, SensingError, TouchedObject,
+    UnloadedFinger, check_contacts,
 };
 use network::{Networks, NoNetwork};
 use std::cell::RefCell;

@@ -24,6 +24,15 @@ pub struct RigidEnds {
     pub tip_mm: f64,
 }
 
+/// Radii of the fillets of a finger of one piece, mm; zero for sharp corners.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Fillets {
+    /// Corners between the front plate and ribs, and between the back plate and ribs.
+    pub plates_mm: [f64; 2],
+    /// Corners between plates and base. With sharp corners, the clamp holds the sections of the plates at their ends.
+    pub base_mm: f64,
+}
+
 /// Type of the joints between ribs and plates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Joints {
@@ -120,6 +129,9 @@ pub struct FingerDescription {
     pub rib_arm_mm: Option<f64>,
     /// Length of the rigid arms of plates and ribs at clamped nodes, mm; `None` for the arm of the member's other nodes.
     pub clamp_arm_mm: Option<f64>,
+    /// Fillets of a finger of one piece. The arms then follow from the fillets, and the other arms must be zero. `None` if the finger is not one piece
+    /// or its arms are stated.
+    pub fillets: Option<Fillets>,
     /// Poisson's ratio, dimensionless. The effective modulus is E / (1 - nu^2) (plane strain), and smaller with free side faces.
     pub poissons_ratio: f64,
     /// State of the side faces, which are parallel to the plane of the finger frame.

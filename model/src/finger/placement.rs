@@ -1,6 +1,8 @@
 //! Checks of a finger's description, and positions of its nodes.
 
-use super::{BracketLengths, Finger, FingerDescription, ImpossibleFinger, OfRibs, Part, Plate, RibPositions};
+use super::{
+    BracketLengths, Fillets, Finger, FingerDescription, ImpossibleFinger, Joints, OfRibs, Part, Plate, RibPositions,
+};
 use crate::Vector;
 use crate::keys::{BACK, FINGER, FRONT, Key, Kind, RIBS, ZONE};
 
@@ -12,7 +14,7 @@ pub(super) const SMALLEST_SPACING: f64 = 1e-9;
 /// long. The larger the shear parameter, the more digits of the stiffness against sway are lost to rounding; at this limit, ten digits remain.
 const LARGEST_SHEAR_PARAMETER: f64 = 1e6;
 
-fn require(holds: bool, key: &str, reason: impl FnOnce() -> String) -> Result<(), ImpossibleFinger> {
+pub(super) fn require(holds: bool, key: &str, reason: impl FnOnce() -> String) -> Result<(), ImpossibleFinger> {
     if holds { Ok(()) } else { Err(ImpossibleFinger { key: key.to_owned(), reason: reason() }) }
 }
 
@@ -30,6 +32,7 @@ pub(super) fn check_sizes(d: &FingerDescription) -> Result<(), ImpossibleFinger>
     check(&FINGER.rod_arm_mm, &d.rod_arm_mm)?;
     d.rib_arm_mm.map_or(Ok(()), |arm_mm| check(&FINGER.rib_arm_mm, &arm_mm))?;
     d.clamp_arm_mm.map_or(Ok(()), |arm_mm| check(&FINGER.clamp_arm_mm, &arm_mm))?;
+    check_fillets(d)?;
     check(&FINGER.poissons_ratio, &d.poissons_ratio)?;
     check(&FINGER.shear_correction, &d.shear_correction)?;
     for (keys, strip, ends) in [(&FRONT, d.front, d.rigid_ends[0]), (&BACK, d.back, d.rigid_ends[1])] {
@@ -46,6 +49,26 @@ pub(super) fn check_sizes(d: &FingerDescription) -> Result<(), ImpossibleFinger>
     }
     check(&RIBS.bracket_mm, &d.ribs.bracket_mm)?;
     check(&RIBS.clip_mm, &d.ribs.clip_mm)
+}
+
+/// Checks fillets, and that the finger is one piece: with other arms, hinges or brackets, the rule for the arms does not hold.
+fn check_fillets(d: &FingerDescription) -> Result<(), ImpossibleFinger> {
+    let Some(Fillets { plates_mm, base_mm }) = d.fillets else { return Ok(()) };
+    for (key, radius_mm) in
+        [(&FRONT.fillet_mm, plates_mm[0]), (&BACK.fillet_mm, plates_mm[1]), (&FINGER.base_fillet_mm, base_mm)]
+    {
+        check(key, &radius_mm)?;
+    }
+    let arms = d.rod_arm_mm != 0.0 || d.rib_arm_mm.is_some() || d.clamp_arm_mm.is_some();
+    let deforms = d.ribs.strip.is_some() || d.ribs.positions == RibPositions::Count(0);
+    let is_one_piece = d.ribs.joints == Joints::Rigid && d.ribs.bracket_mm == BracketLengths::NONE && deforms;
+    for (holds, other) in [
+        (!arms, "rod_arm_mm, rib_arm_mm and clamp_arm_mm: arms follow from the fillets"),
+        (is_one_piece, "hinged joints, brackets and undeformable ribs: a finger of one piece has none"),
+    ] {
+        require(holds, &FINGER.fillet_mm.path(), || format!("expected no fillets beside {other}"))?;
+    }
+    Ok(())
 }
 
 /// Position of the tip, mm, finger frame, from the lengths of the triangle's sides. The height follows from Kahan's form of Heron's formula, which is

@@ -1,6 +1,6 @@
 //! Cross-sections of a finger's plates and ribs.
 
-use super::{Finger, FingerDescription, Part, Plate, Strip};
+use super::{Finger, FingerDescription, Part, Plate, RibDescription, Strip};
 use crate::frame::Section;
 
 impl Finger {
@@ -63,8 +63,7 @@ impl Finger {
     /// Section of a rib, including the effects of zones and side faces; ribs are numbered from 0 at the base. `None` for undeformable ribs.
     pub fn rib_section(&self, rib: usize) -> Option<Section> {
         let d = &self.description;
-        let mut strip = d.ribs.strip?;
-        strip.thickness_mm = self.rib_thickness_mm(rib);
+        let strip = Strip { thickness_mm: self.rib_thickness_mm(rib), ..d.ribs.strip? };
         let zones = d.zones.iter().filter(|zone| zone.holds_rib(self.ribs[rib][0]));
         let factor: f64 = zones.map(|zone| zone.modulus_factor).product();
         Some(self.side_face_factors(Part::Ribs, rib).apply(self.section_of(&strip)).scaled(factor))

@@ -108,6 +108,10 @@ tables! {
     rib_arm_mm: Number(LENGTH, NOT_NEGATIVE), Optional, "Length of the rigid arm at each end of each rib. Default: rod_arm_mm.";
     clamp_arm_mm: Number(LENGTH, NOT_NEGATIVE), Optional,
         "Length of the rigid arm of each member at a clamped node. Default: the arm at the member's other end.";
+    fillet_mm: Number(LENGTH, NOT_NEGATIVE), Optional,
+        "Radius of the fillets in all corners of a finger of one piece, for instance printed or moulded; 0 for sharp corners. The arms of all \
+         members then follow from thicknesses, angles and fillets, and rod_arm_mm, rib_arm_mm and clamp_arm_mm are not allowed. Not for fingers with rods in their junctions, hinges or brackets.";
+    base_fillet_mm: Number(LENGTH, NOT_NEGATIVE), Optional, "Radius of the fillets between plates and base. Default: fillet_mm, which is required.";
     poissons_ratio: Number(Quantity("ratio", ""), Above(-1.0, 0.5)), Or(0.0),
         "Poisson's ratio nu. The effective modulus is E / (1 - nu^2) (plane strain), which is too stiff \
          for side faces that are free: for nu near 0.45, by 21, 14, 9, 7, 5 and 3 % on average at depths of 3, 6, 11, 16, 24 and 34 thicknesses (side_faces).";
@@ -115,12 +119,13 @@ tables! {
         "State of the two side faces. \"fixed\": plane strain. \"free\": plates and ribs contract along the depth near the faces; needs poissons_ratio. \
          Rigidities then lie between those of plane strain (large depth) and those of plane stress with E (small depth), by the depth, the free length \
          and the thickness of each member. model_error then includes 0.005 for the error of this model (`finray guide your-finger`).";
-    shear_correction: Number(Quantity("factor", ""), Within(0.0, 1.0)), Or(0.0),
+    shear_correction: Number(Quantity("factor", ""), Within(0.0, 1.0)), Optional,
         "Shear correction factor kappa: plates and ribs have the shear rigidity kappa A E / (2 (1 + nu)). Use 5/6 for rectangular sections; 0 \
-         means no shear deformation.";
-    model_error: Number(Quantity("share", ""), Within(0.0, 1.0)), Or(0.0),
+         means no shear deformation. Default: 5/6 with fillets, otherwise 0.";
+    model_error: Number(Quantity("share", ""), Within(0.0, 1.0)), Optional,
         "Relative standard deviation of a sensed force due to the errors of beam theory. Every stated sigma_n includes this deviation, also in maps \
-         and sweeps; their errors do not, because these follow from the true finger. `finray guide accuracy` states values.";
+         and sweeps; their errors do not, because these follow from the true finger. `finray guide accuracy` states values. \
+         Default: the value for fingers of the same kind with fillets, otherwise 0.";
 }
 
 tables! {
@@ -128,6 +133,7 @@ tables! {
     thickness_mm: Number(LENGTH, POSITIVE), Required, "Thickness of the plate; for a tapered plate, its thickness at the base.";
     tip_thickness_mm: Number(LENGTH, POSITIVE), Optional,
         "Thickness at the tip of a linearly tapered plate. Objects can touch only front plates of constant thickness.";
+    fillet_mm: Number(LENGTH, NOT_NEGATIVE), Optional, "Radius of the fillets between this plate and the ribs. Default: finger.fillet_mm, which is required.";
     youngs_modulus_mpa: Number(MODULUS, POSITIVE), Required, "Young's modulus E of the plate.";
     largest_strain: Number(STRAIN, Above(0.0, 1.0)), Optional,
         "Largest fibre strain at which the material is linear. Default: 0.05. `finray solve`, `finray press` and, for a single image, `finray sense` warn of a larger strain.";

@@ -67,6 +67,7 @@ fn a_buckling_load_is_not_jumped_over() {
         rod_arm_mm: 0.0,
         rib_arm_mm: None,
         clamp_arm_mm: None,
+        fillets: None,
         poissons_ratio: 0.0,
         side_faces: SideFaces::Fixed,
         shear_correction: 0.0,

@@ -96,6 +96,7 @@ fn with_shear(finger: &Finger) -> Finger {
         rod_arm_mm: 1.0,
         rib_arm_mm: Some(1.4),
         clamp_arm_mm: Some(0.3),
+        fillets: None,
         poissons_ratio: 0.45,
         side_faces: SideFaces::Fixed,
         ..description

@@ -39,6 +39,12 @@ impl Fingerprint {
         for arm_mm in d.clamp_arm_mm.iter().filter(|arm_mm| [d.rod_arm_mm, of_ribs_mm] != [**arm_mm; 2]) {
             numbers.number("clamp arm_mm", *arm_mm);
         }
+        if d.fillets.is_some() {
+            let members = (0..=finger.rib_count())
+                .flat_map(|member| [Plate::Front, Plate::Back].map(|plate| finger.member_arms_mm(plate, member)));
+            let ribs = (0..finger.rib_count()).map(|rib| finger.rib_arms_mm(rib));
+            members.chain(ribs).flatten().for_each(|arm_mm| numbers.number("arm beside fillets mm", arm_mm));
+        }
         if finger.shear_flexibility() > 0.0 {
             numbers.number("shear_flexibility", finger.shear_flexibility());
         }

@@ -1,6 +1,6 @@
 //! The fingerprint of a finger depends on the finger's numbers, not on how these numbers are written.
 
-use finray_model::finger::{FingerDescription, Joints, Part, RibPositions, SideFaces, Strip, Zone};
+use finray_model::finger::{Fillets, FingerDescription, Joints, Part, RibPositions, SideFaces, Strip, Zone};
 use finray_model::sensing::network::Fingerprint;
 use finray_model::{Finger, Scene};
 use finray_tests::paper;
@@ -44,6 +44,7 @@ fn a_fingerprint_is_that_of_the_numbers() {
 #[test]
 fn every_number_counts_in_a_fingerprint() {
     let zone = |part, from_mm, to_mm, modulus_factor| Zone { part, from_mm, to_mm, modulus_factor };
+    let fillets = |plates_mm, base_mm| Fillets { plates_mm, base_mm };
     let a_bit = 1.0 + 1e-8;
     let ribs = |i: usize, j: usize| {
         move |d: &mut FingerDescription| {
@@ -63,6 +64,10 @@ fn every_number_counts_in_a_fingerprint() {
         changed(|d| d.clamp_arm_mm = Some(1e-3)),
         changed(|d| (d.rod_arm_mm, d.rib_arm_mm) = (1e-3, Some(0.0))),
         changed(|d| (d.rod_arm_mm, d.clamp_arm_mm) = (1e-3, Some(0.0))),
+        changed(|d| d.fillets = Some(fillets([0.0; 2], 0.0))),
+        changed(|d| d.fillets = Some(fillets([0.5, 0.0], 0.0))),
+        changed(|d| d.fillets = Some(fillets([0.0, 0.5], 0.0))),
+        changed(|d| d.fillets = Some(fillets([0.0; 2], 0.5))),
         changed(|d| d.poissons_ratio = 1e-3),
         changed(|d| (d.poissons_ratio, d.side_faces) = (1e-3, SideFaces::Free)),
         changed(|d| (d.poissons_ratio, d.side_faces) = (0.4, SideFaces::Free)),

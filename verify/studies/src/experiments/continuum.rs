@@ -67,6 +67,7 @@ impl Constants {
                 rod_arm_mm: 0.0,
                 rib_arm_mm: None,
                 clamp_arm_mm: None,
+                fillets: None,
                 shear_correction: 0.0,
                 ..all
             },
@@ -75,6 +76,7 @@ impl Constants {
                 rod_arm_mm: 0.0,
                 rib_arm_mm: None,
                 clamp_arm_mm: None,
+                fillets: None,
                 shear_correction: 0.0,
                 ..all
             },

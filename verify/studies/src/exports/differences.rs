@@ -1,7 +1,7 @@
 //! Differences between a scene's finger and a finger that another program solved, by the keys of the scene.
 
 use crate::prelude::*;
-use finray_model::finger::{FingerDescription, Joints, RibDescription, RibPositions, RigidEnds, Strip, Zone};
+use finray_model::finger::{Fillets, FingerDescription, Joints, RibDescription, RibPositions, RigidEnds, Strip, Zone};
 use finray_model::keys::{BACK, CONTACT, FINGER, FRONT, Key, Kind as KeyKind, PlateKeys, RIBS, SceneTable, ZONE};
 use std::fmt;
 
@@ -47,6 +47,7 @@ fn properties(scene: &Scene, solved: Solved) -> Vec<(String, String)> {
         rod_arm_mm,
         rib_arm_mm,
         clamp_arm_mm,
+        fillets,
         poissons_ratio,
         side_faces,
         shear_correction,
@@ -70,15 +71,24 @@ fn properties(scene: &Scene, solved: Solved) -> Vec<(String, String)> {
     all.extend(of_ribs(finger, ribs));
     all.push((ZONE.path().to_owned(), listed(zones.iter().map(of_zone))));
     all.extend(match solved {
-        Solved::Continuum => vec![number(&CONTACT.rod_radius_mm, scene.contact.rod_radius_mm)],
+        // The corners of the continua are sharp, and fillets of zero radius are sharp corners.
+        Solved::Continuum => vec![
+            number(&CONTACT.rod_radius_mm, scene.contact.rod_radius_mm),
+            (FINGER.fillet_mm.path(), of_fillets(fillets.unwrap_or_default())),
+        ],
         Solved::Beams => vec![
             number(&FINGER.rod_arm_mm, *rod_arm_mm),
             number(&FINGER.rib_arm_mm, rib_arm_mm.unwrap_or(*rod_arm_mm)),
             (FINGER.clamp_arm_mm.path(), clamp_arm_mm.map_or("the members' other arm".to_owned(), rounded)),
+            (FINGER.fillet_mm.path(), fillets.map_or("none".to_owned(), of_fillets)),
             number(&FINGER.shear_correction, *shear_correction),
         ],
     });
     all
+}
+
+fn of_fillets(Fillets { plates_mm, base_mm }: Fillets) -> String {
+    format!("{}, {} at the base", pair(plates_mm), rounded(base_mm))
 }
 
 fn of_plate(keys: &PlateKeys, strip: &Strip, ends: &RigidEnds) -> [(String, String); 5] {

@@ -1,0 +1,206 @@
+//! Arms of fingers of one piece, compared with solids in plane strain that the rule was not fitted to (`fixtures/solids`).
+
+use finray_model::finger::Plate;
+use finray_model::statics::solve;
+use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector};
+use std::collections::BTreeMap;
+
+/// A unit force on a solid, and the displacements of its nodes, mm.
+struct Case {
+    load: NodeId,
+    angle_deg: f64,
+    moved: Vec<(NodeId, Vector)>,
+}
+
+/// Rows of a table of `fixtures/solids`, without its head.
+fn rows(name: &str) -> Vec<Vec<String>> {
+    let path = format!("{}/../fixtures/solids/{name}", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(path).expect("a table");
+    text.lines().skip(1).map(|line| line.split(',').map(str::to_owned).collect()).collect()
+}
+
+/// Scene of a solid, with depth and modulus 1. `fillet` states the corners.
+fn scene_of(row: &[String], fillet: &str) -> Scene {
+    let [_, _, base, front, back, front_t, back_t, rib_t, nu, radius, base_radius, ribs] = row else {
+        panic!("{row:?}")
+    };
+    let ends: Vec<&str> = ribs.split(' ').collect();
+    let pairs: Vec<String> = ends.chunks(2).map(|pair| format!("[{}, {}]", pair[0], pair[1])).collect();
+    let fillet = fillet.replace("AT_BASE", base_radius).replace("RADIUS", radius);
+    Scene::from_toml(&format!(
+        "name = \"solid\"\n[finger]\nbase_width_mm = {base}\nfront_length_mm = {front}\nback_length_mm = {back}\ndepth_mm = 1.0\n\
+         poissons_ratio = {nu}\n{fillet}\n[finger.front]\nthickness_mm = {front_t}\nyoungs_modulus_mpa = 1.0\n\
+         [finger.back]\nthickness_mm = {back_t}\nyoungs_modulus_mpa = 1.0\n[finger.ribs]\npositions_mm = [{}]\njoints = \"rigid\"\n\
+         thickness_mm = {rib_t}\nyoungs_modulus_mpa = 1.0\n",
+        pairs.join(", ")
+    ))
+    .expect("a scene")
+}
+
+/// Cases of each solid, by its number.
+fn cases() -> BTreeMap<String, Vec<Case>> {
+    let mut solids: BTreeMap<String, Vec<Case>> = BTreeMap::new();
+    for row in rows("shapes.csv") {
+        let number = |column: usize| row[column].parse::<f64>().expect("a number");
+        let (load, angle_deg) = (NodeId(number(1) as usize), number(2));
+        let cases = solids.entry(row[0].clone()).or_default();
+        if cases.last().is_none_or(|case| (case.load, case.angle_deg) != (load, angle_deg)) {
+            cases.push(Case { load, angle_deg, moved: Vec::new() });
+        }
+        let case = cases.last_mut().expect("a case");
+        case.moved.push((NodeId(number(3) as usize), Vector::new(number(4), number(5))));
+    }
+    solids
+}
+
+/// Relative error of the force that fits the shape of the solid best by least squares.
+fn force_error(finger: &Finger, case: &Case) -> f64 {
+    let load = Load::at_node(case.load, finger.direction(case.angle_deg));
+    let shape = solve(&Mesh::key_nodes(finger), &[load], Kinematics::Linear).expect("a shape");
+    let beams = case.moved.iter().map(|(node, _)| shape.motion(*node).displacement);
+    let sums = beams.zip(&case.moved).fold([0.0; 2], |sums, (u, (_, v))| [sums[0] + u.dot(v), sums[1] + u.dot(&u)]);
+    sums[0] / sums[1] - 1.0
+}
+
+fn rms(errors: &[f64]) -> f64 {
+    (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt()
+}
+
+/// Largest root mean square error of a kind of finger, in stated deviations. Forces of one finger err alike, and a kind has up to eight fingers: for eight
+/// degrees of freedom, a chi-square exceeds 8 x 1.65^2 in 0.5 % of all cases.
+const LARGEST_RMS: f64 = 1.65;
+/// Least share of all forces whose error is within 1.96 stated deviations. The expected share is 0.95; the share of 64 fingers deviates by 0.027.
+const LEAST_HELD: f64 = 0.92;
+/// Error of the arms' quadrature, mm.
+const QUADRATURE_MM: f64 = 1e-4;
+
+/// Forces on unseen solids err as each finger states. Without arms, forces on fingers with fillets err at
+/// least twice as much: with zigzag ribs 2.4 times, otherwise 8 to 25 times.
+#[test]
+fn forces_on_unseen_solids_keep_the_stated_model_error() {
+    let cases = cases();
+    let mut kinds: BTreeMap<String, [Vec<f64>; 2]> = BTreeMap::new();
+    for row in rows("fingers.csv") {
+        let ruled = scene_of(&row, "fillet_mm = RADIUS\nbase_fillet_mm = AT_BASE");
+        let bare = scene_of(&row, "shear_correction = 0.8333333333333334");
+        let of_kind = kinds.entry(row[1].clone()).or_default();
+        for case in &cases[&row[0]] {
+            of_kind[0].push(force_error(&ruled.finger, case) / ruled.model_error);
+            of_kind[1].push(force_error(&bare.finger, case) / ruled.model_error);
+        }
+    }
+    assert_eq!(kinds.len(), 8);
+    let mut all = Vec::new();
+    for (kind, [ruled, bare]) in kinds {
+        let held = ruled.iter().filter(|error| error.abs() < 1.96).count() as f64 / ruled.len() as f64;
+        println!("{kind}: rms {:.2} sigma, {held:.3} held; without arms rms {:.2} sigma", rms(&ruled), rms(&bare));
+        assert!(rms(&ruled) < LARGEST_RMS, "{kind}: {:.2} sigma", rms(&ruled));
+        all.extend(ruled.iter().map(|error| f64::from(u8::from(error.abs() < 1.96))));
+        assert!(!kind.contains("fillets") || rms(&bare) > 2.0 * rms(&ruled), "{kind}: {:.2} sigma", rms(&bare));
+    }
+    let held = all.iter().sum::<f64>() / all.len() as f64;
+    assert!(held > LEAST_HELD && all.len() > 150, "{held} of {} forces", all.len());
+}
+
+const PIECE: &str = "name = \"piece\"\n[finger]\nbase_width_mm = 60.0\nfront_length_mm = 120.0\nback_length_mm = 120.0\ndepth_mm = 20.0\n\
+    poissons_ratio = 0.45\nfillet_mm = 0.0\n[finger.front]\nthickness_mm = 2.0\nyoungs_modulus_mpa = 48.0\n\
+    [finger.back]\nthickness_mm = 2.0\nyoungs_modulus_mpa = 48.0\n[finger.ribs]\ncount = 5\njoints = \"rigid\"\nthickness_mm = 1.5\n\
+    youngs_modulus_mpa = 48.0\n";
+
+/// With sharp corners, the widths grow linearly, and the integrals of the arms are closed forms.
+#[test]
+fn arms_of_sharp_corners_are_closed_forms() {
+    let finger = Scene::from_toml(PIECE).expect("a scene").finger;
+    let angle = (30.0_f64 / 120.0).acos();
+    let (plate_mm, rib_mm) = (2.0, 1.5);
+    let rib_corner_mm = 0.5 * plate_mm / angle.sin();
+    let both_sides = rib_mm / 8.0 * (1.0 - (1.0 + 4.0 * rib_corner_mm / rib_mm).powi(-2));
+    let rib_arm_mm = rib_corner_mm - both_sides - 0.1 * plate_mm;
+    let of_plate = |angle: f64| {
+        let corner_mm = 0.5 * (rib_mm + plate_mm * angle.cos()) / angle.sin();
+        corner_mm - plate_mm / 0.74 * (1.0 - (1.0 + 0.37 * corner_mm / plate_mm).powi(-2))
+    };
+    let clamp_arm_mm = (0.021 + 0.29 * 0.05) * plate_mm;
+    let apart = |found: [f64; 2], expected: [f64; 2]| (found[0] - expected[0]).hypot(found[1] - expected[1]);
+    assert!(apart(finger.rib_arms_mm(2), [rib_arm_mm; 2]) < QUADRATURE_MM, "{:?}, {rib_arm_mm}", finger.rib_arms_mm(2));
+    for plate in [Plate::Front, Plate::Back] {
+        let towards_base = of_plate(std::f64::consts::PI - angle);
+        let inner = [of_plate(angle), towards_base];
+        assert!(
+            apart(finger.member_arms_mm(plate, 2), inner) < QUADRATURE_MM,
+            "{:?}, {inner:?}",
+            finger.member_arms_mm(plate, 2)
+        );
+        assert!(apart(finger.member_arms_mm(plate, 0), [clamp_arm_mm, towards_base]) < QUADRATURE_MM);
+        assert_eq!(finger.member_arms_mm(plate, 5)[1], 0.0);
+    }
+}
+
+/// Larger fillets stiffen the finger, each plate by its own.
+#[test]
+fn each_fillet_lengthens_the_arms_of_its_plate() {
+    let with = |more: &str| {
+        Scene::from_toml(&PIECE.replace(
+            "thickness_mm = 2.0\nyoungs_modulus_mpa = 48.0\n[finger.back]",
+            &format!("thickness_mm = 2.0\n{more}youngs_modulus_mpa = 48.0\n[finger.back]"),
+        ))
+        .expect("a scene")
+        .finger
+    };
+    let (sharp, round) = (with(""), with("fillet_mm = 1.0\n"));
+    let [before, after] = [&sharp, &round].map(|finger| finger.rib_arms_mm(1));
+    assert!(after[0] > before[0] + 0.3 && after[1] == before[1], "{before:?}, {after:?}");
+    let longer = |plate| round.member_arms_mm(plate, 1)[1] - sharp.member_arms_mm(plate, 1)[1];
+    assert!(longer(Plate::Front) > 0.05 && longer(Plate::Back) == 0.0);
+}
+
+#[test]
+fn fillets_beside_what_they_exclude_are_refused() {
+    let refused = |from: &str, to: &str| Scene::from_toml(&PIECE.replace(from, to)).expect_err(to).message;
+    for (from, to, expected) in [
+        (
+            "fillet_mm = 0.0",
+            "fillet_mm = 1.0\nrod_arm_mm = 0.1",
+            "finger.fillet_mm: expected no fillets beside rod_arm_mm",
+        ),
+        (
+            "fillet_mm = 0.0",
+            "fillet_mm = 1.0\nclamp_arm_mm = 0.0",
+            "finger.fillet_mm: expected no fillets beside rod_arm_mm",
+        ),
+        (
+            "\"rigid\"",
+            "\"hinged\"",
+            "finger.fillet_mm: expected no fillets beside hinged joints, brackets and undeformable ribs",
+        ),
+        (
+            "joints = \"rigid\"\nthickness_mm = 1.5\nyoungs_modulus_mpa = 48.0",
+            "joints = \"rigid\"\nrigid = true",
+            "finger.fillet_mm: expected no fillets beside hinged joints",
+        ),
+        (
+            "fillet_mm = 0.0",
+            "fillet_mm = 9.0",
+            "finger.fillet_mm: expected smaller fillets: corners and fillets (front plate, back plate, base: 9.0, 9.0, 9.0 mm) take",
+        ),
+        ("fillet_mm = 0.0", "fillet_mm = -1.0", "finger.fillet_mm: expected a length in mm, zero or more"),
+        (
+            "fillet_mm = 0.0\n[finger.front]",
+            "[finger.front]\nfillet_mm = 1.0",
+            "finger.front.fillet_mm: expected fillet_mm in [finger]",
+        ),
+    ] {
+        let message = refused(from, to);
+        assert!(message.starts_with(expected), "{message}");
+    }
+}
+
+/// Fillets state shear and model error, unless the scene states its own; a scene without fillets keeps neither.
+#[test]
+fn fillets_state_shear_and_model_error() {
+    let read = |to: &str| Scene::from_toml(&PIECE.replace("fillet_mm = 0.0", to)).expect("a scene");
+    let figures = |to: &str| [read(to).finger.description().shear_correction, read(to).model_error];
+    assert_eq!(figures("fillet_mm = 0.0"), [5.0 / 6.0, 0.0065]);
+    assert_eq!(figures("fillet_mm = 0.0\nshear_correction = 0.0\nmodel_error = 0.01"), [0.0, 0.01]);
+    assert_eq!(figures(""), [0.0, 0.0]);
+}
