@@ -20,7 +20,7 @@ fn sensed<const N: usize>(
 /// Largest error of a force, in standard deviations. `None` if the measurement is refused as ambiguous.
 fn largest_error(found: &Result<NonlinearEstimate, SensingError>, forces_n: &[f64]) -> Option<f64> {
     match found {
-        Err(SensingError::Ambiguous { .. }) => None,
+        Err(SensingError::Ambiguous { .. } | SensingError::TwoRanges { .. }) => None,
         found => {
             let forces = &found.as_ref().expect("identifiable").forces;
             let off = forces.forces_n.iter().zip(&forces.sigmas_n).zip(forces_n).map(|((f, s), truth)| (f - truth) / s);
