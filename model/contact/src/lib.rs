@@ -83,6 +83,9 @@ pub enum ContactError {
         /// The part of the finger that the object reaches.
         part: TouchedPart,
     },
+    /// The press was stopped before its last step.
+    #[error("stopped before the last step")]
+    Stopped,
     /// The finger does not hold the object against the applied force.
     #[error(
         "the finger does not hold the object against the force{}", touched_n.map_or(String::new(), |n| format!(": they last touched at {n:.3} N"))

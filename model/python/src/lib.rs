@@ -7,6 +7,7 @@
 mod arrays;
 mod error;
 mod images;
+mod interrupt;
 mod locator;
 mod observation;
 mod press;

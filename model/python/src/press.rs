@@ -2,6 +2,7 @@
 
 use crate::arrays::{self, not_negative};
 use crate::error::failed;
+use crate::interrupt::interruptible;
 use crate::scene::Scene;
 use crate::solve::Shape;
 use finray_contact::press::{ContactScene, ForceRow, NO_OBJECT, SceneStep};
@@ -9,6 +10,7 @@ use finray_files::outline_corners;
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use std::path::Path;
+use std::sync::Arc;
 
 /// True and sensed forces of a simulated press. For each step, every array has one entry per contact and one entry for the total.
 #[pyclass(frozen, module = "finray")]
@@ -124,7 +126,7 @@ impl Press {
 ///     seed: seed of the noise.
 ///     fineness: elements per plate member, 1 to 100; None: doubled until total forces change by under 0.1 %.
 ///
-/// Raises FinrayError for a scene without a valid object, and if the first step fails.
+/// Raises FinrayError for a scene without a valid object, and if the first step fails. Ctrl-C ends the press.
 #[pyfunction]
 #[pyo3(signature = (scene, *, noise_mm=None, seed=1, fineness=None))]
 pub fn press(
@@ -145,19 +147,22 @@ pub fn press(
         None => crate::error::failed(reason),
     };
     let Some(object) = &scene.object else { return Err(failed(&NO_OBJECT)) };
-    let folder = path.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
-    let mut warnings = Vec::new();
-    let (run, doubts) = py.detach(|| {
-        let corners = outline_corners(scene, folder).map_err(crate::error::failed)?;
-        let mut prepared = ContactScene::new(scene, object, &corners).map_err(crate::error::failed)?;
+    let (of_scene, object) = (Arc::clone(scene), object.clone());
+    let folder = path.as_deref().and_then(Path::parent).unwrap_or(Path::new("")).to_owned();
+    let (run, warnings, doubts) = interruptible(py, move |stop| {
+        let scene = &*of_scene;
+        let corners = outline_corners(scene, &folder).map_err(crate::error::failed)?;
+        let mut prepared = ContactScene::new(scene, &object, &corners).map_err(crate::error::failed)?;
+        prepared = prepared.with_stop(Arc::clone(stop));
         if let Some(fineness) = fineness {
             prepared = prepared.with_fineness(fineness);
         }
+        let mut warnings = Vec::new();
         let each = |notes: &[String], _| warnings.extend_from_slice(notes);
         let run = finray_contact::press::Press::run(scene, &prepared, noise_mm, seed, each);
         warnings.extend(run.ended.iter().flatten().cloned().chain(run.validity_warnings()));
         let doubts = run.steps.last().map_or_else(Vec::new, |last| doubts(scene, last));
-        Ok::<_, PyErr>((run, doubts))
+        Ok((run, warnings, doubts))
     })?;
     let warnings = warnings.into_iter().map(|warning| unlabelled(&warning).to_owned()).collect();
     let stopped = run.ended.as_ref().err().map(ToString::to_string);

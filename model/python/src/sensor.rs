@@ -2,6 +2,7 @@
 
 use crate::arrays::{self, not_negative};
 use crate::error::{failed, refused};
+use crate::interrupt::interruptible;
 use crate::observation::Observation;
 use crate::scene::Scene;
 use finray_files::load_network;
@@ -91,7 +92,7 @@ pub fn contacts(
 #[pyclass(frozen, module = "finray")]
 pub struct Sensor {
     scene: Arc<finray_model::Scene>,
-    sensor: finray_model::sensor::Sensor,
+    sensor: Arc<finray_model::sensor::Sensor>,
 }
 
 #[pymethods]
@@ -120,22 +121,21 @@ impl Sensor {
             Refusal::Estimator(EstimatorError::Mesh(mesh)) => failed(format!("mesh_nodes: {mesh}")),
             refusal => failed(refusal),
         })?;
-        Ok(Sensor { scene, sensor })
+        Ok(Sensor { scene, sensor: Arc::new(sensor) })
     }
 
     /// Estimate the forces of an observation.
     ///
     /// Raises FinrayError if the observation does not fit the finger, and Refused if the forces are not identifiable.
     fn sense(&self, py: Python<'_>, observation: &Observation) -> PyResult<Forces> {
-        let (sensor, seen) = (&self.sensor, &observation.seen);
-        let sensed = py.detach(|| {
-            let sensed = sensor.sense(seen)?;
+        let (sensor, seen) = (Arc::clone(&self.sensor), observation.seen.clone());
+        let (warnings, sensed) = interruptible(py, move |_| {
+            let sensed = sensor.sense(&seen).map_err(|refusal| match refusal {
+                Refusal::Observation(error) => failed(error),
+                refusal => refused(refusal),
+            })?;
             let warnings = sensed.warnings.iter().map(ToString::to_string).chain(sensor.validity_warnings(&sensed));
             Ok((warnings.collect(), sensed))
-        });
-        let (warnings, sensed) = sensed.map_err(|refusal| match refusal {
-            Refusal::Observation(error) => failed(error),
-            refusal => refused(refusal),
         })?;
         Ok(Forces { scene: self.scene.clone(), sensed, warnings })
     }

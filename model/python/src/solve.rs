@@ -2,6 +2,7 @@
 
 use crate::arrays::{self, LARGEST_INTEGER};
 use crate::error::failed;
+use crate::interrupt::interruptible;
 use crate::observation::Observation;
 use crate::scene::{Scene, at_rest, drawing, lines};
 use finray_figures::{Hue, Series};
@@ -157,14 +158,14 @@ pub fn solve<'py>(
     let kinematics = Kinematics::deserialize(IntoDeserializer::<Error>::into_deserializer(kinematics))
         .map_err(|error| failed(format!("kinematics: {error}")))?;
     let scene = scene.scene.clone();
-    let checked = py.detach(|| {
-        let checked = CheckedShape::under(&scene, &all, kinematics, mesh_nodes).map_err(|error| match error {
+    let of_scene = Arc::clone(&scene);
+    let (shape, warnings) = interruptible(py, move |_| {
+        let checked = CheckedShape::under(&of_scene, &all, kinematics, mesh_nodes).map_err(|error| match error {
             CheckedShapeError::Mesh(mesh) => failed(format!("mesh_nodes: {mesh}")),
             error => failed(error),
         })?;
         let warnings = checked.warnings().collect();
-        Ok::<_, PyErr>((checked.shape, warnings))
-    });
-    let (shape, warnings) = checked?;
+        Ok((checked.shape, warnings))
+    })?;
     Ok(Shape::new(scene, shape, warnings))
 }

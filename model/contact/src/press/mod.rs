@@ -28,6 +28,8 @@ use finray_model::sensing::{ContactPosition, MeasuredContact};
 use finray_model::statics::StaticsError;
 use finray_model::validity::Validity;
 use finray_model::{Finger, Load, Scene, Vector};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Standard deviation that estimators assume for a noise-free measurement, mm. If estimators assumed a smaller standard deviation, mesh errors of
 /// micrometres would look like outliers.
@@ -60,6 +62,8 @@ pub struct ContactScene {
     elements: Option<usize>,
     /// Upper bound of the friction coefficient that sensing assumes, dimensionless.
     assumed_friction: f64,
+    /// Flag that ends the press before its next step.
+    stop: Arc<AtomicBool>,
 }
 
 /// Equilibrium of finger and object after one step of a contact scene.
@@ -159,6 +163,7 @@ impl ContactScene {
             object: PreparedObject::new(scene, object, corners)?,
             elements: None,
             assumed_friction: object.friction,
+            stop: Arc::default(),
         })
     }
 
@@ -170,6 +175,16 @@ impl ContactScene {
     /// The same scene with another bound of the friction coefficient for sensing; the default is the object's coefficient.
     pub fn with_assumed_friction(self, assumed_friction: f64) -> ContactScene {
         ContactScene { assumed_friction, ..self }
+    }
+
+    /// The same scene, whose press ends before its next step once the flag is set, with [`ContactError::Stopped`](crate::ContactError::Stopped).
+    pub fn with_stop(self, stop: Arc<AtomicBool>) -> ContactScene {
+        ContactScene { stop, ..self }
+    }
+
+    /// Whether the press shall end.
+    fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
     }
 
     /// The finger of the scene.

@@ -118,6 +118,9 @@ impl ContactScene {
         let near = near.and_then(|coarse| Some((coarse.pressing.as_ref()?, &coarse.at_rest)));
         let (mut travel_mm, mut last) = (0.0, start);
         for (index, step) in self.object.steps.iter().enumerate() {
+            if self.is_stopped() {
+                return Err(ContactError::Stopped);
+            }
             let near = near.and_then(|(coarse, at_rest)| Some((coarse, at_rest.get(index)?)));
             let found = match near.and_then(|(coarse, there)| pressing.push_near(coarse, there, step.end)) {
                 Some(found) => found,

@@ -41,7 +41,7 @@ impl Press {
         let mut steps = Vec::new();
         let outcome = prepared.run(|step| steps.push(step));
         let (mut rows, mut validity) = (Vec::new(), PressValidity::default());
-        for (number, step) in (1..).zip(&steps) {
+        for (number, step) in (1..).zip(&steps).take_while(|_| !prepared.is_stopped()) {
             let sensed = prepared.sense(step, noise_mm, || StandardNormal.sample(&mut noise));
             each(&notes(number, step, sensed.as_ref().err()), steps.len());
             rows.extend(force_rows(prepared, number, step, sensed.ok().flatten().as_ref()));
