@@ -1,6 +1,6 @@
 //! Cross-sections of a finger's plates and ribs.
 
-use super::{Finger, FingerDescription, Part, Plate, RibDescription, Strip};
+use super::{Finger, FingerDescription, Part, Plate, Strip};
 use crate::frame::Section;
 
 impl Finger {
