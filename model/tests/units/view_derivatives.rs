@@ -47,7 +47,6 @@ fn derivatives_are_those_of_equilibria() {
     let all = [view(None), view(Some(finger.direction(12.0) * 3.0))];
     let normals = [Normal::Undeformed, Normal::Deformed { over_mm: 0.0 }, Normal::Deformed { over_mm: 8.0 }];
     let pads = [Pad::default(), Pad { length_mm: 4.0, thickness_mm: 1.5 }];
-    let mut worst = 0.0_f64;
     for (from, pad) in normals.into_iter().flat_map(|from| pads.map(|pad| (from, pad))) {
         let model = ViewModel {
             elements: 2,
@@ -62,7 +61,7 @@ fn derivatives_are_those_of_equilibria() {
         let mut problem =
             Problem { finger: &finger, views, sought, model: &model, errors, scatter, shapes: Vec::new() };
         let base = Isometry2::new(Vector::new(0.3, -0.6), 0.02);
-        let own = [(66.0, 4.0, 3.0), (85.0, 3.0, 0.0)];
+        let own = [(66.0, 4.0, 3.0), (93.0, 3.0, 0.0)];
         let own = own.map(|(s_mm, force_n, further_lean_deg)| ForceUnknowns {
             base,
             further_lean_deg,
@@ -80,11 +79,7 @@ fn derivatives_are_those_of_equilibria() {
             });
             let expected = (after - before) / (2.0 * STEP);
             let off = (found.column(k) - &expected).amax() / expected.amax();
-            if off > 1e-4 {
-                println!("unknown {k} of {from:?} with {pad:?}: {off:.1e}");
-            }
-            worst = worst.max(off);
+            assert!(off < TOLERANCE, "unknown {k} of {from:?} with {pad:?}: {off:.1e}");
         }
     }
-    assert!(worst < TOLERANCE, "{worst:.1e}");
 }
