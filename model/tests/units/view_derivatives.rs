@@ -62,7 +62,7 @@ fn derivatives_are_those_of_equilibria() {
         let mut problem =
             Problem { finger: &finger, views, sought, model: &model, errors, scatter, shapes: Vec::new() };
         let base = Isometry2::new(Vector::new(0.3, -0.6), 0.02);
-        let own = [(66.0, 4.0, 3.0), (85.0, 3.0, 0.0)];
+        let own = [(66.0, 4.0, 3.0), (93.0, 3.0, 0.0)];
         let own = own.map(|(s_mm, force_n, further_lean_deg)| ForceUnknowns {
             base,
             further_lean_deg,
@@ -80,11 +80,7 @@ fn derivatives_are_those_of_equilibria() {
             });
             let expected = (after - before) / (2.0 * STEP);
             let off = (found.column(k) - &expected).amax() / expected.amax();
-            if off > 1e-4 {
-                println!("unknown {k} of {from:?} with {pad:?}: {off:.1e}");
-            }
-            worst = worst.max(off);
+            assert!(off < TOLERANCE, "unknown {k} of {from:?} with {pad:?}: {off:.1e}");
         }
     }
-    assert!(worst < TOLERANCE, "{worst:.1e}");
 }

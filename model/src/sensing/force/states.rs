@@ -136,13 +136,15 @@ pub(super) fn carry_over(problem: &mut ForceProblem, state: State, seen: Seen) -
 /// # Errors
 /// [`SensingError::Statics`] if the finger has no equilibrium under loads that follow its shape.
 pub(super) fn settle(problem: &mut ForceProblem, state: &mut State, settled_deg: f64) -> Result<bool, SensingError> {
-    for _ in 0..SETTLINGS {
+    let follows = problem.loads_follow_plate();
+    for update in 0..SETTLINGS {
         let loads = state.loads.clone();
         state.linearised.step.clear();
         state.linearised.step.resize(problem.unknowns.len(), 0.0);
         let turn_deg = problem.advance(state)?;
         state.motion = problem.statics.shifted(&state.motion, &loads, &state.loads)?.motion;
-        if turn_deg <= settled_deg {
+        // The first update knows only the shape before the loads.
+        if turn_deg <= settled_deg && (update > 0 || !follows) {
             return Ok(true);
         }
     }
