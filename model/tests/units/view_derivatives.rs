@@ -47,7 +47,6 @@ fn derivatives_are_those_of_equilibria() {
     let all = [view(None), view(Some(finger.direction(12.0) * 3.0))];
     let normals = [Normal::Undeformed, Normal::Deformed { over_mm: 0.0 }, Normal::Deformed { over_mm: 8.0 }];
     let pads = [None, Some(Pad { length_mm: 4.0, thickness_mm: 1.5 })];
-    let mut worst = 0.0_f64;
     for (from, pad) in normals.into_iter().flat_map(|from| pads.map(|pad| (from, pad))) {
         let model = ViewModel {
             elements: 2,
