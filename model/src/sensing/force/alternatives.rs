@@ -1,44 +1,52 @@
 //! Other forces that explain a measurement as well as an estimate does: they refuse the estimate or widen its standard deviations.
 
-use super::estimate::NonlinearEstimate;
-use super::position::PositionProfile;
+use super::estimate::{Alternatives, NonlinearEstimate};
+use super::position_profile::{PositionProfile, at, interval, spread};
+use super::{AS_GOOD, CURVED};
 use crate::finger::Finger;
 use crate::frame::FrameMotion;
 use crate::sensing::{Estimate, SensingError};
 use nalgebra::DVector;
 
-/// Another minimum explains the data equally well if its misfit (sum of squared residuals) exceeds the smallest misfit by at most this many noise variances.
-/// The forces of the two minima count as different if one force differs by more than `ANOTHER_ANSWER_SIGMAS` standard deviations.
-pub(super) const AS_GOOD: f64 = 9.0;
 const ANOTHER_ANSWER_SIGMAS: f64 = 5.0;
 /// Without noise, forces count as equal up to a difference of this share of the largest force.
 const SAME_ANSWER: f64 = 1e-3;
-/// Other positions widen a standard deviation only if it grows by more than this factor. Smaller growth hardly changes how often intervals hold.
-pub(super) const CURVED: f64 = 1.5;
 /// An estimate is confirmed if it fits at least this number of measured coordinates per force.
 const CONFIRMING_COORDINATES: usize = 4;
 
-/// Other forces and positions that explain a measurement. They widen the estimate on the mesh on which they were found, and on finer meshes.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Alternatives {
-    /// Growth of the misfit over the smallest misfit, mm^2, and forces, N, of other minima.
-    pub minima: Vec<(f64, Vec<f64>)>,
-    /// The same for other positions of several contacts.
-    pub others: Vec<(f64, Vec<f64>)>,
-    /// Profile over the only unknown position.
-    pub profile: Option<PositionProfile>,
+/// Widens an estimate by other forces and positions that explain its measurement. They may be those of a coarser mesh.
+pub(super) fn widen_by(alternatives: &Alternatives, estimate: &mut NonlinearEstimate, finger: &Finger) {
+    match &alternatives.profile {
+        Some(profile) => widen_by_profile(profile, estimate, finger),
+        None => {
+            widen_by_rivals(estimate, &alternatives.minima);
+            widen_by_positions(estimate, &alternatives.others);
+        }
+    }
 }
 
-impl Alternatives {
-    /// Widens an estimate. `found_mm` is the position at which `profile` has its contact in this estimate.
-    pub fn widen(&self, estimate: &mut NonlinearEstimate, finger: &Finger) {
-        match &self.profile {
-            Some(profile) => profile.widen(estimate, finger),
-            None => {
-                widen_by_rivals(estimate, &self.minima);
-                widen_by_positions(estimate, &self.others);
-            }
-        }
+/// Widens the standard deviations of forces, position and direction, and sets their intervals. The profile may be that of a coarser mesh.
+fn widen_by_profile(profile: &PositionProfile, estimate: &mut NonlinearEstimate, finger: &Finger) {
+    let found_mm = estimate.contacts[profile.contact].position_mm(finger).unwrap_or(f64::NAN);
+    let at_found = profile.ranges.iter().find_map(|range| at(range, found_mm));
+    for j in 0..estimate.forces.forces_n.len() {
+        let force_n = estimate.forces.forces_n[j];
+        // Error of the mesh of the profile.
+        let shift_n = at_found.as_ref().map_or(0.0, |at_found| force_n - at_found.forces_n[j]);
+        let mut mixture = PositionProfile::force(&profile.ranges, j);
+        mixture.iter_mut().for_each(|(_, mean_n, _)| *mean_n += shift_n);
+        let limits_n = interval(&mixture, 0.95);
+        estimate.forces.widen_to(j, spread(&mixture, force_n), limits_n);
+    }
+    let i = profile.contact;
+    let position = PositionProfile::position(&profile.ranges);
+    let [from_mm, to_mm] = interval(&position, 0.95);
+    let uncertainty = &mut estimate.uncertainties[i];
+    uncertainty.position_sd_mm = Some(spread(&position, found_mm));
+    uncertainty.position_interval_mm = Some([from_mm.min(found_mm), to_mm.max(found_mm)]);
+    if let Some(sd_deg) = &mut uncertainty.direction_sd_deg {
+        let angle = PositionProfile::mixture(&profile.ranges, |point, _| (point.angle_deg, point.angle_sd_deg));
+        *sd_deg = spread(&angle, estimate.contacts[i].angle_deg);
     }
 }
 

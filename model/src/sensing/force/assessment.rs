@@ -1,8 +1,7 @@
 //! Covariance and identifiability tests of an estimate.
 
-use super::alternatives::Alternatives;
 use super::components::resolve;
-use super::estimate::{FoundLean, NonlinearEstimate};
+use super::estimate::{Alternatives, FoundLean, NonlinearEstimate};
 use super::largest_explained_rms_mm;
 use super::linearised::Seen;
 use super::problem::{ForceProblem, State};

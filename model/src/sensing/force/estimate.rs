@@ -1,6 +1,6 @@
 //! Estimated forces with the positions and directions of their contacts.
 
-use super::alternatives::Alternatives;
+use super::position_profile::PositionProfile;
 use crate::sensing::{Contact, ContactUncertainty, Estimate};
 
 /// Estimated forces with the positions and directions of their contacts.
@@ -32,4 +32,15 @@ pub(super) struct FoundLean {
     pub by_lean_n: Vec<f64>,
     /// Second-order part of the variance of the force that leans, N^2. The variance already includes this part.
     pub second_order_n2: f64,
+}
+
+/// Other forces and positions that explain a measurement. They widen the estimate on the mesh on which they were found, and on finer meshes.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Alternatives {
+    /// Growth of the misfit over the smallest misfit, mm^2, and forces, N, of other minima.
+    pub minima: Vec<(f64, Vec<f64>)>,
+    /// The same for other positions of several contacts.
+    pub others: Vec<(f64, Vec<f64>)>,
+    /// Profile over the only unknown position.
+    pub profile: Option<PositionProfile>,
 }

@@ -1,16 +1,16 @@
 //! The nonlinear estimator, and the course of one estimate: find the minima, assess the best, compare it with others, widen its intervals.
 
-use super::alternatives::{Alternatives, check_against_nothing, check_other_forces, check_rivals, check_unconfirmed};
+use super::alternatives::{check_against_nothing, check_other_forces, check_rivals, check_unconfirmed, widen_by};
 use super::assessment::assess;
 use super::correction::{correct, correct_below_noise};
-use super::estimate::NonlinearEstimate;
+use super::estimate::{Alternatives, NonlinearEstimate};
 use super::leaning::widen_by_leans;
 use super::linear_range::{require_linear_range, widen_by_curvature};
 use super::linearised::Seen;
 use super::marker_motion::Posed;
 use super::minima::{KeptScan, MANY_COORDINATES, Minima, find_minima, minimum_near};
 use super::object_start::{require_touch, without_object};
-use super::position::PositionProfile;
+use super::position::profile_over_position;
 use super::problem::{ForceProblem, State};
 use super::search_history::SearchHistory;
 use super::states::{Found, carry_over, state_near, state_under};
@@ -212,7 +212,7 @@ fn estimate_forces(
     // The profile compares minima at different positions. A minimum that was chosen on a coarser mesh has its profile from that mesh.
     let profile = match near_is_chosen {
         true => None,
-        false => PositionProfile::of(problem, &state, &rivals, seen, &estimate)?,
+        false => profile_over_position(problem, &state, &rivals, seen, &estimate)?,
     };
     if profile.is_none() {
         check_rivals(&estimate, least_misfit, &all, is_confirmed, coordinates)?;
@@ -221,7 +221,7 @@ fn estimate_forces(
         let grown =
             |all: Vec<(f64, Vec<f64>)>| all.into_iter().map(|(of_other, it)| (of_other - least_misfit, it)).collect();
         let alternatives = Alternatives { minima: grown(all.clone()), others: grown(others), profile };
-        alternatives.widen(&mut estimate, problem.finger());
+        widen_by(&alternatives, &mut estimate, problem.finger());
         if alternatives.profile.is_some() {
             check_rivals(&estimate, least_misfit, &all, is_confirmed, coordinates)?;
         }

@@ -17,7 +17,7 @@
 //! # The estimate
 //! - [`estimator`], [`estimate`]: the course of one estimate, and its result.
 //! - [`assessment`], [`components`]: covariance, and refusal of what is not identifiable.
-//! - [`alternatives`], [`linear_range`], [`position`], [`leaning`]: other explanations of the measurement, which refuse the estimate or widen its
+//! - [`alternatives`], [`linear_range`], [`position`], [`position_profile`], [`leaning`]: other explanations of the measurement, which refuse the estimate or widen its
 //!   intervals.
 //! - [`discretisation`], [`refine`]: the error of the mesh, and estimates on finer meshes.
 //! - [`pressed`]: the problem at given values of its unknowns, for calibrations from images.
@@ -39,6 +39,7 @@ mod marker_motion;
 mod minima;
 mod object_start;
 mod position;
+mod position_profile;
 mod pressed;
 mod priors;
 mod problem;
@@ -63,6 +64,11 @@ pub(crate) use pressed::{ForceUnknowns, LoadedShape, Press, PressedFinger};
 pub use refine::{Refinement, sense_refining};
 
 use super::{UNEXPLAINED_SHARE, UNEXPLAINED_SIGMAS};
+
+/// Another minimum explains the data equally well if its misfit (sum of squared residuals) exceeds the smallest misfit by at most this many noise variances.
+const AS_GOOD: f64 = 9.0;
+/// Other positions widen a standard deviation only if it grows by more than this factor. Smaller growth hardly changes how often intervals hold.
+const CURVED: f64 = 1.5;
 
 /// A direction that follows the deformed plate has settled if a step turns the direction by at most this angle, degrees. The corresponding change of
 /// a force is 1e-6 of the force.

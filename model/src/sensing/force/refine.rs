@@ -1,5 +1,6 @@
 //! Estimates on successively finer meshes.
 
+use super::alternatives::widen_by;
 use super::discretisation::Known;
 use super::estimate::NonlinearEstimate;
 use super::estimator::{NearForces, NonlinearEstimator};
@@ -106,8 +107,9 @@ impl Refinement {
             let (contacts, forces_n) = (&coarse.contacts[..], &coarse.forces.forces_n[..]);
             let near = NearForces { contacts, forces_n, shape: shape.as_ref() };
             let mut fine = self.on(level, object, seen, Some(near), true)?;
-            fine.alternatives = std::mem::take(&mut coarse.alternatives);
-            fine.alternatives.clone().widen(&mut fine, self.meshes.finger());
+            let alternatives = std::mem::take(&mut coarse.alternatives);
+            widen_by(&alternatives, &mut fine, self.meshes.finger());
+            fine.alternatives = alternatives;
             let largest_n = fine.forces.forces_n.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
             let pairs = fine.forces.forces_n.iter().zip(&coarse.forces.forces_n);
             let change_n: Vec<f64> = pairs.map(|(fine, coarse)| fine - coarse).collect();

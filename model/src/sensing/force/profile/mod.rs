@@ -6,7 +6,7 @@
 //! the rivals of the minimum at which the finger is linearised. If that minimum does not explain the measurement, shapes differ more, and the profile is only a
 //! guide to better starting points.
 
-use super::alternatives::AS_GOOD;
+use super::AS_GOOD;
 use super::linearised::Seen;
 use super::marker_motion::marker_displacement;
 use super::problem::{ForceProblem, State};
