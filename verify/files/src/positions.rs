@@ -154,7 +154,8 @@ impl<R: BufRead> PositionReader<R> {
     }
 
     fn read_csv(&mut self, table: &PositionTable) -> Result<Option<PositionFrame>, PositionError> {
-        let mut name: Option<String> = None;
+        // Name of the frame, and the line of its first row.
+        let mut first: Option<(String, usize)> = None;
         let mut seen: Result<Fingers, String> = Ok(Fingers::default());
         let (mut rows, mut cells) = (0, StringRecord::new());
         loop {
@@ -166,10 +167,10 @@ impl<R: BufRead> PositionReader<R> {
             let split = self.text().and_then(|text| table.columns.split(text, &mut cells).map_err(in_line));
             // A line without the cell of its frame counts as part of the current frame.
             let of = match table.columns.cell(&cells, table.frame) {
-                "" if split.is_err() => name.as_deref().unwrap_or_default(),
+                "" if split.is_err() => first.as_ref().map_or("", |(name, _)| name),
                 of => of,
             };
-            if name.as_ref().is_some_and(|name| name != of) {
+            if first.as_ref().is_some_and(|(name, _)| name != of) {
                 self.is_next = true;
                 break;
             }
@@ -178,8 +179,8 @@ impl<R: BufRead> PositionReader<R> {
                 let message = format!("expected a row with another {} within {MOST_ROWS} rows", table.frame);
                 return Err(PositionError::Form(in_line(message)));
             }
-            if name.is_none() {
-                name = Some(of.to_owned());
+            if first.is_none() {
+                first = Some((of.to_owned(), line));
             }
             let marker = split.and_then(|()| table.marker(&cells).map_err(in_line));
             seen = seen.and_then(|mut fingers| {
@@ -187,9 +188,9 @@ impl<R: BufRead> PositionReader<R> {
                 Ok(fingers)
             });
         }
-        let Some(name) = name else { return Ok(None) };
+        let Some((name, line)) = first else { return Ok(None) };
         let time_s = table.time.map(|time| time.seconds(&name)).transpose();
-        let time_s = time_s.map_err(|reason| format!("line {}: {reason}", self.line));
+        let time_s = time_s.map_err(|reason| format!("line {line}: {reason}"));
         let image = if table.time.is_some() { String::new() } else { name };
         let seen = seen.map(|fingers| fingers.observations(&image));
         Ok(Some(PositionFrame { time_s: time_s.clone().ok().flatten(), seen: time_s.and(seen) }))

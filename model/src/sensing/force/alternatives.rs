@@ -8,6 +8,7 @@ use crate::frame::FrameMotion;
 use crate::sensing::{Estimate, SensingError};
 use nalgebra::DVector;
 
+/// The forces of two minima count as different if one force differs by more than this number of standard deviations.
 const ANOTHER_ANSWER_SIGMAS: f64 = 5.0;
 /// Without noise, forces count as equal up to a difference of this share of the largest force.
 const SAME_ANSWER: f64 = 1e-3;

@@ -91,12 +91,15 @@ impl Source {
             return Err(bad_input("expected --size together with --format rgb24"));
         }
         let first = source.fill_buf().map_err(unreadable)?;
-        let format = match (format, first.strip_prefix(b"\xef\xbb\xbf").unwrap_or(first).first()) {
+        let first = first.strip_prefix(b"\xef\xbb\xbf").unwrap_or(first);
+        let is_text =
+            || !first.iter().take_while(|byte| **byte != b'\n').any(|byte| *byte < b' ' && !b"\t\r".contains(byte));
+        let format = match (format, first.first()) {
             (Some(format), _) => format,
             (None, None) => return Err(wrong(&"expected a stream, found nothing")),
             (None, Some(b'Y')) => Format::Y4m,
             (None, Some(b'{' | b' ' | b'\n' | b'\r')) => Format::Jsonl,
-            (None, Some(b'a'..=b'z' | b'"')) => Format::Csv,
+            (None, Some(b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'_' | b'"')) if is_text() => Format::Csv,
             _ => {
                 return Err(wrong(&"expected YUV4MPEG2, JSON lines or CSV; raw frames need --format rgb24 and --size"));
             }
