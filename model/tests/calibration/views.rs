@@ -394,7 +394,8 @@ fn a_finger_of_no_use_is_refused() {
     .concat();
     let found = views(&scene_finger(), &seen, &all, &model(Lean::NONE)).expect("identifiable");
     assert_eq!(found.outliers, []);
-    for (view, times) in seen.iter_mut().zip([1.7, 0.6, 1.7, 0.6, 1.0]) {
+    // The markers of the first and the last view do not determine a force; those of the others differ by less than a factor of two from their median.
+    for (view, times) in seen.iter_mut().zip([1.7, 1.0, 1.7, 0.6, 0.6]) {
         view.force = view.force.map(|force| force * times);
     }
     let refused = views(&scene_finger(), &seen, &all, &model(Lean::NONE));

@@ -1,7 +1,6 @@
 //! Linearises states: derivatives of the markers' displacements with respect to the unknowns of a force problem.
 //!
-//! Without an object, they follow from the factored tangent ([`MarkerRates`]). With an object, they are differences of states to first order, from the
-//! same tangent.
+//! Without an object, they follow from the factored tangent ([`MarkerRates`]). With an object, they are differences of states.
 
 use super::linearised::Linearised;
 use super::marker_motion::{MarkerRates, marker_displacement};
@@ -109,8 +108,10 @@ fn differentiate_by_differences(problem: &mut ForceProblem, state: &mut State) -
     Ok(())
 }
 
-/// State after a step of one unknown (index and change), to first order: the tangent factored at `from` determines the new shape, and the new shape
-/// determines the loads. If `step` is `None`, no unknown changes. `applied` are the loads under which the equations were linearised or corrected last.
+/// State after a step of one unknown (index and change). The tangent determines the new shape, and the new shape determines the loads. If `step` is
+/// `None`, no unknown changes. Without an object, the tangent is that factored at `from`, under the loads `applied`, which become those of the
+/// state. With an object, each new shape is linearised, because the touched point reacts so strongly to the shape that searches with derivatives to first
+/// order stop converging.
 ///
 /// # Errors
 /// [`SensingError::Statics`] if the state is not finite.
@@ -128,9 +129,13 @@ pub(super) fn state_after_step(
     }
     for _ in 0..FOLLOWED {
         problem.advance(&mut state)?;
-        state.motion.clone_from(&from.motion);
-        problem.statics.corrected_under(&mut state.motion, applied, &state.loads).ok_or(UNSTABLE)?;
-        applied.clone_from(&state.loads);
+        if problem.object.is_some() {
+            problem.statics.corrected(&mut state.motion, &state.loads).ok_or(UNSTABLE)?;
+        } else {
+            state.motion.clone_from(&from.motion);
+            problem.statics.corrected_under(&mut state.motion, applied, &state.loads).ok_or(UNSTABLE)?;
+            applied.clone_from(&state.loads);
+        }
         state.linearised.step.fill(0.0);
     }
     Ok(state)

@@ -246,11 +246,12 @@ fn intervals_with_a_model_error_hold_on_continua() {
     }
 }
 
-/// The same with an unknown direction or position. Some samples with an unknown direction are refused, because no force is identifiable.
+/// The same with an unknown direction or position. Some samples are refused: with an unknown direction, because no force is identifiable; with an unknown
+/// position, because markers next to the base do not confine a force there.
 #[test]
 fn intervals_of_unknown_contacts_hold_on_continua() {
     let samples = finray_tests::case_count(1, 20);
-    for (unknown, least_answered) in [(Unknown::Direction, [0.75, 0.9]), (Unknown::Position, [0.99, 0.99])] {
+    for (unknown, least_answered) in [(Unknown::Direction, [0.75, 0.9]), (Unknown::Position, [0.9, 0.97])] {
         for (noise_mm, least_answered) in [0.067, 0.02].into_iter().zip(least_answered) {
             let [held, answered] = intervals(MODEL_ERROR, noise_mm, unknown, samples).shares();
             assert!((0.90..0.98).contains(&held), "{unknown:?}, {noise_mm} mm: {held}");

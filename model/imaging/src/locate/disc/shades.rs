@@ -217,8 +217,8 @@ impl Shades {
             }
             count += 1;
         }
-        // A single pixel may be a defect of the sensor or dust.
-        self.covered = if unlike > 1 { unlike as f64 / (count + unlike) as f64 } else { 0.0 };
+        // A few pixels may be defects of the sensor, dust or noise at the edge of a small disc.
+        self.covered = if unlike > 3 { unlike as f64 / (count + unlike) as f64 } else { 0.0 };
         // Few pixels determine a median, but not a slope.
         if count < SLOPE_PIXELS {
             self.inside = [Vector3::from(median), Vector3::zeros(), Vector3::zeros()];
