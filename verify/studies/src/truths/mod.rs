@@ -33,6 +33,9 @@ registry! {
     }
 }
 
+/// A true finger on a mesh of a scene.
+type TruthOnMesh = for<'m> fn(&'m Mesh, &Scene) -> Result<Box<dyn Truth + 'm>, TruthError>;
+
 /// Properties of one type of true finger.
 struct TruthRow {
     name: &'static str,
@@ -40,7 +43,7 @@ struct TruthRow {
     help: &'static str,
     kinematics: Option<Kinematics>,
     mesh: fn(&Finger) -> Result<Mesh, TruthError>,
-    on: for<'m> fn(&'m Mesh, &Scene) -> Result<Box<dyn Truth + 'm>, TruthError>,
+    on: TruthOnMesh,
 }
 
 impl TruthId {
