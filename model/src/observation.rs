@@ -60,7 +60,8 @@ pub struct ObservedBase {
 pub struct ObservedMeasurement {
     /// The displacements. Weights follow from the markers' standard deviations.
     pub measurement: Measurement,
-    /// Standard deviation of a coordinate of weight 1, mm; `None` unless the observation states a standard deviation for each marker.
+    /// Standard deviation of a coordinate of weight 1, mm: the stated noise, or the root mean square of the markers' standard deviations. `None` without
+    /// a stated noise, unless each marker has a standard deviation.
     pub marker_noise_mm: Option<f64>,
     /// Transformation from the frame in which displacements are expressed to the reference frame of the camera's pose, mm and rad.
     pub frame: Isometry2<f64>,

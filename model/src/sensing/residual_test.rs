@@ -24,7 +24,7 @@ pub struct ResidualTest {
     pub marker_noise_mm: f64,
     /// Residual standard deviation, mm: square root of the weighted sum of squares divided by the degrees of freedom.
     pub residual_sd_mm: f64,
-    /// Number of measured coordinates minus number of unknowns.
+    /// Number of measured coordinates and priors minus number of unknowns.
     pub degrees_of_freedom: usize,
 }
 
