@@ -110,8 +110,7 @@ fn differentiate_by_differences(problem: &mut ForceProblem, state: &mut State) -
 
 /// State after a step of one unknown (index and change). The tangent determines the new shape, and the new shape determines the loads. If `step` is
 /// `None`, no unknown changes. Without an object, the tangent is that factored at `from`, under the loads `applied`, which become those of the
-/// state. With an object, each new shape is linearised, because the touched point reacts so strongly to the shape that searches with derivatives to first
-/// order stop converging.
+/// state. With an object, each new shape is linearised: to first order, 9 instead of 2 of 48 searches on reassembled fingers did not converge.
 ///
 /// # Errors
 /// [`SensingError::Statics`] if the state is not finite.
