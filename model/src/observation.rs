@@ -218,7 +218,8 @@ impl Observation {
     }
 }
 
-/// Options for the conversion of an observation.
+/// Options for the conversion of an observation, for sensing and for calibration. The problem of a calibration (`sensing::force::pressed`) has the
+/// unknowns force, position, direction and base only: `for_sensing` adds what states others.
 struct Reading {
     /// Factor on the standard deviations of the markers, and calibration error.
     errors: MarkerErrors,

@@ -96,6 +96,15 @@ impl Scene {
         }
     }
 
+    /// The scene under the assumptions of a simulation: forces act on the bare plate, the base is known, and no errors of markers, base or assembly are
+    /// stated.
+    pub fn as_simulated(&self) -> Scene {
+        let Scene { name, strain_limits, model_error, camera, markers, object, gripper, grasp, .. } = self.clone();
+        let contact = ContactDescription { rod_radius_mm: self.contact.rod_radius_mm, ..ContactDescription::default() };
+        let finger = Scene::of_finger(self.finger.clone());
+        Scene { name, strain_limits, model_error, camera, markers, contact, object, gripper, grasp, ..finger }
+    }
+
     /// Reads a scene from TOML. Rejects unknown and missing keys, wrong types, values out of range and impossible geometry.
     ///
     /// # Errors

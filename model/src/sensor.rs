@@ -4,21 +4,29 @@
 //! warnings, or refuses it with a reason. An observation comes from an image, a table or a simulation.
 //!
 //! # From the noise of a marker to the interval of a force
-//! Each step is the standard deviation of one coordinate, mm, until forces follow:
-//! 1. `stated_noise_mm`: [`SensorOptions::noise_mm`], else `noise_mm` of the scene's camera. It applies to all markers. Without it, the standard
-//!    deviation of each observed marker applies.
-//! 2. `marker_noise_mm`, in [`Observation::for_sensing`]: sqrt((`noise_factor` x)^2 + `calibration_error_mm`^2) for a stated or observed x
-//!    ([`MarkerErrors`](crate::measurement::MarkerErrors)). It belongs to a marker of weight 1; the weight of a marker is `marker_noise_mm` over its
-//!    own standard deviation. The same standard deviation limits the motion of clamped markers.
-//! 3. The error of beam theory is added to each marker (`beam_theory`), in proportion to the largest displacement and to `model_error` of the scene.
-//!    The result is the `marker_noise_mm` that an estimator gets, or `None`. It scales priors and decides which minima explain the markers.
-//! 4. `residual_sd_mm` follows from the residual and its degrees of freedom, and `trusted_noise_mm` from both
-//!    ([`ResidualTest`](crate::sensing::ResidualTest)): `marker_noise_mm`, or `residual_sd_mm` if it contradicts `marker_noise_mm` or if
-//!    `marker_noise_mm` is unknown.
-//! 5. The covariance of the forces is `trusted_noise_mm`^2 (A^T A)^-1 (`sensing::force::assessment`), with the weighted derivatives A.
-//! 6. [`Estimate`](crate::sensing::Estimate) widens it: by other minima and positions, by `method_error_n` (mesh, linearisation, or training of a
-//!    network), for a misfit, and by the relative error of all forces (scatter between images and beam theory).
-//! 7. [`SensedForce::interval_n`] is the force with 1.96 of the resulting standard deviations on either side.
+//! The chain for the estimator `nonlinear`, with every formula, in the order of the computation. Squares add: `hypot(a, b)` = sqrt(a^2 + b^2).
+//! 1. Stated noise x of one coordinate, mm: [`SensorOptions::noise_mm`] (`--noise-mm`), else `noise_mm` of `[camera]`, for all markers. Without
+//!    it, each marker has the standard deviation of the observation (`sigma_mm` of a table).
+//! 2. [`Observation::for_sensing`]: m = hypot(`noise_factor` x, `model_error_mm`) with the two keys of `[markers]` (1 and 0 without them). Markers
+//!    with own standard deviations m_i have m = their root mean square, and the weight w_i = m / m_i; else w_i = 1.
+//! 3. `beam_theory`: b = 0.34 `model_error` (largest displacement); m becomes hypot(m, b), and w_i follows. `model_error` is the scene's, see
+//!    [`Scene::model_error`](crate::scene::Scene). The result is the `marker_noise_mm` of the estimator, which scales priors and decides which minima explain the markers.
+//! 4. [`ResidualTest`](crate::sensing::ResidualTest): r = sqrt(Q / f), with the sum of squares Q of weighted residuals, priors and conditions of
+//!    an object, and f = their number less the number of unknowns. The trusted noise t is m, or r if chi-squared rejects m (p < 0.01). Without a
+//!    stated noise, t = r t_0.975(f) / 1.96 with Student's quantile.
+//! 5. `sensing::force::assessment`: the covariance of the unknowns is t^2 (A^T A)^-1. A has one row for each coordinate (derivative times w_i, times
+//!    the factor below 1 of an outlier), prior and condition of an object. Poses of base and object, leans and errors of the assembly are
+//!    unknowns with priors, and widen the forces here. sigma^2 is the force's diagonal entry, plus 0.75 (variance across / f)^2 for an unknown direction.
+//! 6. Widening by what the linearisation does not see (`sensing::force::estimator`), with the growth g of Q / t^2 towards other forces:
+//!    - one unknown position: if the position is poorly determined, the forces over all positions are a mixture with weights exp(-g / 2), and the interval
+//!      follows from its quantiles (`position`, `position_profile`). Otherwise other minima add exp(-g / 2) (change of the force)^2, and other positions
+//!      raise sigma^2 to (change)^2 / max(1, g) where that exceeds 1.5^2 sigma^2 (`alternatives`);
+//!    - few coordinates and known contacts: sigma^2 along each axis of the covariance times 9 / g at three standard deviations (`linear_range`);
+//!    - friction: the mean square change of the force at leans of +-sqrt(3) standard deviations, beyond its linear part (`leaning`);
+//!    - mesh: a third of the last change by refinement, or all of it if the mesh has not converged (`refine`).
+//! 7. [`Estimate`](crate::sensing::Estimate): a misfit with p < 1e-7 multiplies sigma by sqrt(m^2 + 2.5^2 f (r^2 - m^2)) / r. Then sigma becomes
+//!    hypot(sigma, `force_error` F, `model_error` F) for a force F, with `force_error` of `[contact]`.
+//! 8. [`SensedForce::interval_n`]: F -+ 1.96 sigma, or the quantiles of the mixture, widened as sigma is.
 
 mod beam_theory;
 mod contact_spec;

@@ -129,7 +129,9 @@ impl ContactOutline {
         self.disc_mm + self.corners.iter().map(|corner| (turn * corner).dot(&along)).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Corners of the outline (mm), and the radius of the disc about each corner (mm; 0 for a polygon).
+    /// Corners of the outline (mm), and the radius of the disc about each corner (mm; 0 for a polygon). An outline whose corners depend on the direction
+    /// changes all readers: pairs (`surface`, `status`), `overlap`, the length of steps (`pressing`), the camera's baseline (`press::camera`), the side on
+    /// which an object is (`world`), and the shape of the physics engine (`engine_pressing` of the lattice).
     pub fn corners(&self) -> (&[Vector], f64) {
         (&self.corners, self.disc_mm)
     }

@@ -41,7 +41,7 @@ pub enum Meeting {
     },
 }
 
-/// Two parts in contact.
+/// Two parts in contact. A pair lives for one Newton step, so that its geometry has to be exact to second order only.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pair {
     /// The part of the finger moves with this line.

@@ -21,9 +21,9 @@ pub use run::{BALANCE_TOLERANCE, Press};
 use crate::path::{PreparedObject, PressError};
 use crate::pressing::Pressed;
 use finray_model::finger::PlatePosition;
-use finray_model::measurement::{MarkerErrors, Measurement};
+use finray_model::measurement::Measurement;
 use finray_model::observation::Observation;
-use finray_model::scene::{ContactDescription, ObjectDescription};
+use finray_model::scene::ObjectDescription;
 use finray_model::sensing::{ContactPosition, MeasuredContact};
 use finray_model::statics::StaticsError;
 use finray_model::validity::Validity;
@@ -39,23 +39,10 @@ pub const LEAST_STATED_MM: f64 = 0.01;
 pub const NO_OBJECT: &str =
     "line 1: object is missing: expected a table [object] with shape, at_mm and travel_mm or force_n";
 
-/// The scene under the assumptions of a simulation: forces act on the bare plate, the base is known, and no errors are stated.
-pub fn simulated(scene: &Scene) -> Scene {
-    Scene {
-        noise_mm: None,
-        marker_errors: MarkerErrors::default(),
-        base: None,
-        assembly: None,
-        contact: ContactDescription { rod_radius_mm: scene.contact.rod_radius_mm, ..ContactDescription::default() },
-        touched: None,
-        ..scene.clone()
-    }
-}
-
 /// A scene prepared for pressing: finger, object and assumed friction.
 #[derive(Debug, Clone)]
 pub struct ContactScene {
-    /// The scene, changed by [`simulated`].
+    /// The scene, [as simulated](Scene::as_simulated).
     scene: Scene,
     object: PreparedObject,
     /// Number of elements of each plate member; `None` for automatic refinement.
@@ -159,7 +146,7 @@ impl ContactScene {
     /// [`PressError`] for an outline that cannot be pressed.
     pub fn new(scene: &Scene, object: &ObjectDescription, corners: &[Vector]) -> Result<ContactScene, PressError> {
         Ok(ContactScene {
-            scene: simulated(scene),
+            scene: scene.as_simulated(),
             object: PreparedObject::new(scene, object, corners)?,
             elements: None,
             assumed_friction: object.friction,
@@ -197,7 +184,7 @@ impl ContactScene {
         self.object.steps.len()
     }
 
-    /// The scene, changed by [`simulated`].
+    /// The scene, [as simulated](Scene::as_simulated).
     pub fn scene(&self) -> &Scene {
         &self.scene
     }

@@ -77,7 +77,7 @@ impl Priors {
         marker_noise_mm: Option<f64>,
     ) -> Priors {
         let prior = |(index, &unknown): (usize, &Unknown)| {
-            let prior = unknown.prior(questions, object, measurement.base())?;
+            let prior = unknown.prior(questions, object, measurement)?;
             Some(IndexedPrior { index, unknown, prior })
         };
         Priors {

@@ -3,7 +3,9 @@
 //!
 //! An unknown is defined in three files: here, in [`values`](super::values) (its value, and how a step changes the value), and in
 //! [`marker_motion`](super::marker_motion) (the displacement that it causes at a marker, beside the derivative of this displacement). All other files
-//! treat the unknowns alike.
+//! treat a nuisance parameter (an unknown without a contact) alike: the compiler names each `match` that lacks it, and where a `match` ends with `_`,
+//! the last arm is right for it. An unknown whose displacement of a marker depends on the shape has no [`fixed_pattern`](super::marker_motion::fixed_pattern). A search for another
+//! minimum starts from the expected value of each nuisance parameter, except for the base (`minima`).
 
 use crate::finger::{Finger, Plate};
 use crate::measurement::{BaseUncertainty, Measurement};
@@ -161,11 +163,12 @@ impl Unknown {
         self,
         questions: &[ContactQuestion],
         object: Option<&TouchedObject>,
-        base: Option<BaseUncertainty>,
+        measurement: &Measurement,
     ) -> Option<UnknownPrior> {
         let of_sd = |sd: f64| {
             Some(UnknownPrior { is_of_tangent: false, sd: sd.max(f64::MIN_POSITIVE), per_n: 0.0, sd_per_n: 0.0 })
         };
+        let base = measurement.base();
         match self {
             Unknown::Force(_) => None,
             Unknown::Position(i) if questions[i].is_position_measured() => of_sd(questions[i].position_sd_mm),

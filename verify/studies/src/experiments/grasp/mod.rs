@@ -27,7 +27,6 @@ use crate::prelude::*;
 use crate::sampling::noise::Noise;
 use course::Course;
 use finray_contact::outline::{ContactOutline, OutlineError};
-use finray_contact::press::simulated;
 use finray_contact::{Account, TouchedBody, World, WorldError};
 use finray_model::estimators::network::Networks;
 use finray_model::keys::{GRASP, GRIPPER, OBJECT, SceneTable};
@@ -90,7 +89,7 @@ pub enum GraspError {
 /// A scene with a gripper and a free object.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GraspScene {
-    /// The scene, changed by [`simulated`].
+    /// The scene, [as simulated](Scene::as_simulated).
     scene: Scene,
     gripper: Gripper,
     grasp: GraspDescription,
@@ -159,7 +158,7 @@ impl GraspScene {
             }
         }
         Ok(GraspScene {
-            scene: simulated(scene),
+            scene: scene.as_simulated(),
             gripper,
             grasp,
             object,
