@@ -67,7 +67,7 @@ const STRAIGHT_RAD: f64 = 1e-6;
 
 /// Distance between the two outline points that show the direction of the surfaces at a touch, mm. If a flat face of the object touches, the points
 /// are the ends of that face. For a touch on a rod without a flat face, one point is the rod's centre. The other point is the touching corner, or the
-/// centre of the curve that touches: a disc, or short sides of a polygon ([`radius_mm`]). For a touch elsewhere on the plate without a flat face,
+/// centre of the curve that touches: a disc, or short sides of a polygon that hardly turn. For a touch elsewhere on the plate without a flat face,
 /// the points are the ends of the plate segment.
 pub fn baseline_mm(
     finger: &Finger,
