@@ -19,7 +19,6 @@ mod experiments {
         mod energy;
         mod loops;
         mod modules;
-        mod observations;
         mod obstacles;
         mod sensed;
         mod world;

@@ -3,7 +3,7 @@
 use crate::check::{Check, Comparison};
 use crate::experiments::contact_scene::objects;
 use crate::experiments::contact_scene::study::{SceneStudy, SceneWithOutline};
-use crate::experiments::grasp::{modules, observations, rates, study as grasp_study};
+use crate::experiments::grasp::{modules, rates, study as grasp_study};
 use crate::experiments::networks::accuracy;
 use crate::experiments::{
     Context, Evidence, assumed, camera, continuum, coverage, direction, displacement_noise, explain, maps, measured,
@@ -163,9 +163,6 @@ study! { |context|
     "sensor modules":
         /// Results for the paper's Table II on the moving gripper; only for the paper's finger in a full study.
         modules: Option<modules::ModuleStudy> = modules::run(context);
-    "observations":
-        /// Comparison with the paper's observations of grasps; only for the paper's finger in a full study.
-        observations: Option<observations::Observations> = observations::run(context, &grasps, modules.as_ref());
     "shapes":
         /// Example shapes of bent fingers.
         bent: Vec<shapes::BentFinger> = shapes::run(context);
