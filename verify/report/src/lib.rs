@@ -8,7 +8,6 @@ mod checks;
 mod contact_scenes;
 pub mod dataset;
 mod directions;
-mod displacement_noise;
 pub mod drawings;
 mod estimators;
 pub mod explore;

@@ -3,7 +3,7 @@
 use super::dataset::Dataset;
 use super::page::{First, Page, PageLink, Section};
 use super::{
-    ReportError, Results, answers, camera, causes, checks, contact_scenes, directions, displacement_noise, estimators,
+    ReportError, Results, answers, camera, causes, checks, contact_scenes, directions, estimators,
     explore, finger, grasp, gripper_tests, maps, measured, networks, pairs, push, recorded, scatter, shapes, times,
     trust,
 };
@@ -57,7 +57,6 @@ const SECTIONS: &[Entry] = &[
     Entry(On::Objects, grasp::all, |_| Vec::new()),
     Entry(On::Objects, grasp::rates::section, grasp::rates::datasets),
     Entry(On::Camera, camera::section, camera::datasets),
-    Entry(On::Camera, displacement_noise::section, displacement_noise::datasets),
     Entry(On::Speed, recorded::speed, |_| Vec::new()),
     Entry(On::Camera, scatter::section, scatter::datasets),
     Entry(On::Speed, recorded::convergence, |_| Vec::new()),

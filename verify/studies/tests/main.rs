@@ -13,7 +13,6 @@ mod experiments {
     mod continuum;
     mod coverage;
     mod direction;
-    mod displacement_noise;
     mod explain;
     mod grasp {
         mod energy;

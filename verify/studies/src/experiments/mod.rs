@@ -9,7 +9,6 @@ pub mod contact_scene;
 pub mod continuum;
 pub mod coverage;
 pub mod direction;
-pub mod displacement_noise;
 pub mod explain;
 pub mod grasp;
 pub mod maps;

@@ -6,7 +6,7 @@ use crate::experiments::contact_scene::study::{SceneStudy, SceneWithOutline};
 use crate::experiments::grasp::{modules, rates, study as grasp_study};
 use crate::experiments::networks::accuracy;
 use crate::experiments::{
-    Context, Evidence, assumed, camera, continuum, coverage, direction, displacement_noise, explain, maps, measured,
+    Context, Evidence, assumed, camera, continuum, coverage, direction, explain, maps, measured,
     noise, recorded, shapes,
 };
 use crate::problems;
@@ -139,9 +139,6 @@ study! { |context|
     "noise":
         /// Errors of the nonlinear estimator under camera noise.
         noise: Option<noise::NoiseStudy> = noise::run(context);
-    "noise of displacements":
-        /// Smallest standard deviations of forces under camera noise, for each method that gives the undeformed positions.
-        displacement_noise: Option<displacement_noise::DisplacementNoiseStudy> = displacement_noise::run(context);
     "camera":
         /// Results of sensing from images; only for scenes with a camera and coloured markers, or for the paper's finger.
         camera: Option<camera::CameraStudy> = camera::run(context);

@@ -189,7 +189,6 @@ fn the_first_page_begins_with_its_verdict() {
     for id in [
         "maps",
         "contact-scenes",
-        "displacement-noise",
         "estimators",
         "noise",
         "speed-error",
