@@ -7,7 +7,6 @@ mod causes;
 mod checks;
 mod contact_scenes;
 pub mod dataset;
-mod directions;
 pub mod drawings;
 mod estimators;
 pub mod explore;

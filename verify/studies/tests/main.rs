@@ -7,12 +7,10 @@ mod estimators {
     mod stated_intervals;
 }
 mod experiments {
-    mod assumed;
     mod camera;
     mod contact_scene;
     mod continuum;
     mod coverage;
-    mod direction;
     mod explain;
     mod grasp {
         mod energy;
@@ -24,6 +22,7 @@ mod experiments {
     }
     mod networks;
     mod noise;
+    mod situations;
 }
 mod exports {
     mod calculix;
@@ -40,6 +39,7 @@ mod sampling {
     mod map;
     pub mod scatter;
     mod shared_start;
+    mod situation;
 }
 mod statistics;
 mod truths {
