@@ -40,6 +40,7 @@ fn sweep(criterion: &mut Criterion) {
         let grid = Grid {
             positions_mm,
             angles_deg,
+            is_leaning: false,
             forces_n: forces_n.to_vec(),
             noise_levels_mm: vec![0.067],
             noise_samples,

@@ -4,10 +4,6 @@ use crate::Vector;
 use crate::finger::{Finger, NodeId};
 use crate::mesh::FingerShape;
 
-pub mod noise;
-
-pub use noise::DisplacementNoise;
-
 /// Measured displacement of one node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Marker {

@@ -175,7 +175,7 @@ impl Mesh {
     ///
     /// # Errors
     /// [`LoadError`] as for [`frame_load`](Mesh::frame_load).
-    pub(crate) fn normal_turn(&self, motion: &FrameMotion, load: &Load, over_mm: f64) -> Result<f64, LoadError> {
+    pub fn normal_turn(&self, motion: &FrameMotion, load: &Load, over_mm: f64) -> Result<f64, LoadError> {
         let PlatePosition { plate, s_mm: middle_mm } = match *load {
             Load::Plate { at, .. } => at,
             Load::Node { node, .. } => self.finger.plate_position(node),

@@ -6,9 +6,6 @@ mod camera;
 mod finger;
 mod gripper;
 mod hard_cases;
-mod measurement {
-    mod noise;
-}
 mod observation;
 mod scene {
     mod cameras;

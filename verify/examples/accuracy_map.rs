@@ -20,6 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let request = MapRequest {
         positions_mm,
         angles_deg,
+        is_leaning: false,
         forces_n: vec![3.0],
         noise_levels_mm: vec![0.0],
         noise_samples: 1,

@@ -5,22 +5,22 @@ mod in_full;
 pub(super) use in_full::answers;
 
 use super::format::{list, percent, percent_two_digits};
-use super::trust::{Situation, situations};
+use super::trust::{SOFTER, Situation, of_known, situations};
 use super::{checks, measured};
 use crate::prelude::*;
 use finray_model::finger::FingerDescription;
 use finray_studies::check::Kind;
 use finray_studies::experiments::coverage::CoverageRow;
-use finray_studies::experiments::direction::DirectionStudy;
+use finray_studies::sampling::situation::{ContactKnowledge, HiddenMarkers};
 
-/// The verdict in a few lines: where forces can be trusted, why forces fail elsewhere, how well an unknown direction is identified, coverage of
-/// intervals, checks, and real images.
+/// The verdict in a few lines: where forces can be trusted, what would help, why forces fail elsewhere, coverage of intervals, checks, and real
+/// images.
 pub(super) fn verdict(study: &Study) -> Vec<[String; 2]> {
     let situations = situations(study);
     given([
         ("Where", places(study, &situations)),
+        ("What helps", what_helps(&situations)),
         ("Why not elsewhere", reasons(study, &situations)),
-        ("Direction uncertain", study.directions.as_ref().and_then(seeking)),
         ("How sure", sureness(study)),
         ("Checked", checked(study)),
         ("Reality", Some(reality(study))),
@@ -33,30 +33,51 @@ fn given<const N: usize>(all: [(&str, Option<String>); N]) -> Vec<[String; 2]> {
     all.into_iter().filter_map(given).collect()
 }
 
-/// Shares of trusted cells, by situation.
+/// Trusted shares with all markers visible, on the modelled finger, by situation.
 fn places(study: &Study, situations: &[Situation]) -> Option<String> {
-    let [known, others @ ..] = situations else { return None };
     let [least_n, .., most_n] = study.forces.of_maps_n();
-    let share = |of: &Situation| Some(format!("{} {}", of.in_short, percent(of.all().share()?)));
-    let shares = std::iter::once(known).chain(others).filter_map(share);
-    Some(format!(
-        "Positions and directions with a mean error within {} ({least_n} to {most_n} N): {}.",
-        percent(TRUSTED_ERROR),
-        list(shares, "; ")
-    ))
+    let share = |of: &Situation| Some(format!("{} {}", of.name, percent(of.trust().share()?)));
+    let is_plain = |of: &&Situation| of.map.situation.hidden == HiddenMarkers::None && of.name != SOFTER;
+    let shares: Vec<String> = situations.iter().filter(is_plain).filter_map(share).collect();
+    (!shares.is_empty()).then(|| {
+        format!(
+            "Share of positions and allowed directions with a mean error within {} ({least_n} to {most_n} N): {}.",
+            percent(TRUSTED_ERROR),
+            list(shares, "; ")
+        )
+    })
+}
+
+/// The knowledge that raises the share of an unknown contact most.
+fn what_helps(situations: &[Situation]) -> Option<String> {
+    let unknown = situations.first().filter(|of| of.map.situation.contact == ContactKnowledge::Nothing)?;
+    let helps =
+        |of: &&Situation| matches!(of.map.situation.contact, ContactKnowledge::Friction | ContactKnowledge::Position);
+    let share = |of: &Situation| of.trust().share();
+    let by_share = |a: &&Situation, b: &&Situation| share(a).unwrap_or(0.0).total_cmp(&share(b).unwrap_or(0.0));
+    let best = situations.iter().filter(helps).max_by(by_share)?;
+    let (from, to) = (share(unknown)?, share(best)?);
+    Some(match to > from {
+        true => {
+            format!("State what you know: {} raises the share from {} to {}.", best.name, percent(from), percent(to))
+        }
+        false => {
+            "A less noisy camera, more markers or larger forces: neither friction nor position alone raises the share."
+                .to_owned()
+        }
+    })
 }
 
 /// Main reasons why sensed forces fail, with a known contact and with an assumed contact.
 fn reasons(study: &Study, situations: &[Situation]) -> Option<String> {
-    let known = situations.first()?;
-    let (failed, by_noise) = failures(known);
+    let (failed, by_noise) = failures(of_known(study, situations)?);
     let (failed, by_model) = (failed.len(), failed.len() - by_noise);
     let known = match failed {
         0 => "Contact known: nothing fails.",
         _ if by_noise >= by_model => "Contact known: camera noise.",
         _ => "Contact known: error of the model.",
     };
-    let assumed = situations.iter().find(|of| of.is_assumed);
+    let assumed = situations.iter().find(|of| of.is_misjudged);
     let assumed = assumed.and_then(|of| of.failed_by_direction(study));
     let assumed = assumed.map(|share| {
         format!(
@@ -68,42 +89,22 @@ fn reasons(study: &Study, situations: &[Situation]) -> Option<String> {
     Some(format!("{known}{}", assumed.unwrap_or_default()))
 }
 
-/// Share of the cells in which an unknown direction is identified together with the force.
-fn seeking(directions: &DirectionStudy) -> Option<String> {
-    let share = |force_n: f64| {
-        let [identified, all] = directions.identified(force_n);
-        (all > 0).then(|| format!("{} ({force_n} N)", percent(identified as f64 / all as f64)))
-    };
-    let shares: Vec<String> = directions.forces_n.into_iter().rev().filter_map(share).collect();
-    let found = list(&shares, ", ");
-    let seek = match directions.is_normal_better() {
-        true => {
-            format!(
-                "With little friction, assume the normal. Otherwise estimate the direction, which is identifiable \
-                    in {found} of the cells."
-            )
-        }
-        false => format!(
-            "Estimate the direction together with the force: the direction is identifiable in {found} of the cells."
-        ),
-    };
-    (!shares.is_empty()).then_some(seek)
-}
-
-/// Coverage of the nonlinear estimator's intervals on a true finger.
-fn coverage(study: &Study, truth: TruthId) -> Option<&CoverageRow> {
-    study.coverage.iter().find(|row| row.truth == truth && row.estimator == EstimatorId::Nonlinear)
+/// Coverage of the nonlinear estimator's intervals on a true finger, for what it knows of the contact, with all markers visible.
+fn coverage(study: &Study, truth: TruthId, contact: ContactKnowledge) -> Option<&CoverageRow> {
+    let situation = finray_studies::sampling::situation::Situation { contact, ..Default::default() };
+    let is_asked = |row: &&CoverageRow| row.truth == truth && row.situation() == situation;
+    study.coverage.iter().filter(is_asked).find(|row| row.estimator == EstimatorId::Nonlinear)
 }
 
 /// Coverage of intervals without a warning.
 fn sureness(study: &Study) -> Option<String> {
-    let of = |truth| coverage(study, truth)?.covered_without_warning;
-    let known =
-        format!("95 % intervals without a warning contain the force in {}", percent(of(TruthId::Corotational)?));
-    Some(match of(TruthId::Twin) {
-        Some(softer) => format!("{known}; with softer ends, in {}.", percent(softer)),
-        None => format!("{known}."),
-    })
+    let of = |truth, contact| coverage(study, truth, contact)?.covered_without_warning.map(percent);
+    let known = of(TruthId::Corotational, ContactKnowledge::Known)?;
+    let unknown = of(TruthId::Corotational, ContactKnowledge::Nothing);
+    let unknown = unknown.map_or_else(String::new, |share| format!(" (contact unknown: {share})"));
+    let softer = of(TruthId::Twin, ContactKnowledge::Known);
+    let softer = softer.map_or_else(String::new, |share| format!("; with softer ends, in {share}"));
+    Some(format!("95 % intervals without a warning contain the force in {known}{unknown}{softer}."))
 }
 
 /// Number of passed checks against other programs.

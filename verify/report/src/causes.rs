@@ -65,8 +65,7 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let caption = format!(
         "Root mean square error of {} N along the normal that each cause alone brings about, to first order: noise at the Cramer-Rao bound, a direction \
-         that is {DIRECTION_OFF_DEG} deg wrong (the largest rotation of the paper's deformed normal), a position that is {POSITION_OFF_MM} mm wrong (the \
-         radius of the paper's rods). \"Near an end\" means within a sixth of the plate's length from an end",
+         that is {DIRECTION_OFF_DEG} deg wrong, a position that is {POSITION_OFF_MM} mm wrong. \"Near an end\" means within a sixth of the plate's length from an end",
         study.explanations.force_n
     );
     let table = columns(study).table(caption, CSV, 0..CAUSES.len());

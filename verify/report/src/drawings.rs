@@ -76,8 +76,9 @@ pub(super) fn by_direction(s_mm: &[f64], angles_deg: &[f64], values: impl Iterat
 }
 
 /// Cells of a map with their error under one force, or under the worst force of each cell.
-pub(super) fn error_cells(map: &AccuracyMap, force_n: Option<f64>) -> Cells {
-    let ranks = map.worst_of(force_n).into_iter().map(|cell| Some(rank_of(cell.state, cell.worst_error) as f64));
+pub(super) fn error_cells(finger: &Finger, map: &AccuracyMap, force_n: Option<f64>) -> Cells {
+    let ranks =
+        map.worst_of(finger, force_n).into_iter().map(|cell| Some(rank_of(cell.state, cell.worst_error) as f64));
     by_direction(&map.request.positions_mm, &map.request.angles_deg, ranks)
 }
 
@@ -132,9 +133,9 @@ pub fn map_figure_svg(finger: &Finger, map: &AccuracyMap, force_n: Option<f64>) 
         (None, forces_n) => format!("worst of {} N", list(forces_n, ", ")),
     };
     let noise = if map.noise_mm > 0.0 { format!("{} mm noise", map.noise_mm) } else { "no noise".to_owned() };
-    let title = format!("{}, {}: {force}, {noise}", map.truth.label(), map.estimator.label());
+    let title = format!("{}, {}, {}: {force}, {noise}", map.truth.label(), map.estimator.label(), map.situation);
     let alt = format!("Error of the sensed force by position along the front plate and direction: {title}.");
-    plate_map(finger, Frame::half(title, alt), error_classes(), error_cells(map, force_n)).svg()
+    plate_map(finger, Frame::half(title, alt), error_classes(), error_cells(finger, map, force_n)).svg()
 }
 
 /// A map over position along the plate and direction, with node numbers along its top.

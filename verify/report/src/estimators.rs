@@ -5,6 +5,7 @@ use super::maps::small;
 use super::recorded;
 use crate::prelude::*;
 use finray_studies::experiments::coverage::CoverageRow;
+use finray_studies::sampling::situation::Situation;
 use finray_studies::settings::CAMERA_FRAME_S;
 
 const CSV: &str = "coverage.csv";
@@ -18,8 +19,8 @@ const INTERVALS: &str = "Sigma, the stated standard deviation, includes the nois
 /// Results of one estimator on the uniform finger.
 struct Row<'s> {
     estimator: EstimatorId,
-    /// Counts of trusted cells in the estimator's map with known contact.
-    cells: Option<TrustCounts>,
+    /// The trusted share of the estimator's map with known contact.
+    trust: Option<TrustShare>,
     coverage: Option<&'s CoverageRow>,
     /// Recorded time to compute one force from the displacements in an image, s; only for the paper's finger.
     seconds: Option<f64>,
@@ -29,10 +30,12 @@ fn rows(study: &Study) -> impl Iterator<Item = Row<'_>> {
     EstimatorId::ALL.iter().map(move |&estimator| {
         // The overview of maps has the same coarse grid of cells, so overview and table state the same shares.
         let map = small(study, TruthId::Corotational, estimator, study.noise_mm > 0.0);
-        let of = |row: &&CoverageRow| row.truth == TruthId::Corotational && row.estimator == estimator;
+        let of = |row: &&CoverageRow| {
+            row.truth == TruthId::Corotational && row.estimator == estimator && row.situation() == Situation::default()
+        };
         Row {
             estimator,
-            cells: map.map(|map| TrustCounts::of(&map.worst())),
+            trust: map.map(|map| map.trust(&study.finger)),
             coverage: study.coverage.iter().find(of),
             seconds: recorded::seconds(estimator).filter(|_| study.is_paper),
         }
@@ -40,16 +43,16 @@ fn rows(study: &Study) -> impl Iterator<Item = Row<'_>> {
 }
 
 fn columns<'s>() -> Columns<'s, Row<'s>> {
-    let cells = |row: &Row| row.cells.and_then(|cells| Some(format!("{} of {}", percent(cells.share()?), cells.cells)));
+    let share = |row: &Row| row.trust.and_then(|trust| trust.share());
     Columns::<Row>::new()
         .file("estimator", |row| row.estimator.name())
-        .file("cells", |row| row.cells.map(|cells| cells.cells))
-        .file("trusted", |row| row.cells.map(|cells| cells.trusted))
+        .file("cells", |row| row.trust.map(|trust| trust.cells))
+        .file("share_trusted", share)
         .file("share_without_warning", |row| Some(row.coverage?.share_without_warning()))
         .file("covered_without_warning", |row| row.coverage?.covered_without_warning)
         .file("seconds", |row| row.seconds)
         .page("estimator", Format::Words, |row| row.estimator.label())
-        .page("within 10 %, share of cells", Format::Plain, cells)
+        .page("trusted share", Format::Percent, share)
         .page("answers without a warning", Format::Percent, |row| Some(row.coverage?.share_without_warning()))
         .page("of answers without a warning: force in the 95 % interval", Format::Percent, |row| {
             row.coverage?.covered_without_warning
@@ -66,11 +69,14 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let [least_n, .., most_n] = study.forces.of_maps_n();
-    let caption = format!(
-        "Uniform finger, contact known, worst force of {least_n} to {most_n} N. Networks sense only forces along \
-            the normal at contact nodes; forces at node 13 are sensed by the network that was trained for all contact \
-            nodes"
-    );
+    let networks = match study.is_paper {
+        true => {
+            ". Networks sense only forces along the normal at contact nodes; forces at node 13 are sensed by the network that was trained for all \
+             contact nodes"
+        }
+        false => "",
+    };
+    let caption = format!("Uniform finger, contact known, worst force of {least_n} to {most_n} N{networks}");
     let mut blocks = vec![Block::Table(columns().table(caption, ESTIMATORS_CSV, rows(study)))];
     if !study.coverage.is_empty() {
         blocks.push(details("How often stated intervals hold", intervals(study)));
@@ -102,13 +108,14 @@ fn intervals(study: &Study) -> Vec<Block> {
     let columns = Columns::<&CoverageRow>::new()
         .page("finger", Format::Words, |row| row.truth.label())
         .page("estimator", Format::Words, |row| row.estimator.label())
+        .page("known and seen", Format::Words, |row| row.situation().to_string())
         .page("no warning", Format::Percent, |row| of_samples(row, row.without_warning))
         .page("covered", Format::Percent, |row| row.covered_without_warning)
         .page("warned", Format::Percent, |row| of_samples(row, row.warned))
         .page("covered", Format::Percent, |row| row.covered_with_warning)
         .page("refused", Format::Percent, |row| of_samples(row, row.refused))
         .page("samples", Format::Plain, |row| row.samples);
-    let caption = "Shares of noise samples answered without and with a warning. Covered: share of these answers that are within 1.96 sigma of the \
+    let caption = "Shares of noise samples answered without and with a warning. Covered: share of these answers whose 95 % interval contains the \
                    true force";
     vec![Block::Table(columns.table(caption, CSV, &study.coverage)), text(INTERVALS)]
 }

@@ -6,7 +6,7 @@ use finray_contact::press::{SensedContact, contacts_sensed};
 use finray_model::finger::FingerPoint;
 use finray_studies::experiments::contact_scene::study::{SceneStudy, StudiedStep};
 use finray_studies::experiments::explain::{CAUSES, Explanation, ExplanationMap};
-use finray_studies::settings::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
+use finray_studies::sampling::situation::ContactKnowledge;
 use serde_json::{Value, json};
 
 /// The data as JSON without `<`, so that it can be embedded in the page.
@@ -18,9 +18,9 @@ pub(super) fn data(Results { study, .. }: Results) -> String {
     estimators.sort_by_key(|estimator| !estimator.searches());
     let all = TruthId::ALL.iter().flat_map(|truth| estimators.iter().map(|estimator| (*truth, *estimator)));
     let known = all.filter_map(|(truth, estimator)| small(study, truth, estimator, noisy));
-    let known: Vec<Value> = known.map(|map| of_map(&map, "known", &super::maps::map_csv_name(&map))).collect();
-    let off = format!("{POSITION_OFF_MM} mm and {DIRECTION_OFF_DEG} deg off");
-    let assumed = study.assumed.iter().map(|map| of_map(map, &off, super::trust::ASSUMED_CSV));
+    // The unknown contact is listed first.
+    let maps: Vec<Value> = study.situations.iter().cloned().chain(known).map(|map| of_map(finger, &map)).collect();
+    let off = ContactKnowledge::Misjudged.label();
     let pairs = study.noise.iter().flat_map(|noise| noise.pairs.iter().zip(&noise.linear_pairs).map(of_pair));
     let points = drawn_points(&study.finger);
     let shape = |touched: &finray_studies::experiments::shapes::TouchedFinger| {
@@ -30,8 +30,8 @@ pub(super) fn data(Results { study, .. }: Results) -> String {
     let data = json!({
         "finger": of_finger(finger, study.noise_mm),
         "about": super::page::about(),
-        "maps": known.into_iter().chain(assumed).collect::<Vec<Value>>(),
-        "causes": [of_causes(&study.explanations, &off)],
+        "maps": maps,
+        "causes": [of_causes(&study.explanations, off)],
         "shapes": study.touched.iter().map(shape).collect::<Vec<Value>>(),
         "pairs": pairs.collect::<Vec<Value>>(),
         "scenes": study.contact_scenes.iter().map(|scene| of_scene(finger, scene)).collect::<Vec<Value>>(),
@@ -73,14 +73,16 @@ fn of_finger(finger: &Finger, noise_mm: f64) -> Value {
     })
 }
 
-fn of_map(map: &AccuracyMap, contact: &str, csv: &str) -> Value {
+fn of_map(finger: &Finger, map: &AccuracyMap) -> Value {
     let values =
         |of: fn(&MapCell) -> Option<f64>| map.cells.iter().map(|cell| of(cell).map(number)).collect::<Vec<_>>();
     let counts = |of: fn(&MapCell) -> usize| map.cells.iter().map(of).collect::<Vec<usize>>();
     let request = &map.request;
     json!({
-        "truth": map.truth.label(), "estimator": map.estimator.label(), "contact": contact, "csv": csv,
+        "truth": map.truth.label(), "estimator": map.estimator.label(), "contact": map.situation.to_string(),
+        "csv": super::maps::map_csv_name(map),
         "s_mm": request.positions_mm, "angle_deg": request.angles_deg, "force_n": request.forces_n,
+        "weight": map.worst(finger).iter().map(|cell| number(cell.weight)).collect::<Vec<Value>>(),
         "error": values(|cell| cell.mean_error), "bias": values(|cell| cell.bias), "spread": values(|cell| cell.spread),
         "samples": counts(|cell| cell.samples), "answered": counts(|cell| cell.answered),
     })

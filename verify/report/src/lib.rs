@@ -7,8 +7,6 @@ mod causes;
 mod checks;
 mod contact_scenes;
 pub mod dataset;
-mod directions;
-mod displacement_noise;
 pub mod drawings;
 mod estimators;
 pub mod explore;

@@ -12,7 +12,7 @@ pub(crate) use finray_studies::check::{Check, worst};
 pub(crate) use finray_studies::sampling::map::AccuracyMap;
 pub(crate) use finray_studies::sampling::scatter::{Counts, Scatter, ScatterRow};
 pub(crate) use finray_studies::sampling::sweep::{CellState, MapCell};
-pub(crate) use finray_studies::sampling::worst::TrustCounts;
+pub(crate) use finray_studies::sampling::trust::TrustShare;
 pub(crate) use finray_studies::settings::{TRUSTED_ERROR, TWO_SIDED_95};
 pub(crate) use finray_studies::study::Study;
 pub(crate) use finray_studies::truths::TruthId;

@@ -1,18 +1,19 @@
 //! The finger that the reader can push: its program, its scene and the maps of trusted cells.
 
 use super::page::Pushable;
-use super::trust::{Situation, situations};
+use super::trust::{SOFTER, Situation, situations};
 use crate::prelude::*;
-use finray_studies::settings::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
+use finray_studies::sampling::situation::ContactKnowledge;
+use finray_studies::settings::{DIRECTION_OFF_DEG, FRICTION_MAX, POSITION_OFF_MM};
 use flate2::{Compression, write::GzEncoder};
 use serde_json::{Value, json};
 use std::io::Write;
 
 /// Largest force that the reader can choose, relative to the largest force of the maps.
 const MOST: f64 = 1.5;
-/// Two names of each situation: the name in the script, and the name in the files.
-const SITUATIONS: [(&str, &str); 3] =
-    [("known", "contact known"), ("off", "contact assumed"), ("other", "softer ends")];
+/// Name of each situation in the script.
+const SITUATIONS: [(&str, ContactKnowledge); 3] =
+    [("sought", ContactKnowledge::Nothing), ("known", ContactKnowledge::Known), ("off", ContactKnowledge::Misjudged)];
 
 /// Program and data of the finger on the first page.
 pub(super) fn of(study: &Study) -> Result<Pushable, ReportError> {
@@ -27,7 +28,7 @@ pub(super) fn of(study: &Study) -> Result<Pushable, ReportError> {
 pub(super) fn edited(pushed: &Pushable, study: &Study) -> Pushable {
     let [most_n, first_n] = forces_n(study);
     let data = json!({
-        "scene": study.scene_text, "other": null, "maps": {}, "noise_mm": study.noise_mm, "most_n": most_n, "first_n": first_n,
+        "scene": study.scene_text, "other": null, "maps": {}, "cone_deg": FRICTION_MAX.atan().to_degrees(), "noise_mm": study.noise_mm, "most_n": most_n, "first_n": first_n,
     });
     Pushable { data: embedded(&data), is_edited: true, ..pushed.clone() }
 }
@@ -45,13 +46,17 @@ fn embedded(data: &Value) -> String {
 
 fn data(study: &Study) -> String {
     let all = situations(study);
-    let map =
-        |(name, of): (&str, &str)| Some((name.to_owned(), cells(all.iter().find(|situation| situation.name == of)?)));
+    let named = |(name, contact): (&str, ContactKnowledge)| {
+        let situation = finray_studies::sampling::situation::Situation { contact, ..Default::default() };
+        let is_it = |of: &&Situation| of.map.situation == situation && of.map.truth == TruthId::Corotational;
+        Some((name.to_owned(), cells(all.iter().find(is_it)?)))
+    };
+    let softer = all.iter().find(|situation| situation.name == SOFTER).map(|of| ("other".to_owned(), cells(of)));
     let [most_n, first_n] = forces_n(study);
     let data = json!({
         "scene": study.scene_text,
         "other": study.is_paper.then_some(finray_fixtures::TWIN_SCENE),
-        "maps": SITUATIONS.into_iter().filter_map(map).collect::<serde_json::Map<String, Value>>(),
+        "maps": SITUATIONS.into_iter().filter_map(named).chain(softer).collect::<serde_json::Map<String, Value>>(),
         // The map of assumed contacts covers all combinations of signs of the position error and the direction error. Here the position error is
         // negative and the direction error positive, because with these signs the two errors do not compensate each other.
         "off": { "by_mm": -POSITION_OFF_MM, "by_deg": DIRECTION_OFF_DEG },

@@ -3,9 +3,8 @@
 use super::dataset::Dataset;
 use super::page::{First, Page, PageLink, Section};
 use super::{
-    ReportError, Results, answers, camera, causes, checks, contact_scenes, directions, displacement_noise, estimators,
-    explore, finger, grasp, gripper_tests, maps, measured, networks, pairs, push, recorded, scatter, shapes, times,
-    trust,
+    ReportError, Results, answers, camera, causes, checks, contact_scenes, estimators, explore, finger, grasp,
+    gripper_tests, maps, measured, networks, pairs, push, recorded, scatter, shapes, times, trust,
 };
 
 /// A section: its page, a function for its content on this page (`None` if the scene has no such study), and a function for its data.
@@ -52,12 +51,10 @@ const SECTIONS: &[Entry] = &[
     Entry(On::Measured, measured::section, measured::datasets),
     Entry(On::Maps, maps::section, maps::datasets),
     Entry(On::Maps, pairs::section, pairs::datasets),
-    Entry(On::Maps, directions::section, directions::datasets),
     Entry(On::Objects, contact_scenes::section, contact_scenes::datasets),
     Entry(On::Objects, grasp::all, |_| Vec::new()),
     Entry(On::Objects, grasp::rates::section, grasp::rates::datasets),
     Entry(On::Camera, camera::section, camera::datasets),
-    Entry(On::Camera, displacement_noise::section, displacement_noise::datasets),
     Entry(On::Speed, recorded::speed, |_| Vec::new()),
     Entry(On::Camera, scatter::section, scatter::datasets),
     Entry(On::Speed, recorded::convergence, |_| Vec::new()),

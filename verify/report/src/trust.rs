@@ -1,16 +1,16 @@
-//! First screen: drawings, counts and files that show where a force can be trusted. In each cell the force with the largest error counts.
+//! First screen: drawings, shares and files that show where a force can be trusted. In each cell the force with the largest error counts.
 
 use super::drawings::{ACROSS_AXIS, ALONG_THE_PLATE, at_rest, error_classes, plate_ticks, point, rank_of};
 use super::format::{capitalised, list, percent};
+use super::maps::map_csv_name;
 use crate::prelude::*;
 use finray_figures::Patch;
 use finray_studies::experiments::explain::Explanation;
-use finray_studies::sampling::worst::WorstCell;
-use finray_studies::settings::{DIRECTION_OFF_DEG, POSITION_OFF_MM};
+use finray_studies::sampling::situation::ContactKnowledge;
+use finray_studies::sampling::trust::WorstCell;
+use finray_studies::settings::{DIRECTION_OFF_DEG, FRICTION_MAX, POSITION_OFF_MM};
 
 const CSV: &str = "trust.csv";
-/// File with the cells (positions and directions) of the map with assumed contact.
-pub(super) const ASSUMED_CSV: &str = "map_corotational_nonlinear_contact_assumed.csv";
 /// Largest number of contact nodes at which the drawing has a fan of all directions.
 const FANS: usize = 6;
 /// Two upper limits of the length of a fan's rays: a share of the distance between fans, and a share of the plate length. The smaller limit applies.
@@ -18,35 +18,29 @@ const REACH: [f64; 2] = [0.48, 0.1];
 /// Half the width of the coloured plate in the drawing, as a share of the plate length.
 const HALF_WIDTH: f64 = 0.012;
 
-/// A case in which the recommended estimator is evaluated: contact and finger are known exactly, or assumed with errors.
+/// A situation in which the recommended estimator is evaluated.
 pub(super) struct Situation<'s> {
-    /// Short name for files and headings.
-    pub name: &'static str,
-    /// Text that states which quantities are known and which are not.
-    pub about: String,
-    /// Content of `about`, worded as part of a sentence.
-    pub in_words: String,
-    /// Content of `about` in a few words.
-    pub in_short: String,
-    /// Whether the contact is assumed with an error of position and direction, instead of known exactly.
-    pub is_assumed: bool,
-    csv: &'static str,
+    /// Name in files, headings and sentences: what is known and seen.
+    pub name: String,
+    /// Whether the contact is assumed with an error of position and direction.
+    pub is_misjudged: bool,
+    csv: String,
     /// Map of the errors by position, direction and force.
     pub map: &'s AccuracyMap,
-    /// Cells with their worst force. All situations have the same positions and directions.
+    /// Cells with their worst force.
     pub cells: Vec<WorstCell>,
 }
 
 impl Situation<'_> {
-    /// Counts over a region; `region` says whether a position (share of the plate length) and direction (degrees) belong to it.
-    pub(super) fn counts(&self, finger: &Finger, region: impl Fn(f64, f64) -> bool) -> TrustCounts {
+    /// The trusted share of a region; `region` says whether a position (share of the plate length) and direction (degrees) belong to it.
+    pub(super) fn trust_in(&self, finger: &Finger, region: impl Fn(f64, f64) -> bool) -> TrustShare {
         let length_mm = finger.plate_length_mm(Plate::Front);
-        TrustCounts::of(self.cells.iter().filter(|cell| region(cell.s_mm / length_mm, cell.angle_deg)))
+        TrustShare::of(self.cells.iter().filter(|cell| region(cell.s_mm / length_mm, cell.angle_deg)))
     }
 
-    /// Counts of trusted, refused and other cells over the whole map.
-    pub(super) fn all(&self) -> TrustCounts {
-        TrustCounts::of(&self.cells)
+    /// The trusted share of the whole map.
+    pub(super) fn trust(&self) -> TrustShare {
+        TrustShare::of(&self.cells)
     }
 
     /// Share of the answered, untrusted cells in which the wrong direction of an assumed contact causes a larger error than its wrong position, to
@@ -62,100 +56,91 @@ impl Situation<'_> {
         let by_direction = found.iter().filter(|by_direction| **by_direction).count();
         (!found.is_empty()).then(|| by_direction as f64 / found.len() as f64)
     }
-
-    /// Number of refused noise samples in answered cells, and number of all noise samples in these cells.
-    fn refused_samples(&self) -> [usize; 2] {
-        let answered = self.map.cells.iter().filter(|cell| cell.state() == CellState::Answered);
-        answered.fold([0, 0], |[refused, all], cell| [refused + cell.samples - cell.answered, all + cell.samples])
-    }
 }
 
-/// All situations: first the one with everything known, then those with errors of the contact or the finger.
+/// All situations, the unknown contact first; then the known contact, and the known contact on a finger that is softer than its model.
 pub(super) fn situations<'s>(study: &'s Study) -> Vec<Situation<'s>> {
-    let noisy = study.noise_mm > 0.0;
-    let mapped = |truth| study.map_by(truth, EstimatorId::Nonlinear, noisy);
-    let maps = [mapped(TruthId::Corotational), study.assumed.as_ref(), mapped(TruthId::Twin)];
-    let [known, assumed, softer] = maps.map(|map| {
-        let map = map?;
-        Some(Situation {
-            name: "contact known",
-            about: "contact and finger known".to_owned(),
-            in_words: "contact and finger known".to_owned(),
-            in_short: "contact known".to_owned(),
-            is_assumed: false,
-            csv: CSV,
-            map,
-            cells: map.worst(),
-        })
-    });
-    let off = format!("{POSITION_OFF_MM} mm and {DIRECTION_OFF_DEG} deg off");
-    let assumed = assumed.map(|known| Situation {
-        name: "contact assumed",
-        about: format!("contact assumed with a wrong position and direction, {off}"),
-        in_words: format!("with the contact {off}"),
-        in_short: off.clone(),
-        is_assumed: true,
-        csv: ASSUMED_CSV,
-        ..known
-    });
-    let softer = softer.map(|known| Situation {
-        name: "softer ends",
-        about:
-            "contact known, but base and tip of the finger softer than in its model, as fitted to the paper's Table I"
-                .to_owned(),
-        in_words: "with base and tip softer than modelled".to_owned(),
-        in_short: "base and tip softer than modelled".to_owned(),
-        ..known
-    });
-    [known, assumed, softer].into_iter().flatten().collect()
+    let of_map = |map: &'s AccuracyMap| Situation {
+        name: map.situation.to_string(),
+        is_misjudged: map.situation.contact == ContactKnowledge::Misjudged,
+        csv: map_csv_name(map),
+        map,
+        cells: map.worst(&study.finger),
+    };
+    let softer = study.map_by(TruthId::Twin, EstimatorId::Nonlinear, study.noise_mm > 0.0);
+    let softer = softer.map(|map| Situation { name: SOFTER.to_owned(), csv: map_csv_name(map), ..of_map(map) });
+    study.situations.iter().map(of_map).chain(known(study).map(of_map)).chain(softer).collect()
+}
+
+/// Name of the situation on the finger with softer ends.
+pub(super) const SOFTER: &str = "contact known, base and tip softer than modelled";
+
+/// The map of the known contact.
+fn known(study: &Study) -> Option<&AccuracyMap> {
+    study.map_by(TruthId::Corotational, EstimatorId::Nonlinear, study.noise_mm > 0.0)
+}
+
+/// The situation with a known contact, if there is one.
+pub(super) fn of_known<'a, 's>(study: &Study, all: &'a [Situation<'s>]) -> Option<&'a Situation<'s>> {
+    let map = known(study)?;
+    all.iter().find(|situation| std::ptr::eq(situation.map, map))
 }
 
 pub(super) fn datasets<'s>(study: &'s Study) -> Vec<Dataset<'s>> {
-    let cells = Columns::<(&'static str, WorstCell)>::new()
-        .file("case", |(name, _)| *name)
+    let cells = Columns::<(String, WorstCell)>::new()
+        .file("case", |(name, _)| name.clone())
         .file("s_mm", |(_, cell)| cell.s_mm)
         .file("angle_deg", |(_, cell)| cell.angle_deg)
         .file("state", |(_, cell)| cell.state.name())
         .file("worst_error", |(_, cell)| cell.worst_error)
-        .file("is_trusted", |(_, cell)| cell.is_trusted);
-    let counts = Columns::<Situation>::new()
-        .file("case", |of| of.name)
-        .file("cells", |of| of.all().cells)
-        .file("trusted", |of| of.all().trusted)
-        .file("refused", |of| of.all().refused)
-        .file("without_equilibrium", |of| of.all().without_equilibrium)
-        .file("share_trusted", |of| of.all().share())
-        .file("failed_by_direction", |of| of.is_assumed.then(|| of.failed_by_direction(study)).flatten())
-        .file("samples_refused_where_answered", |of| of.refused_samples()[0])
-        .file("samples_where_answered", |of| of.refused_samples()[1]);
+        .file("is_trusted", |(_, cell)| cell.is_trusted)
+        .file("refused_samples", |(_, cell)| cell.refused_samples)
+        .file("warned_samples", |(_, cell)| cell.warned_samples)
+        .file("weight_mm_deg", |(_, cell)| cell.weight);
+    let samples = |of: &Situation, i: usize| of.trust().samples().map(|shares| shares[i]);
+    let shares = Columns::<Situation>::new()
+        .file("case", |of| of.name.clone())
+        .file("cells", |of| of.trust().cells)
+        .file("without_equilibrium", |of| of.trust().without_equilibrium)
+        .file("share_trusted", |of| of.trust().share())
+        .file("share_refused", |of| of.trust().refused_share())
+        .file("share_of_samples_refused", move |of| samples(of, 0))
+        .file("share_of_samples_warned", move |of| samples(of, 1))
+        .file("failed_by_direction", |of| of.is_misjudged.then(|| of.failed_by_direction(study)).flatten());
     let found = situations(study);
-    let all_cells = found.iter().flat_map(|of| of.cells.iter().map(|cell| (of.name, *cell))).collect::<Vec<_>>();
+    let all_cells =
+        found.iter().flat_map(|of| of.cells.iter().map(|cell| (of.name.clone(), *cell))).collect::<Vec<_>>();
     let mut all =
-        vec![Dataset::new(CSV, &cells, all_cells).csv_alone(), Dataset::new(CSV, &counts, found).summary_alone()];
-    all.extend(study.assumed.iter().map(|map| Dataset::records(ASSUMED_CSV, &map.cells).csv_alone()));
+        vec![Dataset::new(CSV, &cells, all_cells).csv_alone(), Dataset::new(CSV, &shares, found).summary_alone()];
+    all.extend(study.situations.iter().map(|map| Dataset::records(&map_csv_name(map), &map.cells).csv_alone()));
     all
 }
 
 /// Caption of the drawings.
 pub(super) fn caption(study: &Study) -> String {
     let forces_n = list(study.forces.of_maps_n(), ", ");
+    let [limit, misjudged] = [percent(TRUSTED_ERROR), format!("{POSITION_OFF_MM} mm and {DIRECTION_OFF_DEG} deg")];
     format!(
-        "The colour shows the worst of the mean errors under {forces_n} N, with the nonlinear estimator. The front \
-            plate shows forces along its normal. The fans show all directions, drawn on the side from which the force \
-            comes. Green cells are trusted; refused cells (position and direction) are not trusted. Shares count only \
-            the cells with an equilibrium."
+        "Share: part of the plate's length and of the directions that friction allows in which the mean error of the nonlinear estimator is within {limit} \
+         under each of {forces_n} N. A force that is mostly refused is not within it. Friction allows directions up to {:.0} deg from the normal (a \
+         coefficient of {FRICTION_MAX}), or a known range. Directions count from the normal of the bent plate; with a known or misjudged contact, from the \
+         undeformed normal. Colour: the largest error. The plate shows forces along its normal; the fans show all directions on the side from which the \
+         force comes. Hidden at the object: a third of the front plate. Misjudged: {misjudged} off. `--quick` has the same forces, but coarser grids.",
+        FRICTION_MAX.atan().to_degrees()
     )
 }
 
-/// Text below the drawing of a situation: its counts.
+/// Text below the drawing of a situation: refusals, warnings, and cells without equilibrium.
 fn counted(situation: &Situation) -> String {
-    let (about, counts) = (capitalised(&situation.about), situation.all());
-    let TrustCounts { cells, without_equilibrium, refused, .. } = counts;
-    let samples = match situation.refused_samples() {
-        [0, _] => String::new(),
-        [refused, all] => format!(", and {refused} of {all} noise samples of answered forces"),
-    };
-    format!("{about}. Refused: {refused} of {cells} cells{samples}. Without equilibrium: {without_equilibrium} cells.")
+    let trust = situation.trust();
+    let samples = trust.samples().map_or_else(String::new, |shares| {
+        let [refused, warned] = shares.map(percent);
+        format!("Noise samples: {refused} refused, {warned} with a warning.")
+    });
+    match trust.without_equilibrium {
+        0 => samples,
+        without => format!("{samples} Without equilibrium: {without} of {} cells.", trust.cells),
+    }
 }
 
 /// One drawing of the finger per situation.
@@ -165,23 +150,21 @@ pub(super) fn figures(Results { study, .. }: Results) -> Result<Vec<Figure>, Rep
 
 fn figure(study: &Study, situation: &Situation, is_first: bool) -> Result<Figure, ReportError> {
     let finger = &study.finger;
-    let counts = situation.all();
-    let (share, carried) = (counts.share().map_or_else(|| "none".to_owned(), percent), counts.carried());
-    let title =
-        format!("{}: {share} of {carried} cells within {}", capitalised(situation.name), percent(TRUSTED_ERROR));
+    let share = situation.trust().share().map_or_else(|| "no equilibrium".to_owned(), percent);
+    let title = format!("{}: {share}", capitalised(&situation.name));
     let [front, back, ribs] = at_rest(finger);
     let series = Series::lines("", [back, ribs, front].concat(), Hue::FAINT, 2.2);
     let alt = format!(
-        "{title}. The finger is drawn with its base on the left. The front plate is coloured by the error along \
+        "{title} trusted. The finger is drawn with its base on the left. The front plate is coloured by the error along \
             the normal, the fans by the error in every direction."
     );
-    // The situation with everything known is drawn larger, above the others.
+    // The unknown contact is drawn larger, above the others.
     let frame = if is_first { Frame::full(&title, alt) } else { Frame::half(&title, alt) };
     let frame = frame.with_plot_height(if is_first { 400.0 } else { 250.0 });
     let drawn = Chart::to_scale(frame, [ALONG_THE_PLATE, ACROSS_AXIS], series);
     let [x, top] = along_the_plate(finger);
     let chart = Chart { patches: patches(finger, situation), x, top: Some(top), ..drawn };
-    Ok(Figure { wide: is_first, ..Figure::wide(chart.svg()?, counted(situation), situation.csv) })
+    Ok(Figure { wide: is_first, ..Figure::wide(chart.svg()?, counted(situation), &situation.csv) })
 }
 
 /// Axes of the position along the front plate, mm, and of its contact nodes.

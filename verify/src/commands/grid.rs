@@ -7,8 +7,8 @@ use finray_model::sensor::PreparedScene;
 use finray_report::{map_figure_svg, standalone};
 use finray_studies::sampling::map::AccuracyMap;
 use finray_studies::sampling::sampled::SampledSensor;
+use finray_studies::sampling::situation::{ContactKnowledge, HiddenMarkers, Situation};
 use finray_studies::sampling::sweep::{Grid, Head, Partial, Request, Shard, Sweep, Table};
-use finray_studies::sampling::worst::TrustCounts;
 use finray_studies::settings::TRUSTED_ERROR;
 use finray_studies::truths::{SAME, Truth};
 use std::io::{Read, Write};
@@ -35,12 +35,26 @@ pub struct GridArguments {
     /// Step between force directions from -80 to 80 degrees; a step of 90 gives only the normal direction; not used with --truth mujoco or continuum
     #[arg(long, help_heading = "Cells", value_name = "D", default_value_t = 5.0, value_parser = degrees_between)]
     step_deg: f64,
+    /// What the sensor knows of the contact: position and direction (known), the same wrongly by 1.5 mm and 12.5 degrees (off), or what the same text
+    /// says after --contact-at of `sense`. With an unknown direction (@), true directions are those that friction allows, counted from the normal of
+    /// the bent plate: up to 45 degrees; for @friction within friction_range of the scene (or -0.5 to 0.5), for @normal none [default: known]
+    #[arg(long, help_heading = "Cells", value_parser = listed(ContactKnowledge::ALL, ContactKnowledge::name))]
+    pub knows: Option<ContactKnowledge>,
+    /// Markers that are not visible: none, those of a third of the front plate at the contact (object), or those of the third next to the tip (tip)
+    #[arg(long, help_heading = "Cells", value_parser = listed(HiddenMarkers::ALL, HiddenMarkers::name), default_value_t = HiddenMarkers::None)]
+    hidden: HiddenMarkers,
     /// Compute only shard I of N; `finray merge` joins the shards
     #[arg(long, help_heading = "Cells", value_name = "I/N")]
     shard: Option<Shard>,
     /// Result file; - for standard output
     #[arg(long, value_name = "FILE", default_value = "-")]
     out: PathBuf,
+}
+
+impl GridArguments {
+    fn knowledge(&self) -> ContactKnowledge {
+        self.knows.unwrap_or(ContactKnowledge::Known)
+    }
 }
 
 /// Computes a table and writes it row by row. For a map, it also writes the figure. `noise_mm` has the standard deviations of the noise in one
@@ -59,8 +73,12 @@ pub fn run(
     let truths = truth_ids.iter().zip(&truth_meshes).map(|(id, mesh)| id.on(mesh, &scene));
     let truths = truths.collect::<Result<Vec<_>, _>>()?;
     // The true fingers have no other errors of the scene than the errors of beam theory.
-    let sensed = PreparedScene::from(Scene { model_error: scene.model_error, ..Scene::of_finger(finger.clone()) });
-    let sensors: Vec<SampledSensor> = estimator_ids.iter().map(|id| SampledSensor::new(*id, &networks)).collect();
+    let mut sensed = Scene { model_error: scene.model_error, ..Scene::of_finger(finger.clone()) };
+    sensed.contact.lean = scene.contact.lean;
+    let sensed = PreparedScene::from(sensed);
+    let situation = Situation { contact: arguments.knowledge(), hidden: arguments.hidden };
+    let sensor = |id: &EstimatorId| SampledSensor { situation, ..SampledSensor::new(*id, &networks) };
+    let sensors: Vec<SampledSensor> = estimator_ids.iter().map(sensor).collect();
     let grid = grid(arguments, noise_mm, &scene, &truths)?;
     for sensor in &sensors {
         require_an_answer(&sensed, sensor, &grid)?;
@@ -71,6 +89,7 @@ pub fn run(
         table,
         truths: truth_ids.to_vec(),
         estimators: estimator_ids.to_vec(),
+        situation,
         network: digest,
         scene: text,
         grid: grid.clone(),
@@ -87,11 +106,16 @@ fn grid(
     // True fingers from exported data have fixed contact positions and directions. If there are such fingers, the whole grid uses the positions and
     // directions common to all of them.
     let given = truths.iter().map(|truth| truth.positions(&arguments.force_n)).collect::<Result<Vec<_>, _>>()?;
-    let (positions_mm, angles_deg) = given
-        .into_iter()
-        .flatten()
-        .reduce(|one, other| (shared(one.0, &other.0), shared(one.1, &other.1)))
-        .unwrap_or_else(|| Grid::grid(&scene.finger, arguments.places as usize, arguments.step_deg));
+    let exported = given.into_iter().flatten().reduce(|one, other| (shared(one.0, &other.0), shared(one.1, &other.1)));
+    let knows = arguments.knowledge();
+    if exported.is_some() && knows.is_leaning() {
+        return Err(bad_input(format!(
+            "--knows {knows}: expected a true finger that can be bent in any direction, because the force follows the bent plate; \
+             shapes of --truth mujoco and continuum exist only for fixed directions"
+        )));
+    }
+    let (positions_mm, angles_deg) =
+        exported.unwrap_or_else(|| Grid::of_knowledge(scene, knows, arguments.places as usize, arguments.step_deg));
     let growing = |numbers: &[f64]| {
         let mut numbers = numbers.to_vec();
         numbers.sort_by(f64::total_cmp);
@@ -105,6 +129,7 @@ fn grid(
     Ok(Grid {
         positions_mm,
         angles_deg,
+        is_leaning: knows.is_leaning(),
         forces_n: growing(&arguments.force_n),
         noise_levels_mm,
         noise_samples: arguments.seeds as usize,
@@ -168,7 +193,7 @@ fn write(sweep: &Sweep, finger: &Finger, head: Head, out: &Path) -> Result<Strin
     let figure = map.as_ref().map(|map| figure(finger, map, &out)).transpose()?;
     let beside: Vec<_> = figure.into_iter().collect();
     partial.finish(&beside)?;
-    let result = map.map_or_else(|| count(rows, "row"), |map| trusted(&map));
+    let result = map.map_or_else(|| count(rows, "row"), |map| trusted(finger, &map));
     Ok(summary(result, std::iter::once(&out).chain(beside.iter().map(|(path, _)| path))))
 }
 
@@ -184,20 +209,25 @@ pub fn figure(finger: &Finger, map: &AccuracyMap, out: &Path) -> Result<(PathBuf
     Ok((figure_path(out), standalone(&figure)))
 }
 
-/// Summary of a map: the share of cells (position and direction) whose error stays within the limit under every force.
-pub fn trusted(map: &AccuracyMap) -> String {
-    let counts = TrustCounts::of(&map.worst());
-    let share = counts.share().map_or("none".to_owned(), |share| format!("{:.0} %", 100.0 * share));
-    let (cells, limit) = (count(counts.carried(), "cell"), 100.0 * TRUSTED_ERROR);
+/// Summary of a map: its trusted share, and the shares of the noise samples that are refused and that are answered with a warning.
+pub fn trusted(finger: &Finger, map: &AccuracyMap) -> String {
+    let trust = map.trust(finger);
+    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    let share = trust.share().map_or("none".to_owned(), percent);
     let noise = match map.noise_mm {
         0.0 => "no camera noise".to_owned(),
         noise_mm => format!("{noise_mm} mm noise"),
     };
-    let without = match counts.without_equilibrium {
+    let samples = trust.samples().map_or_else(String::new, |shares| {
+        let [refused, warned] = shares.map(percent);
+        format!(", {refused} of samples refused, {warned} with a warning")
+    });
+    let without = match trust.without_equilibrium {
         0 => String::new(),
-        without => format!(", {without} more without equilibrium"),
+        without => format!(", {without} of {} without equilibrium", count(trust.cells, "cell")),
     };
-    format!("{share} of {cells} trusted (error up to {limit} %, {noise}){without}")
+    let limit = percent(TRUSTED_ERROR);
+    format!("{share} trusted ({}, error up to {limit}, {noise}){samples}{without}", map.situation)
 }
 
 /// Path of a table; for a map, the suffix becomes csv if the figure would have the same path as the table.

@@ -21,6 +21,10 @@ pub const DIRECTION_OFF_DEG: f64 = 12.5;
 /// An assumed position is wrong by this distance to either side, mm. An object may touch anywhere around a rod, so the distance is the radius of the
 /// paper's rods (sec. V-C).
 pub const POSITION_OFF_MM: f64 = 1.5;
+/// Largest coefficient of friction of objects, dimensionless; rubber on most surfaces has less. A force leans from the normal by at most its arctangent.
+pub const FRICTION_MAX: f64 = 1.0;
+/// Known range of the coefficient of friction if the scene states none, dimensionless: dry plastics and metals, which may slide to either side.
+pub const KNOWN_FRICTION: [f64; 2] = [-0.5, 0.5];
 /// With at least this number of cases, the standard error of a mean error is about 2 % of the mean. A check of the mean error then needs no allowance
 /// for sampling error.
 pub const ENOUGH_CASES: usize = 4000;
@@ -115,7 +119,13 @@ impl Effort {
     /// A coarser [`resolution`](Effort::resolution) for slow estimators and for further true fingers. The cells of this coarse grid are also cells of
     /// the finer grid.
     pub(crate) fn coarse_resolution(self) -> (usize, f64, usize) {
-        self.choose((12, 40.0, 4), (24, 10.0, 12))
+        self.choose((12, 20.0, 4), (24, 10.0, 12))
+    }
+
+    /// Resolution of the maps of unknown contacts. With few samples, the mean error of a cell is within a limit by chance more often than with many, so
+    /// that the trusted share would be larger; quick and full maps therefore have equally many samples, and differ in their grids alone.
+    pub(crate) fn unknown_resolution(self) -> (usize, f64, usize) {
+        self.choose((6, 20.0, 6), (24, 10.0, 6))
     }
 
     /// The [`coarse_resolution`](Effort::coarse_resolution) with larger steps of the directions, for shapes that take milliseconds; the largest steps

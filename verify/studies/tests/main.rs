@@ -7,25 +7,22 @@ mod estimators {
     mod stated_intervals;
 }
 mod experiments {
-    mod assumed;
     mod camera;
     mod contact_scene;
     mod continuum;
     mod coverage;
-    mod direction;
-    mod displacement_noise;
     mod explain;
     mod grasp {
         mod energy;
         mod loops;
         mod modules;
-        mod observations;
         mod obstacles;
         mod sensed;
         mod world;
     }
     mod networks;
     mod noise;
+    mod situations;
 }
 mod exports {
     mod calculix;
@@ -42,6 +39,7 @@ mod sampling {
     mod map;
     pub mod scatter;
     mod shared_start;
+    mod situation;
 }
 mod statistics;
 mod truths {

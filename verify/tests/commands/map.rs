@@ -212,3 +212,68 @@ fn the_twin_is_of_the_papers_finger_alone() {
     let message = finray(&["map", SPRING_STEEL, "--truth", "twin"]).refused();
     assert_says(&message, &["--truth twin", "the paper's finger"]);
 }
+
+/// The unknown contact: true forces lean from the bent plate's normal within the friction cone, each cell has its own noise, and what is known raises
+/// the trusted share. The command says which knowledge it assumes.
+#[test]
+fn what_is_known_of_the_contact_decides_the_trusted_share() {
+    let folder = Folder::new();
+    let out = folder.path("map.csv");
+    let map = |knows: &str, hidden: &str| {
+        let arguments = [
+            "map",
+            PAPER,
+            "--knows",
+            knows,
+            "--hidden",
+            hidden,
+            "--noise-mm",
+            "0.067",
+            "--force-n",
+            "2",
+            "--places",
+            "6",
+            "--step-deg",
+            "45",
+            "--seeds",
+            "4",
+            "--out",
+            &out,
+        ];
+        let run = finray(&arguments);
+        let summary = run.summary.expect("a last line");
+        let share = summary.strip_prefix("done: ").and_then(|rest| rest.split(" % trusted (").next());
+        let share: f64 = share.expect("a share").parse().expect("a number");
+        (Csv::of(&folder.read("map.csv")), share, summary)
+    };
+    let (unknown, unknown_share, said) = map("auto@auto", "none");
+    assert_eq!(unknown.header, HEADER);
+    assert_close(&unknown.numbers("angle_deg")[..3], &[-45.0, 0.0, 45.0], 1e-9);
+    assert!(said.contains("(contact unknown, error up to 10 %, 0.067 mm noise), ") && said.contains("with a warning"));
+    let (object, _, said) = map("auto@auto", "object");
+    assert!(said.contains("contact unknown, markers at the object hidden") && object != unknown, "{said}");
+    let (_, tip_share, _) = map("auto@auto", "tip");
+    let (friction, friction_share, _) = map("auto@friction", "none");
+    let half = 0.5_f64.atan().to_degrees();
+    assert_close(&friction.numbers("angle_deg")[..3], &[-half, 0.0, half], 1e-9);
+    let (_, known_share, _) = map("known", "none");
+    let (frictionless, frictionless_share, _) = map("auto@normal", "none");
+    assert!(frictionless.numbers("angle_deg").iter().all(|angle| *angle == 0.0));
+    assert!(
+        tip_share < unknown_share && unknown_share < friction_share,
+        "{tip_share} {unknown_share} {friction_share}"
+    );
+    assert!(friction_share <= known_share && frictionless_share > unknown_share, "{known_share} {frictionless_share}");
+    let silent = finray(&["map", PAPER, "--places", "4", "--step-deg", "90", "--seeds", "1", "--force-n", "1"]);
+    assert!(
+        silent.err.contains("note: this map assumes that the contact is known; --knows auto@auto"),
+        "{}",
+        silent.err
+    );
+    let exported = ["map", PAPER, "--estimator", "least-squares", "--truth", "mujoco", "--force-n", "1"];
+    assert_says(&finray(&[&exported[..], &["--knows", "auto@auto"]].concat()).refused(), &["--knows auto@auto"]);
+    assert_says(
+        &finray(&["map", PAPER, "--estimator", "least-squares", "--knows", "auto@auto", "--places", "2"]).refused(),
+        &["nonlinear"],
+    );
+}

@@ -4,10 +4,11 @@ use super::{coverage, failures, given};
 use crate::format::{capitalised, list, percent};
 use crate::maps::small;
 use crate::prelude::*;
-use crate::trust::{Situation, situations};
+use crate::trust::{Situation, of_known, situations};
 use crate::{causes, checks, shapes};
 use finray_studies::check::Tally;
 use finray_studies::experiments::coverage::CoverageRow;
+use finray_studies::sampling::situation::ContactKnowledge;
 use finray_studies::statistics::mean;
 
 /// A region of the finger is named as weak if its share of trusted cells (positions and directions) is below this.
@@ -25,35 +26,28 @@ pub(crate) fn answers(study: &Study) -> Vec<[String; 2]> {
     ])
 }
 
-/// Text that states in which cells forces are trusted in each situation, and which regions are weakest in the first situation.
+/// Text that states the trusted share in each situation, and which regions are weakest with a known contact.
 fn trusted(study: &Study, situations: &[Situation]) -> Option<String> {
-    let [known, others @ ..] = situations else { return None };
-    let share = |of: TrustCounts| of.share().map_or_else(String::new, |share| format!(" ({})", percent(share)));
-    let other = |situation: &Situation| {
-        let counts = situation.all();
-        format!("; {}, in {} of {}{}", situation.in_words, counts.trusted, counts.carried(), share(counts))
-    };
-    let counts = known.all();
-    let (which, missing) = match counts.without_equilibrium {
-        0 => ("", String::new()),
-        cells => (
-            " in which the finger carries these forces",
-            format!("; in {cells} other cells, the finger has no equilibrium under at least one of these forces"),
+    let known = of_known(study, situations)?;
+    let share = |of: &Situation| Some(format!("{} ({})", percent(of.trust().share()?), of.name));
+    let shares: Vec<String> = situations.iter().filter_map(share).collect();
+    let missing = match known.trust() {
+        TrustShare { without_equilibrium: 0, .. } => String::new(),
+        TrustShare { without_equilibrium, cells, .. } => format!(
+            " With the contact known, the finger has no equilibrium under at least one of these forces in {without_equilibrium} of {cells} cells, which \
+             count in no share."
         ),
     };
     let weakest = match &weak_regions(study, known)[..] {
-        [] => "No region of the known finger is clearly weaker than the others.".to_owned(),
-        weak => format!("Weakest regions of the known finger: {}.", weak.join(", ")),
+        [] => "With the contact known, no region is clearly weaker than the others.".to_owned(),
+        weak => format!("Weakest regions with the contact known: {}.", weak.join(", ")),
     };
     Some(format!(
-        "The mean error stays within {} for forces of {} N in {} of the {} positions and directions{which}{}, with \
-            contact and finger known{missing}{}. {weakest}",
+        "The mean error stays within {} for forces of {} N in these shares of the positions and of the directions that friction allows: \
+         {}.{missing} {weakest}",
         percent(TRUSTED_ERROR),
         list(&known.map.request.forces_n, ", "),
-        counts.trusted,
-        counts.carried(),
-        share(counts),
-        list(others.iter().map(other), "")
+        list(shares, "; "),
     ))
 }
 
@@ -65,20 +59,21 @@ fn weak_regions(study: &Study, situation: &Situation) -> Vec<String> {
     const REGIONS: [Region; 5] = [
         ("the tenth of the plate next to the base", |s, _| s < 0.1),
         ("the tenth of the plate next to the tip", |s, _| s > 0.9),
-        ("forces turned more than 45 deg towards the base", |_, angle| angle < -45.0),
-        ("forces turned more than 45 deg towards the tip", |_, angle| angle > 45.0),
-        ("the rest", |s, angle| (0.1..=0.9).contains(&s) && angle.abs() <= 45.0),
+        ("forces turned more than 20 deg towards the base", |_, angle| angle < -20.0),
+        ("forces turned more than 20 deg towards the tip", |_, angle| angle > 20.0),
+        ("the rest", |s, angle| (0.1..=0.9).contains(&s) && angle.abs() <= 20.0),
     ];
-    let share = |(name, holds): &Region| Some((situation.counts(&study.finger, holds).share()?, *name));
+    let share = |(name, holds): &Region| Some((situation.trust_in(&study.finger, holds).share()?, *name));
     let mut weak: Vec<(f64, &str)> = REGIONS.iter().filter_map(share).filter(|(share, _)| *share < MOSTLY).collect();
     weak.sort_by(|a, b| a.0.total_cmp(&b.0));
     weak.into_iter().take(2).map(|(share, name)| format!("{name} (trusted in {})", percent(share))).collect()
 }
 
-/// The main cause of the failing cells in each situation.
+/// The main cause of the failing cells with a known contact, and in each other situation.
 fn why_not(study: &Study, situations: &[Situation]) -> Option<String> {
-    let [known, others @ ..] = situations else { return None };
-    let others = others.iter().filter_map(|situation| failing(study, situation));
+    let known = of_known(study, situations)?;
+    let others = situations.iter().filter(|other| other.name != known.name);
+    let others = others.filter_map(|situation| failing(study, situation));
     Some(format!("{}{}", failing_if_known(known), list(others, "")))
 }
 
@@ -105,14 +100,13 @@ fn failing_if_known(known: &Situation) -> String {
 /// cell off the normal, or no cell along the normal, has an equilibrium.
 fn failing(study: &Study, situation: &Situation) -> Option<String> {
     let failed = |is_turned: bool| {
-        let counts = situation.counts(&study.finger, |_, angle_deg| (angle_deg != 0.0) == is_turned);
-        counts.share().map(|trusted| percent(1.0 - trusted))
+        let trust = situation.trust_in(&study.finger, |_, angle_deg| (angle_deg != 0.0) == is_turned);
+        trust.share().map(|trusted| percent(1.0 - trusted))
     };
-    let (name, turned, along) = (capitalised(situation.name), failed(true)?, failed(false)?);
-    let why = if situation.is_assumed { format!("; {}", causes::largest_by_region(study)) } else { String::new() };
+    let (name, turned, along) = (capitalised(&situation.name), failed(true)?, failed(false)?);
+    let why = if situation.is_misjudged { format!("; {}", causes::largest_by_region(study)) } else { String::new() };
     Some(format!(
-        " {name}: {turned} of the cells (position and direction) with a force off the normal fail, and {along} \
-         of the cells with a force along the normal{why}."
+        " {name}: {turned} of the forces off the normal fail, and {along} of the forces along the normal{why}."
     ))
 }
 
@@ -122,10 +116,10 @@ fn use_what(study: &Study) -> Option<String> {
     let nonlinear = map(EstimatorId::Nonlinear)?;
     let along = nonlinear.cells.iter().filter(|cell| cell.angle_deg == 0.0);
     let error = percent(mean(along.filter_map(|cell| cell.mean_error))?);
-    let linear = map(EstimatorId::LeastSquares).and_then(|map| TrustCounts::of(&map.worst()).share());
+    let linear = map(EstimatorId::LeastSquares).and_then(|map| map.trust(&study.finger).share());
     let linear = linear.map_or_else(String::new, |linear| {
         let [trusted, linear] = [TRUSTED_ERROR, linear].map(percent);
-        format!(" Least squares: mean error within {trusted} in {linear} of the cells with an equilibrium.")
+        format!(" Least squares: mean error within {trusted} in a share of {linear}.")
     });
     let forces_n = list(&nonlinear.request.forces_n, ", ");
     Some(format!(
@@ -135,17 +129,28 @@ fn use_what(study: &Study) -> Option<String> {
 
 /// Coverage of the stated 95 % intervals, on the uniform finger and on the finger with softer ends.
 fn how_sure(study: &Study) -> Option<String> {
-    let known = coverage(study, TruthId::Corotational)?;
+    let known = coverage(study, TruthId::Corotational, ContactKnowledge::Known)?;
     let CoverageRow { refused, samples, covered_without_warning, covered_with_warning, .. } = known;
     let without = covered_without_warning.map_or_else(|| "none".to_owned(), percent);
     let with =
         covered_with_warning.map(|covered| format!(" and in {} of the answers with a warning", percent(covered)));
-    let softer = coverage(study, TruthId::Twin).and_then(how_sure_if_softer);
+    let softer = coverage(study, TruthId::Twin, ContactKnowledge::Known).and_then(how_sure_if_softer);
+    let unknown = coverage(study, TruthId::Corotational, ContactKnowledge::Nothing).and_then(how_sure_if_unknown);
     Some(format!(
         "With contact and finger known, the 95 % intervals of the nonlinear estimator contain the force in \
-            {without} of the answers without a warning{} ({refused} of {samples} samples refused).{}",
+            {without} of the answers without a warning{} ({refused} of {samples} samples refused).{}{}",
         with.unwrap_or_default(),
+        unknown.unwrap_or_default(),
         softer.unwrap_or_default()
+    ))
+}
+
+/// Coverage of the intervals with an unknown contact.
+fn how_sure_if_unknown(unknown: &CoverageRow) -> Option<String> {
+    let CoverageRow { refused, warned, samples, covered_without_warning, .. } = unknown;
+    let covered = percent((*covered_without_warning)?);
+    Some(format!(
+        " With an unknown contact, they contain it in {covered} ({refused} of {samples} samples refused, {warned} answered with a warning)."
     ))
 }
 

@@ -250,12 +250,15 @@
         html('p', {}, causeInWords(mainCause(data, map, at.s, at.angle))));
     }
 
+    /** Kinds of the cells, by position, then direction. A cell counts by the plate and the directions that friction allows for which it stands. */
     function tell(kinds) {
-      const count = (...some_of) => kinds.filter((kind) => some_of.includes(kind)).length;
-      const whole = kinds.length - count('no-equilibrium', 'not-computed'), forces = list(chosenForces().map(number));
-      panel.says.textContent = `At ${share(count(...TRUSTED_KINDS), whole)} of the ${whole} positions and directions the mean error is within ` +
+      const counted = kinds.map((kind, n) => [kind, map.weight[n]]).filter(([, weight]) => weight > 0);
+      const count = (...some_of) => counted.filter(([kind]) => some_of.includes(kind)).length;
+      const weigh = (...some_of) => counted.reduce((sum, [kind, weight]) => sum + (some_of.includes(kind) ? weight : 0), 0);
+      const whole = weigh(...Object.keys(KINDS)) - weigh('no-equilibrium', 'not-computed'), forces = list(chosenForces().map(number));
+      panel.says.textContent = `At ${share(weigh(...TRUSTED_KINDS), whole)} of the positions and of the directions that friction allows, the mean error is within ` +
         `${percent(TRUSTED)} (${chosenForces().length > 1 ? 'worst of ' : ''}${forces} N); ` +
-        `${count('refused')} refused, ${count('no-equilibrium')} without equilibrium.`;
+        `${count('refused')} of ${counted.length} cells refused, ${count('no-equilibrium')} without equilibrium.`;
       const samples = Math.max(0, ...map.samples.filter(some));
       panel.note.textContent = `Camera noise ${number(noise)} mm per coordinate; noise samples per cell and force: ${samples}. Error: mean of ` +
         '|sensed / true - 1|. No equilibrium: the finger cannot carry the force. A click keeps a cell chosen, Escape releases it. ';

@@ -15,7 +15,7 @@ pub(super) fn overview(study: &Study, shown: MapFilter) -> Result<String, Figure
     let columns: Vec<EstimatorId> = EstimatorId::ALL.iter().copied().filter(is_asked).collect();
     let rows = TruthId::ALL.iter().filter_map(|&truth| {
         let row = columns.iter().map(|&estimator| small(truth, estimator));
-        let row: Vec<Option<Cells>> = row.map(|map| map.as_ref().map(small_map)).collect();
+        let row: Vec<Option<Cells>> = row.map(|map| map.as_ref().map(|map| small_map(&study.finger, map))).collect();
         row.iter().any(Option::is_some).then(|| (truth.label().to_owned(), row))
     });
     let frame = Frame::full(
@@ -27,18 +27,18 @@ pub(super) fn overview(study: &Study, shown: MapFilter) -> Result<String, Figure
     small_maps(&study.finger, frame, names, rows.collect()).svg()
 }
 
-fn small_map(map: &AccuracyMap) -> Cells {
-    Cells { note: note(TrustCounts::of(&map.worst())), ..error_cells(map, None) }
+fn small_map(finger: &Finger, map: &AccuracyMap) -> Cells {
+    Cells { note: note(&map.trust(finger)), ..error_cells(finger, map, None) }
 }
 
-/// Note above a small map: the number of cells with an equilibrium, and the whole percentages of these cells that are trusted and refused.
-pub fn note(counts: TrustCounts) -> String {
-    let (carried, Some(share)) = (counts.carried(), counts.share()) else { return "no equilibrium".to_owned() };
-    let refused = match counts.refused {
-        0 => String::new(),
-        refused => format!(", {:.0} % refused", 100.0 * refused as f64 / carried as f64),
+/// Note above a small map: the trusted share and the refused share, whole percentages.
+pub fn note(trust: &TrustShare) -> String {
+    let Some((share, refused)) = trust.share().zip(trust.refused_share()) else { return "no equilibrium".to_owned() };
+    let refused = match refused {
+        0.0 => String::new(),
+        refused => format!(", {:.0} % refused", 100.0 * refused),
     };
-    format!("{:.0} % of {carried} trusted{refused}", 100.0 * share)
+    format!("{:.0} % trusted{refused}", 100.0 * share)
 }
 
 /// A map that explains where sensing fails: its title, quantity and caption.

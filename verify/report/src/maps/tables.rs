@@ -3,7 +3,8 @@
 use super::{ExplainedQuantity, small};
 use crate::prelude::*;
 use finray_studies::sampling::map::MapSummary;
-use finray_studies::sampling::worst::WorstCell;
+use finray_studies::sampling::situation::Situation;
+use finray_studies::sampling::trust::WorstCell;
 use finray_studies::statistics::median;
 use serde::Serialize;
 
@@ -16,6 +17,11 @@ pub(super) const EXPLANATIONS_CSV: &str = "explanations.csv";
 /// Name of the CSV file with a map's cells.
 pub(crate) fn map_csv_name(map: &AccuracyMap) -> String {
     let noise = if map.noise_mm > 0.0 { "with_noise" } else { "without_noise" };
+    let Situation { contact, hidden } = map.situation;
+    if map.situation != Situation::default() {
+        let contact = contact.name().replace('@', "_");
+        return format!("map_contact_{contact}_hidden_{hidden}.csv");
+    }
     match map.estimator {
         EstimatorId::LeastSquares => format!("map_{}_{noise}.csv", map.truth),
         estimator => format!("map_{}_{estimator}_{noise}.csv", map.truth),
@@ -91,7 +97,7 @@ fn overview(study: &Study) -> Dataset<'static> {
     });
     let cells = shown.flat_map(|(truth, estimator, map)| {
         let noise_mm = map.noise_mm;
-        map.worst().into_iter().map(move |cell| (truth, estimator, noise_mm, cell))
+        map.worst(&study.finger).into_iter().map(move |cell| (truth, estimator, noise_mm, cell))
     });
     let columns = Columns::<Row>::new()
         .file("truth", |(truth, ..)| truth.name())

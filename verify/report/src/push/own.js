@@ -1,9 +1,12 @@
-// The page that edits a scene: the finger of the text, its stiffness along the plate, and a map of one force. The text can be saved.
+// The page that edits a scene: the finger of the text, its stiffness along the plate, and a map of one force of unknown contact. The text can be saved.
+// Directions are those that friction allows, with equal parts of the cone; the report's share counts in the same way, but over several forces and images.
 function edit(root, data, ask) {
   'use strict';
   const { start, plate, add, path, CLASSES, colourOf } = finray;
   const WAIT_MS = 300; // after the last key
-  const PLACES = 14, ANGLES_DEG = [-80, -60, -40, -20, 0, 20, 40, 60, 80];
+  const PLACES = 14, SECTORS = 9, CONE_DEG = data.cone_deg;
+  const ANGLES_DEG = Array.from({ length: SECTORS }, (_, i) => Math.round(CONE_DEG * ((2 * i + 1) / SECTORS - 1)));
+  const MEAN_ABSOLUTE = Math.sqrt(2 / Math.PI); // mean error of a normal error, in standard deviations
   const FARTHEST = 0.1; // largest motion of the contact under the largest force, as a share of the plate
   const [area, wrong, results] = ['.push-scene', '.push-error', '.own-results'].map((part) => document.querySelector(part));
   let state = {}, turn = 0;
@@ -35,8 +38,8 @@ function edit(root, data, ask) {
     const button = html('button', { type: 'button' }, 'Map this force');
     results.replaceChildren(html('h2', {}, 'Stiffness'), chart(places, stiffness, drawing.front_mm),
       html('p', { class: 'legend' }, 'A small force along the normal, divided by the motion of its contact.'), html('h2', {}, 'Map of one force'), button,
-      svg('svg', { viewBox: '0 0 100 58', role: 'img', 'aria-label': 'Standard deviation of the force by position and direction' }, grid), note);
-    note.textContent = 'Standard deviation of the sensed force, contact known, by position (base to tip) and direction.';
+      svg('svg', { viewBox: '0 0 100 58', role: 'img', 'aria-label': 'Expected error of the force by position and direction' }, grid), note);
+    note.textContent = 'Expected mean error of the sensed force, contact unknown, by position (base to tip) and direction.';
     button.addEventListener('click', () => map(drawing, places, grid, note, mine));
     map(drawing, places, grid, note, mine);
   }
@@ -53,21 +56,22 @@ function edit(root, data, ask) {
   /** Asks for one row of the map in each frame. */
   function map(drawing, places, grid, note, mine) {
     const { force_n } = state, wide = 86 / places.length, high = 44 / ANGLES_DEG.length;
-    const counts = { within: 0, all: 0 };
+    const counts = { within: 0, all: 0, refused: 0 };
     grid.replaceChildren();
     const row = (i) => {
       if (mine !== turn || i === ANGLES_DEG.length) return;
       places.forEach((s_mm, k) => {
-        const { bent } = ask(asked(s_mm, ANGLES_DEG[i], force_n, 'known')), force = bent?.sensed.force;
-        const share = force && force.sigma_n !== null ? force.sigma_n / force_n : null, colour = colourOf(share);
+        const { bent } = ask(asked(s_mm, ANGLES_DEG[i], force_n, 'sought')), force = bent?.sensed.force;
+        const share = force && force.sigma_n !== null ? MEAN_ABSOLUTE * force.sigma_n / force_n : null, colour = colourOf(share);
         const words = !bent ? 'not carried' : share === null ? 'refused' : `${number(100 * share, 2)} %`;
         grid.append(svg('rect', { x: 12 + k * wide, y: 2 + (ANGLES_DEG.length - 1 - i) * high, width: wide, height: high, fill: colour, class: 'own-cell' },
           svg('title', {}, `${number(s_mm)} mm, ${ANGLES_DEG[i]} deg: ${words}`)));
-        counts.all += 1;
+        counts.all += bent ? 1 : 0;
+        counts.refused += bent && share === null ? 1 : 0;
         counts.within += share !== null && share <= CLASSES[2][0];
       });
       grid.append(svg('text', { x: 11, y: 2 + (ANGLES_DEG.length - 0.35 - i) * high, 'text-anchor': 'end' }, `${ANGLES_DEG[i]}`));
-      note.textContent = `${number(force_n)} N, contact known: standard deviation within 10 % in ${counts.within} of ${counts.all} cells. Green: within 2, 5, 10 %; amber: 25 %; red: more; grey: refused or not carried.`;
+      note.textContent = `${number(force_n)} N, contact unknown: expected error within 10 % in ${number(100 * counts.within / Math.max(counts.all, 1), 2)} % of the plate and of the directions that friction allows (up to ${number(CONE_DEG)} deg), ${counts.refused} of ${counts.all} refused. The error follows from the stated standard deviation of one image; the report's first page takes the worst of four forces. Green: within 2, 5, 10 %; amber: 25 %; red: more; grey: refused or not carried.`;
       requestAnimationFrame(() => row(i + 1));
     };
     row(0);

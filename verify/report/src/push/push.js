@@ -86,6 +86,8 @@ const finray = (() => {
   /** Verdict of the report's map on a contact: words, and whether the cell of the contact is trusted. */
   function cellOf(map, s_mm, angle_deg) {
     if (!map) return ['No map for these choices.', null];
+    const half = map.angle_deg.length > 1 ? (map.angle_deg[1] - map.angle_deg[0]) / 2 : 90;
+    if (angle_deg < map.angle_deg[0] - half || angle_deg > map.angle_deg.at(-1) + half) return ['The map has no such direction: friction does not allow it.', null];
     const place = nearest(map.s_mm, s_mm), direction = nearest(map.angle_deg, angle_deg);
     const n = place * map.angle_deg.length + direction, error = map.worst_error[n];
     const where = `nearest cell of the map: ${number(map.s_mm[place])}${NBSP}mm, ${number(map.angle_deg[direction])}${NBSP}deg`;
@@ -119,7 +121,7 @@ const finray = (() => {
     const decimals = Math.max(0, 2 - Math.floor(Math.log10(data.most_n)));
     const newton = (x) => (x === null ? 'infinite' : `${x.toFixed(decimals)}${NBSP}N`);
     const front = plate(drawing), scale = ARROW_MM / data.most_n;
-    const state = { s_mm: 0.55 * drawing.front_mm, angle_deg: 0, force_n: data.first_n, knows: 'known', estimator: 'nonlinear',
+    const state = { s_mm: 0.55 * drawing.front_mm, angle_deg: 0, force_n: data.first_n, knows: 'sought', estimator: 'nonlinear',
       noise_mm: data.noise_mm, image: 1, ...before };
     state.s_mm = Math.min(state.s_mm, drawing.front_mm);
     state.force_n = Math.min(state.force_n, data.most_n);
@@ -150,8 +152,8 @@ const finray = (() => {
       slider(controls, 'Position', [0.02 * drawing.front_mm, drawing.front_mm, 0.5], 'mm', (s_mm) => change({ s_mm })),
       slider(controls, 'Direction', [-SIDE_DEG, SIDE_DEG, 1], 'deg', (angle_deg) => change({ angle_deg })),
       slider(controls, 'Force', [0, data.most_n, data.most_n / STEPS], 'N', (force_n) => change({ force_n }))];
-    const known = [['known', 'exactly'], ['sought', 'not at all: position and direction sought']];
-    if (data.off) known.splice(1, 0, ['off', `assumed ${Math.abs(data.off.by_mm)} mm and ${Math.abs(data.off.by_deg)} deg off`]);
+    const known = [['sought', 'not at all: position and direction sought'], ['known', 'exactly']];
+    if (data.off) known.splice(2, 0, ['off', `assumed ${Math.abs(data.off.by_mm)} mm and ${Math.abs(data.off.by_deg)} deg off`]);
     if (data.other) known.push(['other', 'exactly, but base and tip softer than modelled']);
     choice(controls, 'Contact known', known, (knows) => change({ knows })).value = state.knows;
     choice(controls, 'Estimator', drawing.estimators, (estimator) => change({ estimator })).value = state.estimator;

@@ -514,7 +514,8 @@ fn grasps(ledger: &mut Ledger, study: &Study) {
         (Some(begins), Some(crosses)) => format!("node 18 begins at {begins} deg, passes node 20 at {crosses} deg"),
     };
     ledger.says("their cross occurs", in_simulation(crosses.is_some()), ours);
-    let observed = study.observations.as_ref().expect("grasps");
+    let modules = study.modules.as_ref().expect("sensor modules");
+    let observed = super::observations::observations(study, modules);
     let named = |shares: &[(&String, f64)]| {
         joined(shares.iter().map(|(name, share)| format!("{} ({name})", percent(*share))), ", ")
     };

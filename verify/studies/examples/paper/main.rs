@@ -7,6 +7,7 @@ mod claims;
 mod convergence;
 mod lattice;
 mod networks;
+mod observations;
 mod table_one;
 mod table_two;
 mod twin;

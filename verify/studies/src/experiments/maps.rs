@@ -84,6 +84,8 @@ fn plan(context: &Context, truth: &dyn Truth, estimator: EstimatorId) -> Result<
         }
         _ => MapRequest::grid(context.finger, positions, step_deg),
     };
-    let request = MapRequest { positions_mm, angles_deg, forces_n, noise_levels_mm, noise_samples, seed: 1 };
+    let is_leaning = false;
+    let request =
+        MapRequest { positions_mm, angles_deg, is_leaning, forces_n, noise_levels_mm, noise_samples, seed: 1 };
     Ok(Some(Plan { truth: truth.id(), estimator, request }))
 }

@@ -3,13 +3,10 @@
 //! Each experiment of the report has a function `run`, which takes the [`Context`] and earlier results; [`study`](crate::study) lists the
 //! experiments.
 
-pub mod assumed;
 pub mod camera;
 pub mod contact_scene;
 pub mod continuum;
 pub mod coverage;
-pub mod direction;
-pub mod displacement_noise;
 pub mod explain;
 pub mod grasp;
 pub mod maps;
@@ -18,6 +15,7 @@ pub mod networks;
 pub mod noise;
 pub mod recorded;
 pub mod shapes;
+pub mod situations;
 pub mod table_two;
 
 use crate::prelude::*;

@@ -1,10 +1,11 @@
 //! The accuracy map: error of a single sensed force by position on the front plate and direction.
 //!
-//! The estimator knows position and direction, and estimates only the magnitude. The error is |sensed / true - 1|, averaged over the forces and noise
+//! What the estimator knows of position and direction, and which markers it sees, is the map's [`Situation`]. The error is |sensed / true - 1|, averaged over the forces and noise
 //! samples of a cell.
 
 use crate::prelude::*;
 use crate::sampling::sampled::SampledSensor;
+use crate::sampling::situation::Situation;
 use crate::sampling::sweep::{self, CellState, Grid, MapCell, Sweep};
 use crate::settings::{GROSS_ERROR, TRUSTED_ERROR};
 use crate::truths::{Truth, TruthId};
@@ -22,6 +23,8 @@ pub struct AccuracyMap {
     pub truth: TruthId,
     /// The estimator.
     pub estimator: EstimatorId,
+    /// What the sensor knows and sees.
+    pub situation: Situation,
     /// Standard deviation of the noise of a measured coordinate, mm.
     pub noise_mm: f64,
     /// Cells, ordered by position, then direction, then force.
@@ -49,6 +52,7 @@ pub fn accuracy_maps(
         request: request.clone(),
         truth: truth.id(),
         estimator: sensors[number / levels].options.estimator,
+        situation: sensors[number / levels].situation,
         noise_mm: request.noise_levels_mm[number % levels],
         cells: blocks.iter().flat_map(|block| &block[number * forces..][..forces]).copied().collect(),
     };
@@ -65,6 +69,7 @@ impl AccuracyMap {
             cells: csv::Reader::from_reader(table).into_deserialize().collect::<Result<_, _>>()?,
             truth: request.truths.first().copied().unwrap_or(TruthId::Corotational),
             estimator: request.estimators.first().copied().unwrap_or(EstimatorId::LeastSquares),
+            situation: request.situation,
             noise_mm: request.grid.noise_levels_mm.first().copied().unwrap_or(0.0),
             request: request.grid.clone(),
         })

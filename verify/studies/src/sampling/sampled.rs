@@ -1,31 +1,39 @@
 //! Sensors whose answers are sampled.
 
 use crate::prelude::*;
+use crate::sampling::situation::Situation;
 
 /// A sensor of maps and sweeps, which is asked at many contacts.
 #[derive(Debug, Clone)]
 pub struct SampledSensor {
     /// Estimator and networks. The noise of each measurement replaces the noise of the options.
     pub options: SensorOptions,
-    /// The contacts that a user states for a true contact. Successive samples take them in turn.
-    pub stated: fn(&Finger, Contact) -> Vec<Contact>,
+    /// What the sensor knows and sees.
+    pub situation: Situation,
 }
 
 impl SampledSensor {
-    /// An estimator that knows the contact.
+    /// An estimator that knows the contact and sees all markers.
     pub fn new(estimator: EstimatorId, networks: &Networks) -> SampledSensor {
         let options = SensorOptions { networks: networks.clone(), ..SensorOptions::of(estimator) };
-        SampledSensor { options, stated: |_, contact| vec![contact] }
+        SampledSensor { options, situation: Situation::default() }
     }
 
-    /// The sensor for each stated contact.
+    /// The sensor for each question that users ask about a true contact.
     ///
     /// # Errors
-    /// [`Refusal`] of the first stated contact that the estimator does not support.
+    /// [`Refusal`] of the first question that the estimator does not support.
     pub fn at(&self, scene: &PreparedScene, contact: Contact) -> Result<Vec<Sensor>, Refusal> {
-        let sensor =
-            |contact: Contact| Sensor::new(scene.clone(), SensorContacts::known(&[contact]), self.options.clone());
-        (self.stated)(&scene.finger, contact).into_iter().map(sensor).collect()
+        let questions = self.situation.contact.questions(scene, contact).into_iter();
+        let sensor = |question: ContactQuestion| {
+            Sensor::new(scene.clone(), SensorContacts::Asked(vec![question]), self.options.clone())
+        };
+        questions.map(sensor).collect()
+    }
+
+    /// The visible markers of a finger that is touched at a position on the front plate, mm from the base.
+    pub fn sees(&self, finger: &Finger, shape: &FingerShape, s_mm: f64) -> Measurement {
+        Measurement::of_shape(finger, shape).without(&self.situation.hidden.nodes(finger, s_mm))
     }
 }
 

@@ -5,7 +5,6 @@
 //! bound at the true forces of its case. For an unbiased estimator, the root mean square of these ratios is at least 1.
 
 mod cases;
-mod scout;
 
 use crate::prelude::*;
 use cases::Case;

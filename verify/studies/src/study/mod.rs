@@ -3,14 +3,14 @@
 use crate::check::{Check, Comparison};
 use crate::experiments::contact_scene::objects;
 use crate::experiments::contact_scene::study::{SceneStudy, SceneWithOutline};
-use crate::experiments::grasp::{modules, observations, rates, study as grasp_study};
+use crate::experiments::grasp::{modules, rates, study as grasp_study};
 use crate::experiments::networks::accuracy;
 use crate::experiments::{
-    Context, Evidence, assumed, camera, continuum, coverage, direction, displacement_noise, explain, maps, measured,
-    noise, recorded, shapes,
+    Context, Evidence, camera, continuum, coverage, explain, maps, measured, noise, recorded, shapes, situations,
 };
 use crate::problems;
 use crate::sampling::map::AccuracyMap;
+use crate::sampling::situation::Situation;
 use crate::settings::{CAMERA_NOISE_MM, Effort, Progress, ReportForces, is_papers_finger};
 use crate::truths::{MeshTruth, TruthId, fine_mesh};
 use finray_model::estimators::EstimatorId;
@@ -124,9 +124,9 @@ study! { |context|
     "maps":
         /// Maps by true finger and estimator, with and without noise.
         maps: Vec<AccuracyMap> = maps::run(context);
-    "assumed contacts":
-        /// Map of the nonlinear estimator if position and direction of the contact are assumed instead of known.
-        assumed: Option<AccuracyMap> = assumed::run(context);
+    "unknown contacts":
+        /// Maps of the nonlinear estimator for contacts that are not known exactly, and for hidden markers; empty without noise.
+        situations: Vec<AccuracyMap> = situations::run(context);
     "limits of sensing":
         /// Limits of sensing on the co-rotational finger by cell (position, direction), for the force at which maps are drawn.
         explanations: explain::ExplanationMap = explain::run(context);
@@ -135,19 +135,13 @@ study! { |context|
         continuum: continuum::ContinuumStudy = continuum::run(context);
     "coverage":
         /// Share of stated 95 % intervals that contain the true force, by finger and estimator.
-        coverage: Vec<coverage::CoverageRow> = coverage::run(context, &maps);
+        coverage: Vec<coverage::CoverageRow> = coverage::run(context, &maps, &situations);
     "noise":
         /// Errors of the nonlinear estimator under camera noise.
         noise: Option<noise::NoiseStudy> = noise::run(context);
-    "noise of displacements":
-        /// Smallest standard deviations of forces under camera noise, for each method that gives the undeformed positions.
-        displacement_noise: Option<displacement_noise::DisplacementNoiseStudy> = displacement_noise::run(context);
     "camera":
         /// Results of sensing from images; only for scenes with a camera and coloured markers, or for the paper's finger.
         camera: Option<camera::CameraStudy> = camera::run(context);
-    "unknown directions":
-        /// Errors of sensed forces of unknown direction under camera noise; only in a full study.
-        directions: Option<direction::DirectionStudy> = direction::run(context);
     "networks":
         /// Accuracy of the shipped networks; only for the paper's finger with noise.
         networks: Option<accuracy::NetworkStudy> = accuracy::run(context);
@@ -163,9 +157,6 @@ study! { |context|
     "sensor modules":
         /// Results for the paper's Table II on the moving gripper; only for the paper's finger in a full study.
         modules: Option<modules::ModuleStudy> = modules::run(context);
-    "observations":
-        /// Comparison with the paper's observations of grasps; only for the paper's finger in a full study.
-        observations: Option<observations::Observations> = observations::run(context, &grasps, modules.as_ref());
     "shapes":
         /// Example shapes of bent fingers.
         bent: Vec<shapes::BentFinger> = shapes::run(context);
@@ -214,6 +205,11 @@ impl Study {
     /// The map of one true finger by linear least squares, with or without noise.
     pub fn map(&self, truth: TruthId, noisy: bool) -> Option<&AccuracyMap> {
         self.map_by(truth, EstimatorId::LeastSquares, noisy)
+    }
+
+    /// The map of the co-rotational finger in a situation other than a known contact.
+    pub fn situation(&self, situation: Situation) -> Option<&AccuracyMap> {
+        self.situations.iter().find(|map| map.situation == situation)
     }
 
     /// The map of one true finger and estimator, with or without noise.

@@ -86,4 +86,10 @@ impl Truth for MeshTruth<'_> {
         let (equilibria, _) = self.prepared.clone().path(&[load], forces_n);
         equilibria.iter().map(|equilibrium| self.mesh.shape(&equilibrium.motion)).collect()
     }
+    fn turned(&self, finger: &Finger, contact: &Contact, force_n: f64) -> Option<(f64, FingerShape)> {
+        let load = contact.unit_load(finger);
+        let (equilibria, _) = self.prepared.clone().path(&[self.mesh.frame_load(&load).ok()?], &[force_n]);
+        let motion = &equilibria.first()?.motion;
+        Some((self.mesh.normal_turn(motion, &load, 0.0).ok()?.to_degrees(), self.mesh.shape(motion)))
+    }
 }

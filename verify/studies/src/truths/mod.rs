@@ -69,6 +69,32 @@ impl TruthId {
     }
 }
 
+/// A force that leans from the deformed normal is aligned within this angle, degrees. A misalignment by this angle changes the force by 1e-5, relative.
+const ALIGNED_DEG: f64 = 1e-3;
+/// Largest number of iterations to find the deformed normal.
+const MOST_TURNS: usize = 30;
+
+/// The contact of a force (N) that leans by `lean_deg` (degrees, positive towards the tip) from the normal of the deformed plate at `s_mm`, and the
+/// shape of the finger. `None` if the finger has no equilibrium under the force.
+pub fn leaning(
+    truth: &dyn Truth,
+    finger: &Finger,
+    s_mm: f64,
+    lean_deg: f64,
+    force_n: f64,
+) -> Option<(Contact, FingerShape)> {
+    let mut contact = Contact { position: ContactPosition::at(s_mm), angle_deg: lean_deg };
+    for _ in 0..MOST_TURNS {
+        let (normal_deg, shape) = truth.turned(finger, &contact, force_n)?;
+        let turn_deg = normal_deg + lean_deg - contact.angle_deg;
+        if turn_deg.abs() <= ALIGNED_DEG {
+            return Some((contact, shape));
+        }
+        contact.angle_deg += turn_deg;
+    }
+    None
+}
+
 /// Why a true finger could not be built, or has no shapes under a force.
 #[derive(Debug, thiserror::Error)]
 pub enum TruthError {
@@ -114,6 +140,18 @@ pub trait Truth: Sync {
     ///
     /// The list ends before the first force that the finger cannot carry.
     fn shapes(&self, contact: &Contact, forces_n: &[f64]) -> Vec<FingerShape>;
+
+    /// Rotation of the front plate's normal at a position (mm from the base), degrees, and shape of the finger, under a force (N). The default
+    /// interpolates the rotations of the key nodes. `None` without equilibrium.
+    fn turned(&self, finger: &Finger, contact: &Contact, force_n: f64) -> Option<(f64, FingerShape)> {
+        let shape = self.shapes(contact, &[force_n]).pop()?;
+        let s_mm = contact.position_mm(finger)?;
+        let turns = finger.plate_nodes(Plate::Front).into_iter().map(|node| shape.motion(node).rotation.to_degrees());
+        let nodes: Vec<(f64, f64)> = finger.plate_positions_mm(Plate::Front).into_iter().zip(turns).collect();
+        let ends = nodes.windows(2).find(|ends| ends[1].0 > ends[0].0 && (ends[0].0..=ends[1].0).contains(&s_mm))?;
+        let share = (s_mm - ends[0].0) / (ends[1].0 - ends[0].0);
+        Some((ends[0].1 + share * (ends[1].1 - ends[0].1), shape))
+    }
 
     /// Reason why a shape is missing in [`shapes`](Truth::shapes).
     fn no_shape(&self) -> &'static str {

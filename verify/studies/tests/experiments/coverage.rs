@@ -3,12 +3,15 @@
 use finray_model::estimators::EstimatorId;
 use finray_studies::check::Check;
 use finray_studies::experiments::coverage::{CoverageRow, TRUTH};
+use finray_studies::sampling::situation::{ContactKnowledge, HiddenMarkers};
 use finray_studies::truths::TruthId;
 
 fn row(covered_without_warning: f64, covered_with_warning: f64) -> CoverageRow {
     CoverageRow {
         truth: TRUTH,
         estimator: EstimatorId::LeastSquares,
+        contact: ContactKnowledge::Known,
+        hidden: HiddenMarkers::None,
         noise_mm: 0.067,
         contacts: 400,
         samples: 30_000,
@@ -41,6 +44,10 @@ fn intervals_that_are_too_narrow_or_too_wide_fail() {
     assert_eq!(passes(silent), [false]);
     let half = CoverageRow { refused: 10_000, ..row(0.95, 1.0) };
     assert_eq!((passes(half.clone())[0], half.checks(false)[0].passes()), (false, true));
+    // Unknown contacts may be refused, but their intervals must hold.
+    let unknown = CoverageRow { contact: ContactKnowledge::Nothing, ..half };
+    assert_eq!(passes(unknown.clone()), [true, true, true]);
+    assert_eq!(passes(CoverageRow { covered_without_warning: Some(0.9), ..unknown }), [false, true, true]);
     assert!(!passes(CoverageRow { samples: 0, refused: 0, ..row(0.95, 1.0) })[0]);
     assert_eq!(passes(CoverageRow { truth: TruthId::Twin, ..row(0.5, 0.5) }), Vec::<bool>::new());
 }

@@ -67,6 +67,7 @@ fn the_bound_is_how_the_nonlinear_estimator_scatters() {
     let request = MapRequest {
         positions_mm: POSITIONS_MM.into(),
         angles_deg: ANGLES_DEG.into(),
+        is_leaning: false,
         forces_n: vec![FORCE_N],
         noise_levels_mm: vec![NOISE_MM],
         noise_samples: SAMPLES,

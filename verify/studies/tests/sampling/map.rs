@@ -4,6 +4,7 @@ use finray_model::Finger;
 use finray_model::estimators::EstimatorId;
 use finray_model::finger::{Plate, RibPositions};
 use finray_studies::sampling::map::{AccuracyMap, MapRequest};
+use finray_studies::sampling::situation::Situation;
 use finray_studies::sampling::sweep::MapCell;
 use finray_studies::truths::TruthId;
 use finray_tests::paper;
@@ -27,6 +28,7 @@ fn map(cells: &[(Option<f64>, usize, usize)]) -> AccuracyMap {
         request: MapRequest {
             positions_mm: vec![10.0],
             angles_deg: (0..cells.len()).map(|n| n as f64).collect(),
+            is_leaning: false,
             forces_n: vec![3.0],
             noise_levels_mm: vec![0.1],
             noise_samples: 10,
@@ -34,6 +36,7 @@ fn map(cells: &[(Option<f64>, usize, usize)]) -> AccuracyMap {
         },
         truth: TruthId::Linear,
         estimator: EstimatorId::Network,
+        situation: Situation::default(),
         noise_mm: 0.1,
         cells: cells.iter().enumerate().map(cell).collect(),
     }

@@ -8,9 +8,10 @@ use finray_model::Scene;
 fn a_sample_does_not_depend_on_what_is_kept() {
     let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("the paper's scene").finger;
     let (positions_mm, angles_deg) = Grid::grid(&finger, 12, 90.0);
-    let grid = Grid {
+    let mut grid = Grid {
         positions_mm,
         angles_deg,
+        is_leaning: false,
         forces_n: vec![1.0],
         noise_levels_mm: vec![0.1],
         noise_samples: 6000,
@@ -18,7 +19,7 @@ fn a_sample_does_not_depend_on_what_is_kept() {
     };
     let all = |noise: &NoiseSamples| {
         let mut all = Vec::new();
-        noise.each(|first, samples| {
+        noise.each(7, |first, samples| {
             assert_eq!(all.len(), first * noise.coordinates);
             all.extend_from_slice(samples);
         });
@@ -30,6 +31,9 @@ fn a_sample_does_not_depend_on_what_is_kept() {
     assert!(noise.kept.len() < seen.len(), "not all are kept");
     noise.kept.truncate(noise.coordinates);
     assert!(all(&noise) == seen);
-    assert!(noise.drawn(5999..6000) == seen[5999 * noise.coordinates..]);
+    assert!(noise.drawn(7, 5999..6000) == seen[5999 * noise.coordinates..]);
     assert_eq!((noise.samples(0.1), noise.samples(0.0)), (6000, 1));
+    grid.is_leaning = true;
+    let own = NoiseSamples::new(&grid, &finger);
+    assert!(own.drawn(7, 0..1) != seen[..own.coordinates] && own.drawn(7, 0..1) == all(&own)[..own.coordinates]);
 }

@@ -16,7 +16,7 @@ fn the_finger_of_the_page_can_be_pushed() {
     let html = PAPERS.read("index.html");
     let results = |html: &str, width| driven(&browser, html, include_str!("push/after.js"), width);
     for width in [1400, 520] {
-        assert_passes(&results(&html, width), 18);
+        assert_passes(&results(&html, width), 19);
     }
     // The test detects a force that is shown twice as large.
     let broken = html.replacen("`Sensed ${newton(force_n)}`", "`Sensed ${newton(2 * force_n)}`", 1);

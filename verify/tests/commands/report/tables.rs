@@ -116,7 +116,7 @@ fn failures_of_a_wrong_contact_are_those_of_the_files() {
     let [cases, states, trusted] = ["case", "state", "is_trusted"].map(|column| trust.texts(column));
     let (mut failed, mut by_direction) = (0, 0);
     for (row, cell) in at(&trust).into_iter().enumerate() {
-        if (cases[row], states[row], trusted[row]) != ("contact assumed", "answered", "false") {
+        if (cases[row], states[row], trusted[row]) != ("contact misjudged", "answered", "false") {
             continue;
         }
         let same = explained.iter().position(|other| *other == cell);
@@ -128,7 +128,7 @@ fn failures_of_a_wrong_contact_are_those_of_the_files() {
     }
     let share = by_direction as f64 / f64::from(failed);
     let summary = PAPERS.summary();
-    let entry = array(&summary, "trust").iter().find(|entry| entry["case"] == "contact assumed").expect("the case");
+    let entry = array(&summary, "trust").iter().find(|entry| entry["case"] == "contact misjudged").expect("the case");
     assert_close(&[entry["failed_by_direction"].as_f64().expect("a share")], &[share], LINEAR_ROUNDING);
     assert!(failed > 20 && share > 0.0 && share < 1.0, "{by_direction} of {failed}");
     let said =

@@ -8,7 +8,6 @@ mod balance;
 mod course;
 pub mod file;
 pub mod modules;
-pub mod observations;
 mod obstacles;
 mod outlook;
 pub mod rates;

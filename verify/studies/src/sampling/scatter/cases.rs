@@ -1,7 +1,6 @@
 //! Random cases: forces that deform the true finger, its noisy measurements, and the answers of every sensor.
 
 use super::ScatterRequest;
-use super::scout::{LoadClass, RatioLimits, Scout};
 use crate::prelude::*;
 use crate::sampling::bound::{ForceBound, linearised_markers, loads};
 use crate::sampling::noise::{Noise, with_sample};
@@ -33,9 +32,8 @@ pub(super) fn cases(
     stream: u64,
 ) -> Result<Vec<Case>, Refusal> {
     let count = request.cases as u64;
-    let ratio_limits = RatioLimits::new(request.model, request.kinematics, contacts, range_n);
     let run = |numbers: std::ops::Range<u64>| -> Result<Vec<Case>, Refusal> {
-        let mut runner = CaseRunner::new(request, sensors, (contacts, &ratio_limits))?;
+        let mut runner = CaseRunner::new(request, sensors, contacts)?;
         let draws = numbers.map(|number| Draw::new(request, contacts, range_n, stream, number)).collect();
         Ok(runner.carried(draws, range_n).iter().flatten().map(|draw| runner.case(draw)).collect())
     };
@@ -56,9 +54,6 @@ struct CaseRunner<'a> {
     mesh: &'a Mesh,
     contacts: &'a [Contact],
     request: &'a ScatterRequest<'a>,
-    ratio_limits: &'a RatioLimits<'a>,
-    /// Recognises forces above the limit load; created at the first draw without equilibrium.
-    scout: Option<Scout<'a>>,
     /// The true finger on the mesh of the Cramer-Rao bound.
     model: Statics<Ladder<'a>>,
     sensors: Vec<Sensor>,
@@ -68,7 +63,7 @@ impl<'a> CaseRunner<'a> {
     fn new(
         request: &'a ScatterRequest<'a>,
         sensors: &[SensorOptions],
-        (contacts, ratio_limits): (&'a [Contact], &'a RatioLimits<'a>),
+        contacts: &'a [Contact],
     ) -> Result<CaseRunner<'a>, Refusal> {
         let asked = SensorContacts::known(contacts);
         let sensors = sensors.iter().map(|options| Sensor::new(request.scene.clone(), asked.clone(), options.clone()));
@@ -77,66 +72,31 @@ impl<'a> CaseRunner<'a> {
             mesh: request.truth,
             contacts,
             request,
-            ratio_limits,
-            scout: None,
             model: Statics::ladder(request.model, request.kinematics),
             sensors: sensors.collect::<Result<_, _>>()?,
         })
     }
 
-    /// Solves for the finger's shape under each draw, in batches, and measures it without noise. A draw without equilibrium is replaced by a new
-    /// draw. The entry is `None` if none of the draws has an equilibrium.
-    fn carried(&mut self, mut draws: Vec<Draw>, range_n: [f64; 2]) -> Vec<Option<(Draw, Measurement)>> {
+    /// Solves for the finger's shape under each draw, and measures it without noise. A draw without equilibrium is replaced by a new draw. The entry is
+    /// `None` if none of the draws has an equilibrium.
+    fn carried(&self, mut draws: Vec<Draw>, range_n: [f64; 2]) -> Vec<Option<(Draw, Measurement)>> {
         let mut carried: Vec<Option<(Draw, Measurement)>> = draws.iter().map(|_| None).collect();
-        let size_n = |number: &usize| draws[*number].forces_n.iter().sum::<f64>();
         let mut open: Vec<usize> = (0..draws.len()).collect();
-        open.sort_by(|a, b| size_n(b).total_cmp(&size_n(a)));
-        // The largest draw is solved first. If the largest draw has no equilibrium, a scout classifies the other draws before they are solved.
-        let others = open.split_off(open.len().min(1));
-        let mut open = self.attempt(&mut draws, open, &mut carried, range_n);
-        open.extend(others);
-        while !open.is_empty() {
-            open = self.attempt(&mut draws, open, &mut carried, range_n);
-        }
-        carried
-    }
-
-    /// Solves for the finger's shape under the draws whose indices are in `open`. Draws without equilibrium get new forces; their indices are
-    /// returned.
-    fn attempt(
-        &mut self,
-        draws: &mut [Draw],
-        mut open: Vec<usize>,
-        carried: &mut [Option<(Draw, Measurement)>],
-        range_n: [f64; 2],
-    ) -> Vec<usize> {
-        if let Some(scout) = &mut self.scout {
-            open.retain(|&number| {
-                let draw = &mut draws[number];
-                while scout.sees(&draw.forces_n) == LoadClass::TooLarge {
-                    if !draw.again(range_n) {
-                        return false;
-                    }
-                }
-                true
-            });
-        }
         // Contacts off the finger have no load, so no draw can be solved.
-        let Some(found) = self.motions(draws, &mut open) else { return Vec::new() };
-        let mut again = Vec::new();
-        for (number, found) in open.into_iter().zip(found) {
-            let draw = &mut draws[number];
-            if let Some(motion) = found {
-                let clean = Measurement::of_shape(self.finger, &self.mesh.shape(&motion));
-                carried[number] = Some((draw.clone(), clean));
-            } else {
-                self.scout.get_or_insert_with(|| self.ratio_limits.scout());
-                if draw.again(range_n) {
+        while let Some(found) = self.motions(&draws, &mut open).filter(|_| !open.is_empty()) {
+            let mut again = Vec::new();
+            for (number, found) in open.into_iter().zip(found) {
+                let draw = &mut draws[number];
+                if let Some(motion) = found {
+                    carried[number] =
+                        Some((draw.clone(), Measurement::of_shape(self.finger, &self.mesh.shape(&motion))));
+                } else if draw.again(range_n) {
                     again.push(number);
                 }
             }
+            open = again;
         }
-        again
+        carried
     }
 
     /// Motions of the finger under the draws whose indices are in `open`; `None` for a draw without equilibrium. Equilibria under a single force form

@@ -55,20 +55,23 @@ impl<'s> Sweep<'s> {
         let contact = self.grid.contact(number % self.grid.contact_count());
         let finger = &self.scene.finger;
         let s_mm = contact.position_mm(finger).unwrap_or(f64::NAN);
-        let shapes = truth.shapes(&contact, &self.grid.forces_n);
-        let seen: Vec<Measurement> = shapes.iter().map(|shape| Measurement::of_shape(finger, shape)).collect();
-        let prepared: Vec<_> = self.sensors.iter().map(|sensor| sensor.at(&self.scene, contact)).collect();
+        let bent = self.grid.bent(truth, finger, contact);
+        let prepare = |sensor: &SampledSensor| {
+            let seen = bent.iter().map(|(_, shape)| sensor.sees(finger, shape, s_mm));
+            (sensor.at(&self.scene, contact), seen.collect::<Vec<Measurement>>())
+        };
+        let prepared: Vec<_> = self.sensors.iter().map(prepare).collect();
         let mut tallies = vec![Tally::default(); self.cells_in_block()];
-        self.noise.each(|first, samples| {
+        self.noise.each(number, |first, samples| {
             let mut tallies = tallies.iter_mut();
-            for sensors in &prepared {
+            for (sensors, seen) in &prepared {
                 for (noise_mm, force_n, n) in self.levels() {
                     let (Some(tally), Some(seen)) = (tallies.next(), seen.get(n)) else { continue };
                     match sensors {
                         Ok(sensors) => {
                             let count = self.noise.samples(noise_mm).saturating_sub(first);
                             let samples = samples.chunks_exact(self.noise.coordinates).take(count);
-                            sense(sensors, seen, noise_mm, force_n, samples, tally);
+                            sense(sensors, seen, (noise_mm, force_n), self.grid.is_leaning, samples, tally);
                         }
                         Err(refusal) => tally.refuse(refusal),
                     }
@@ -79,7 +82,7 @@ impl<'s> Sweep<'s> {
         cells_of_estimator
             .zip(&self.sensors)
             .flat_map(|(tallies, sensor)| {
-                let (seen, estimator) = (&seen, sensor.options.estimator);
+                let (carried, estimator) = (bent.len(), sensor.options.estimator);
                 tallies.iter().zip(self.levels()).map(move |(tally, (noise_mm, force_n, n))| {
                     let cell = Cell {
                         truth: truth.id(),
@@ -99,7 +102,7 @@ impl<'s> Sweep<'s> {
                         covered: None,
                         covered_warned: None,
                     };
-                    if n < seen.len() { tally.fill(cell, self.noise.samples(noise_mm)) } else { cell }
+                    if n < carried { tally.fill(cell, self.noise.samples(noise_mm)) } else { cell }
                 })
             })
             .collect()
@@ -153,16 +156,17 @@ impl<'s> Sweep<'s> {
     }
 }
 
-/// Senses the force in each noise sample of a measurement by the sensors in turn, and adds the answers and refusals to `tally`.
+/// Senses the force (N) in each noise sample (mm) of a measurement by the sensors in turn, and adds the answers and refusals to `tally`. Unknown contacts
+/// are sensed without a shared start, because a start near the truth would hide other contacts that explain the markers.
 fn sense<'p>(
     sensors: &[Sensor],
     seen: &Measurement,
-    noise_mm: f64,
-    force_n: f64,
+    (noise_mm, force_n): (f64, f64),
+    is_unknown: bool,
     samples: impl ExactSizeIterator<Item = &'p [f64]>,
     tally: &mut Tally,
 ) {
-    let count = samples.len().div_ceil(sensors.len().max(1));
+    let count = if is_unknown { 1 } else { samples.len().div_ceil(sensors.len().max(1)) };
     let sampled: Vec<_> = sensors.iter().map(|sensor| SampledForces::new(sensor, seen, noise_mm, count)).collect();
     for (sample, sensor) in samples.zip(sampled.iter().cycle()) {
         let noisy = if noise_mm > 0.0 { with_sample(seen, sample, noise_mm) } else { seen.clone() };

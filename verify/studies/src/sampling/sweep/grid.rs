@@ -1,6 +1,8 @@
 //! The grid of positions, directions, forces and noise levels on which sensing is tested.
 
 use crate::prelude::*;
+use crate::sampling::situation::ContactKnowledge;
+use crate::truths::{Truth, leaning};
 
 /// Directions of a grid reach up to this angle from the normal, degrees. At larger angles a contact would slip.
 const LARGEST_ANGLE_DEG: f64 = 80.0;
@@ -13,6 +15,9 @@ pub struct Grid {
     pub positions_mm: Vec<f64>,
     /// Directions, degrees from the inward normal, positive towards the tip.
     pub angles_deg: Vec<f64>,
+    /// Whether the directions count from the normal of the deformed plate at the contact, instead of the undeformed normal.
+    #[serde(default)]
+    pub is_leaning: bool,
     /// Forces, N, ascending.
     pub forces_n: Vec<f64>,
     /// Standard deviations of a measured coordinate's noise, mm; 0 means no noise.
@@ -44,6 +49,40 @@ impl Grid {
         (positions, (-steps..=steps).map(|i| f64::from(i) * step_deg).collect())
     }
 
+    /// Positions and directions of a [`grid`](Grid::grid) for what a sensor knows of the contact. Directions that lean from the deformed normal cover
+    /// the range that friction allows in equal steps of about `step_deg` (degrees).
+    pub fn of_knowledge(
+        scene: &Scene,
+        contact: ContactKnowledge,
+        positions: usize,
+        step_deg: f64,
+    ) -> (Vec<f64>, Vec<f64>) {
+        let (positions_mm, angles_deg) = Grid::grid(&scene.finger, positions, step_deg);
+        if !contact.is_leaning() {
+            return (positions_mm, angles_deg);
+        }
+        let [least, most] = contact.allowed_deg(scene);
+        // An even number of steps includes the middle of the range.
+        let steps = 2 * (0.5 * (most - least) / step_deg).round().max(1.0) as usize;
+        let leans = (0..=steps).map(|i| least + (most - least) * i as f64 / steps as f64);
+        (positions_mm, if least == most { vec![least] } else { leans.collect() })
+    }
+
+    /// Part of the plate (mm) that each position stands for: up to the middle between neighbours, and to the ends of the plate.
+    pub fn lengths_mm(&self, finger: &Finger) -> Vec<f64> {
+        parts(&self.positions_mm, [0.0, finger.plate_length_mm(Plate::Front)])
+    }
+
+    /// Part of the directions that friction allows (degrees) that each direction stands for. Directions outside the range have zero. With a single
+    /// direction, its part is 1.
+    pub fn sectors_deg(&self) -> Vec<f64> {
+        match &self.angles_deg[..] {
+            [_] => vec![1.0],
+            [first, .., last] if self.is_leaning => parts(&self.angles_deg, [*first, *last]),
+            angles_deg => parts(angles_deg, ContactKnowledge::cone_deg()),
+        }
+    }
+
     /// Number of contacts (pairs of position and direction).
     pub fn contact_count(&self) -> usize {
         self.positions_mm.len() * self.angles_deg.len()
@@ -54,4 +93,22 @@ impl Grid {
         let (position, angle) = (number / self.angles_deg.len(), number % self.angles_deg.len());
         Contact { position: ContactPosition::at(self.positions_mm[position]), angle_deg: self.angles_deg[angle] }
     }
+
+    /// The true contact and the shape of the finger for each force, for a contact of the grid. The list ends before the first force that the finger
+    /// cannot carry.
+    pub fn bent(&self, truth: &dyn Truth, finger: &Finger, contact: Contact) -> Vec<(Contact, FingerShape)> {
+        if self.is_leaning {
+            let s_mm = contact.position_mm(finger).unwrap_or(f64::NAN);
+            let bent = |force_n: &f64| leaning(truth, finger, s_mm, contact.angle_deg, *force_n);
+            return self.forces_n.iter().map_while(bent).collect();
+        }
+        truth.shapes(&contact, &self.forces_n).into_iter().map(|shape| (contact, shape)).collect()
+    }
+}
+
+/// Length of the part of a range that is nearest to each of some ascending values.
+fn parts(values: &[f64], [from, to]: [f64; 2]) -> Vec<f64> {
+    let middles = values.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
+    let edges: Vec<f64> = std::iter::once(from).chain(middles).chain([to]).map(|edge| edge.clamp(from, to)).collect();
+    edges.windows(2).map(|ends| ends[1] - ends[0]).collect()
 }

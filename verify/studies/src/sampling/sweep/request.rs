@@ -2,6 +2,7 @@
 
 use super::{Grid, Shard, Table};
 use crate::prelude::*;
+use crate::sampling::situation::Situation;
 use crate::truths::TruthId;
 use std::io::BufRead;
 
@@ -17,6 +18,9 @@ pub struct Request {
     pub truths: Vec<TruthId>,
     /// The estimators.
     pub estimators: Vec<EstimatorId>,
+    /// What the sensors know of the contacts, and which markers they see.
+    #[serde(default)]
+    pub situation: Situation,
     /// SHA-256 of the user's network file, hexadecimal; `None` without such a file.
     pub network: Option<String>,
     /// Text of the scene file.
@@ -40,6 +44,8 @@ impl Request {
             (self.estimators != other.estimators, "--estimator"),
             (self.network != other.network, "--network"),
             (self.scene != other.scene, "scene"),
+            (self.situation.contact != other.situation.contact, "--knows"),
+            (self.situation.hidden != other.situation.hidden, "--hidden"),
             (self.grid.forces_n != other.grid.forces_n, "--force-n"),
             (self.grid.noise_levels_mm != other.grid.noise_levels_mm, "--noise-mm"),
             (self.grid.noise_samples != other.grid.noise_samples, "--seeds"),

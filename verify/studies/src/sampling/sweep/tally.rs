@@ -2,23 +2,18 @@
 
 use super::Cell;
 use crate::prelude::*;
-use finray_model::sensor::SensedForce;
+use crate::sampling::intervals::IntervalCounts;
 
 /// Sums over the samples of one cell.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Tally {
-    answered: usize,
+    intervals: IntervalCounts,
     sum: f64,
     absolute: f64,
     /// Running mean of the errors, and sum of their squared deviations from it (Welford 1962).
     mean: f64,
     squares: f64,
     variance_n2: f64,
-    /// Three counts: answers with a warning (`warned`), answers without a warning whose interval contains the true force (`covered`), and answers
-    /// with a warning whose interval contains the true force (`covered_warned`).
-    warned: usize,
-    covered: usize,
-    covered_warned: usize,
     /// Why the first refused sample was refused. The text has a single line, because rows are counted by their line ends.
     refusal: Option<String>,
 }
@@ -26,23 +21,15 @@ pub(super) struct Tally {
 impl Tally {
     /// Adds the sensed force of one sample; `force_n` is the true force, N.
     pub(super) fn answer(&mut self, sensed: &SensedForces, force_n: f64) {
-        let [SensedForce { force_n: sensed_n, sigma_n, .. }] = sensed.forces[..] else { return };
-        let error = sensed_n / force_n - 1.0;
-        self.answered += 1;
+        let [force] = &sensed.forces[..] else { return };
+        self.intervals.count(Some(force), !sensed.warnings.is_empty(), force_n);
+        let error = force.force_n / force_n - 1.0;
         self.sum += error;
         self.absolute += error.abs();
         let from_mean = error - self.mean;
-        self.mean += from_mean / self.answered as f64;
+        self.mean += from_mean / self.intervals.answered() as f64;
         self.squares += from_mean * (error - self.mean);
-        self.variance_n2 += sigma_n * sigma_n;
-        let covered = usize::from((sensed_n - force_n).abs() <= TWO_SIDED_95 * sigma_n);
-        match sensed.warnings.is_empty() {
-            true => self.covered += covered,
-            false => {
-                self.warned += 1;
-                self.covered_warned += covered;
-            }
-        }
+        self.variance_n2 += force.sigma_n * force.sigma_n;
     }
 
     pub(super) fn refuse(&mut self, refusal: &Refusal) {
@@ -51,25 +38,25 @@ impl Tally {
 
     /// Returns the cell, filled with the results over its `samples` samples.
     pub(super) fn fill(&self, cell: Cell, samples: usize) -> Cell {
-        let count = self.answered as f64;
-        let is_stated = self.answered > 0;
-        let enough = |figure: f64| (self.answered > 0 && 2 * self.answered >= samples).then_some(figure);
-        let spread = match self.answered {
+        let (answered, [[_, covered], [warned, covered_warned]]) = (self.intervals.answered(), self.intervals.answers);
+        let count = answered as f64;
+        let enough = |figure: f64| (answered > 0 && 2 * answered >= samples).then_some(figure);
+        let spread = match answered {
             0 | 1 => (cell.noise_mm == 0.0).then_some(0.0),
             _ => Some((self.squares / (count - 1.0)).sqrt()),
         };
-        let sigma_n = is_stated.then(|| (self.variance_n2 / count).sqrt());
+        let stated = |count: usize| (answered > 0).then_some(count);
         Cell {
             samples,
-            answered: self.answered,
+            answered,
             mean_error: enough(self.absolute / count),
             bias: enough(self.sum / count),
             spread: spread.and_then(enough),
-            sigma_n: sigma_n.and_then(enough),
+            sigma_n: enough((self.variance_n2 / count).sqrt()),
             refusal: self.refusal.clone(),
-            warned: is_stated.then_some(self.warned),
-            covered: is_stated.then_some(self.covered),
-            covered_warned: is_stated.then_some(self.covered_warned),
+            warned: stated(warned),
+            covered: stated(covered),
+            covered_warned: stated(covered_warned),
             ..cell
         }
     }

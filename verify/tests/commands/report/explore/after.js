@@ -44,15 +44,29 @@
   const [truth, estimator, contact, force] = panel('map').querySelectorAll('select');
   check('the worst force is what is shown first', force.value === 'worst', force.value);
 
+  // Parts of a range that are nearest to each of some ascending values.
+  const parts = (values, from, to) => {
+    const clamp = (value) => Math.min(to, Math.max(from, value)), middle = (i) => (values[i - 1] + values[i]) / 2;
+    const edge = (i) => (i === 0 ? from : i === values.length ? to : clamp(middle(i)));
+    return values.map((_, i) => edge(i + 1) - edge(i));
+  };
+  const weightsOf = (map) => {
+    const angles = map.angle_deg, stated = /^contact (known|misjudged)/.test(map.contact);
+    const sectors = angles.length === 1 ? [1] : stated ? parts(angles, -45, 45) : parts(angles, angles[0], angles.at(-1));
+    return parts(map.s_mm, 0, data.finger.front_mm).flatMap((length) => sectors.map((sector) => length * sector));
+  };
+
   function countOf(map, criterion) {
-    const found = { trusted: 0, refused: 0, none: 0, of: 0 };
+    const found = { trusted: 0, refused: 0, none: 0, carried: 0, cells: 0, painted: 0 }, weights = weightsOf(map);
     const forces = criterion === 'worst' ? [...map.force_n.keys()] : [map.force_n.indexOf(Number(criterion))];
     for (let cell = 0; cell < map.s_mm.length * map.angle_deg.length; cell++) {
       const at = (name) => forces.map((k) => map[name][cell * map.force_n.length + k]);
-      if (at('samples').includes(0)) { found.none++; continue; }
-      found.of++;
-      if (at('error').includes(null)) found.refused++;
-      else if (at('error').every((error) => error <= 0.1)) found.trusted++;
+      const weight = weights[cell], counts = weight > 0 ? 1 : 0, trusted = !at('error').includes(null) && at('error').every((error) => error <= 0.1);
+      found.cells += counts;
+      if (at('samples').includes(0)) { found.none += counts; continue; }
+      found.carried += weight;
+      if (at('error').includes(null)) found.refused += counts;
+      if (trusted) { found.trusted += weight; found.painted++; }
     }
     return found;
   }
@@ -67,10 +81,10 @@
       const expected = countOf(map, option), shown = words('map', 'says');
       const cells = [...panel('map').querySelectorAll('[role=gridcell]')].map((cell) => cell.dataset.kind);
       const painted = cells.filter((kind) => ['within-2', 'within-5', 'within-10'].includes(kind)).length;
-      const [, share, of, refused, none] = shown.match(/At (.*?) % of the (\d+) positions.*?; (\d+) refused, (\d+) without/) ?? [];
-      const exact = expected.of ? (100 * expected.trusted) / expected.of : 0;
+      const [, share, refused, of, none] = shown.match(/At (.*?) % of the positions.*?; (\d+) of (\d+) cells refused, (\d+) without/) ?? [];
+      const exact = expected.carried ? (100 * expected.trusted) / expected.carried : 0;
       const near = Math.abs(Number(String(share).replace(/[<>] ?/, '')) - exact) <= (exact < 10 ? 0.11 : 1);
-      if (!near || Number(of) !== expected.of || Number(refused) !== expected.refused || Number(none) !== expected.none || painted !== expected.trusted)
+      if (!near || Number(of) !== expected.cells || Number(refused) !== expected.refused || Number(none) !== expected.none || painted !== expected.painted)
         wrong.push(`${map.truth}, ${map.estimator}, ${map.contact}, ${option}: ${shown} ${JSON.stringify(expected)} painted ${painted}`);
       said.add(shown); kinds.add(cells.join());
     }

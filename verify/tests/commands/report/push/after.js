@@ -20,9 +20,13 @@
       return [force_n, low, high, truth].map(Number);
     };
     const sensible = () => { const [found, low, high, truth] = numbers(); return low <= found && found <= high && Math.abs(found - truth) < 0.2 * truth + 0.1; };
-    check('a force is sensed at first', sensible(), words());
+    await settle(1500);
+    const [, least, most, truth] = numbers();
+    check('a force of unknown contact is sensed at first', knows.value === 'sought' && least <= truth && truth <= most, words());
     check('the cell of the map is named', /(Trusted|Not trusted) here \(nearest cell of the map: /.test(words()), words());
 
+    choose(knows, 'known'); await settle();
+    check('a force of known contact is sensed', sensible(), words());
     let before = shape();
     slide(force, 2.5); await settle();
     check('more force bends it further, and is sensed', shape() !== before && numbers()[3] === 2.5 && sensible(), words());

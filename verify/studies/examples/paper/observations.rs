@@ -1,18 +1,23 @@
 //! The paper's observations of grasps (sec. V-D, Figs. 14 and 16): equal forces of both fingers, no force without contact, equal forces while opening
 //! and closing.
 
-use super::modules::{ModuleStudy, Untouched};
-use super::study::GraspStudy;
-use super::{FingerStep, GraspStep, Phase};
-use crate::experiments::{Context, Evidence};
-use crate::prelude::*;
-use crate::sampling::noise::Noise;
+use finray_model::estimators::EstimatorId;
+use finray_model::finger::Plate;
+use finray_model::measurement::Measurement;
+use finray_model::sensing::{Contact, ContactPosition};
+use finray_model::sensor::{PreparedScene, Sensor, SensorContacts, SensorOptions};
+use finray_model::{Finger, NodeId, Scene};
+use finray_studies::experiments::grasp::modules::{ModuleStudy, Untouched};
+use finray_studies::experiments::grasp::study::GraspStudy;
+use finray_studies::experiments::grasp::{FingerStep, GraspStep, Phase};
+use finray_studies::sampling::noise::Noise;
+use finray_studies::study::Study;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Nodes at which the paper senses forces simultaneously.
 const NODES: std::ops::RangeInclusive<usize> = 16..=20;
 /// Up to this value (N), the paper calls a force sensed at a node without contact a small error.
-pub const SMALL_N: f64 = 0.3;
+const SMALL_N: f64 = 0.3;
 /// Relative differences are computed only for totals above this share of the largest total.
 const COUNTS: f64 = 0.1;
 const SEED: u64 = 1;
@@ -20,8 +25,6 @@ const SEED: u64 = 1;
 /// Comparison of grasps with the paper's observations.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Observations {
-    /// Standard deviation of a coordinate's noise, mm.
-    pub noise_mm: f64,
     /// Objects grasped by the paper's fingers: name of the object, and comparison of its total forces.
     pub objects: Vec<(String, Totals)>,
     /// For each estimator: forces at nodes 16 to 20, sensed simultaneously. Counts only nodes at least one node spacing away from every contact.
@@ -45,10 +48,8 @@ pub struct Totals {
     pub opening_sensed: Option<f64>,
 }
 
-impl Evidence for Observations {}
-
 /// Compares the totals of a grasp; `None` if nothing was sensed.
-pub fn totals(finger: &Finger, steps: &[GraspStep]) -> Option<Totals> {
+fn totals(finger: &Finger, steps: &[GraspStep]) -> Option<Totals> {
     let true_n = |step: &GraspStep| mean(step.fingers.each_ref().map(|finger| finger.total_n));
     let sensed_n = |step: &GraspStep| match step.fingers.each_ref().map(FingerStep::sensed_total_n) {
         [Some(left_n), Some(right_n)] => Some([left_n, right_n]),
@@ -114,37 +115,30 @@ fn mean([a, b]: [f64; 2]) -> f64 {
     0.5 * (a + b)
 }
 
-/// Observations of the grasps with the paper's fingers; `None` without tests of sensor modules.
-pub(crate) fn run(
-    context: &Context,
-    grasps: &[GraspStudy],
-    modules: Option<&ModuleStudy>,
-) -> Result<Option<Observations>, Refusal> {
-    let Some(modules) = modules else { return Ok(None) };
-    context.progress.part("observations", 1);
-    let of_paper = || grasps.iter().filter(|grasp| grasp.is_paper());
-    let objects =
-        of_paper().filter_map(|grasp| Some((grasp.name.clone(), totals(context.finger, &grasp.steps)?))).collect();
-    let scene = PreparedScene::from(Scene::of_finger(context.finger.clone()));
+/// Observations of the grasps of a study with the paper's fingers, and of its sensor modules.
+pub fn observations(study: &Study, modules: &ModuleStudy) -> Observations {
+    let finger = &study.finger;
+    let of_paper = || study.grasps.iter().filter(|grasp| GraspStudy::is_paper(grasp));
+    let objects = of_paper().filter_map(|grasp| Some((grasp.name.clone(), totals(finger, &grasp.steps)?))).collect();
+    let scene = PreparedScene::from(Scene::of_finger(finger.clone()));
     let mut untouched =
         [EstimatorId::LeastSquares, EstimatorId::Nonlinear].map(|estimator| (estimator, Untouched::default()));
     let mut noise = Noise::new(SEED);
-    for finger in of_paper().flat_map(|grasp| &grasp.steps).flat_map(|step| &step.fingers) {
-        let Some(free) = free_nodes(context.finger, finger) else { continue };
-        let exact = Measurement::of_shape(context.finger, &finger.shape);
-        let seen = noise.on(&exact, context.noise_mm);
-        let contacts: Vec<Contact> = NODES.map(|node| along_normal(finger, NodeId(node))).collect();
+    for step in of_paper().flat_map(|grasp| &grasp.steps).flat_map(|step| &step.fingers) {
+        let Some(free) = free_nodes(finger, step) else { continue };
+        let seen = noise.on(&Measurement::of_shape(finger, &step.shape), study.noise_mm);
+        let contacts: Vec<Contact> = NODES.map(|node| along_normal(step, NodeId(node))).collect();
         for (estimator, found) in &mut untouched {
-            let sensor = Sensor::new(scene.clone(), SensorContacts::known(&contacts), SensorOptions::of(*estimator))?;
-            let Ok(sensed) = sensor.sense_displacements(&seen, Some(context.noise_mm), None) else { continue };
+            let sensor = Sensor::new(scene.clone(), SensorContacts::known(&contacts), SensorOptions::of(*estimator));
+            let sensed = sensor.expect("contact nodes").sense_displacements(&seen, Some(study.noise_mm), None);
+            let Ok(sensed) = sensed else { continue };
             let at_free = NODES.zip(&sensed.forces).filter(|(node, _)| free.contains(node));
             at_free.for_each(|(_, sensed)| found.add(sensed.force_n, SMALL_N));
         }
     }
     let mut beside_sensor = Untouched::default();
     modules.tests.iter().for_each(|test| test.untouched(EstimatorId::Nonlinear, SMALL_N, &mut beside_sensor));
-    context.progress.step();
-    Ok(Some(Observations { noise_mm: context.noise_mm, objects, untouched: untouched.to_vec(), beside_sensor }))
+    Observations { objects, untouched: untouched.to_vec(), beside_sensor }
 }
 
 /// Nodes at least one node spacing away from every contact. `None` without contact, or if a contact is outside the range of nodes 16 to 20.
@@ -166,4 +160,49 @@ fn along_normal(step: &FingerStep, node: NodeId) -> Contact {
     // A positive rotation of the plate (from x to y) turns the inward normal towards the tip.
     let angle_deg = step.shape.motion(node).rotation.to_degrees();
     Contact { position: ContactPosition::Node(node), angle_deg }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Totals, totals};
+    use finray_model::Scene;
+    use finray_studies::experiments::grasp::{Eyes, GraspScene, GraspStep};
+
+    /// Totals of a grasp in which the fingers close on the disc on its support, and open again.
+    fn observed(friction: &str, noise_mm: f64) -> Totals {
+        let changes = [
+            ("friction = 0.4", friction),
+            ("motor_deg = [0.0, -495.0]", "motor_deg = [0.0, -382.5]"),
+            ("path_mm = [[0.0, -40.0], [60.0, -40.0], [60.0, 0.0]]\npath_steps = 12", "open = true"),
+        ];
+        let text = changes.iter().fold(finray_fixtures::GRASPED_DISC_SCENE.to_owned(), |text, (from, to)| {
+            assert!(text.contains(from), "{from}");
+            text.replace(from, to)
+        });
+        let grasp = GraspScene::new(&Scene::from_toml(&text).unwrap(), &[]).unwrap().with_fineness(1);
+        let mut steps: Vec<GraspStep> = Vec::new();
+        grasp.run(&Eyes::Noise(noise_mm), 1, |step| steps.push(step.clone())).unwrap();
+        totals(grasp.finger(), &steps).expect("something is sensed")
+    }
+
+    /// Only friction causes a difference between opening and closing, and only noise causes a difference between the two fingers.
+    #[test]
+    fn friction_and_noise_make_the_differences() {
+        let [smooth, rough, noisy] = [("friction = 0.0", 0.0), ("friction = 0.4", 0.0), ("friction = 0.0", 0.067)]
+            .map(|(friction, noise_mm)| observed(friction, noise_mm));
+        assert!(smooth.opening.unwrap() < 1e-3, "{smooth:?}");
+        assert!(smooth.opening_at_nodes.unwrap() < 1e-3, "{smooth:?}");
+        assert!(rough.opening_at_nodes.unwrap() > rough.opening.unwrap(), "contacts slide, {rough:?}");
+        assert!(rough.opening.unwrap() > 10.0 * smooth.opening.unwrap(), "{rough:?}");
+        assert!(smooth.opening_sensed.unwrap() < 0.01, "{smooth:?}");
+        // Without friction, the disc slides to the middle. Without friction and noise, the sensed totals of the two fingers differ only by rounding.
+        assert!(noisy.left_right[0] > 3.0 * smooth.left_right[0], "{noisy:?} {smooth:?}");
+        assert!(noisy.left_right[0] < noisy.left_right[1] && noisy.left_right[1] < 1.0, "{noisy:?}");
+    }
+
+    #[test]
+    fn nothing_sensed_is_nothing_observed() {
+        let finger = Scene::from_toml(finray_fixtures::PAPER_SCENE).unwrap().finger;
+        assert_eq!(totals(&finger, &[]), None);
+    }
 }
