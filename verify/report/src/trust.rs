@@ -125,7 +125,8 @@ pub(super) fn caption(study: &Study) -> String {
          under each of {forces_n} N. A force that is mostly refused is not within it. Friction allows directions up to {:.0} deg from the normal (a \
          coefficient of {FRICTION_MAX}), or a known range. Directions count from the normal of the bent plate; with a known or misjudged contact, from the \
          undeformed normal. Colour: the largest error. The plate shows forces along its normal; the fans show all directions on the side from which the \
-         force comes. Hidden at the object: a third of the front plate. Misjudged: {misjudged} off. `--quick` has the same forces, but coarser grids.",
+         force comes. Hidden at the object: a third of the front plate. Misjudged: {misjudged} off. \
+         {CSV} has the cells of all situations. `--quick` has the same forces, but coarser grids.",
         FRICTION_MAX.atan().to_degrees()
     )
 }

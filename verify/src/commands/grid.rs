@@ -35,12 +35,11 @@ pub struct GridArguments {
     /// Step between force directions from -80 to 80 degrees; a step of 90 gives only the normal direction; not used with --truth mujoco or continuum
     #[arg(long, help_heading = "Cells", value_name = "D", default_value_t = 5.0, value_parser = degrees_between)]
     step_deg: f64,
-    /// What the sensor knows of the contact: position and direction (known), the same wrongly by 1.5 mm and 12.5 degrees (off), or what the same text
-    /// says after --contact-at of `sense`. With an unknown direction (@), true directions are those that friction allows, counted from the normal of
-    /// the bent plate: up to 45 degrees; for @friction within friction_range of the scene (or -0.5 to 0.5), for @normal none [default: known]
+    /// What the sensor knows of the contact: position and direction (known), the same wrongly by 1.5 mm and 12.5 degrees (off), or as in --contact-at
+    /// of `sense`; with @, true directions are those that friction allows [default: known]
     #[arg(long, help_heading = "Cells", value_parser = listed(ContactKnowledge::ALL, ContactKnowledge::name))]
     pub knows: Option<ContactKnowledge>,
-    /// Markers that are not visible: none, those of a third of the front plate at the contact (object), or those of the third next to the tip (tip)
+    /// Hidden markers: none, or those of a third of the front plate at the contact (object) or next to the tip (tip)
     #[arg(long, help_heading = "Cells", value_parser = listed(HiddenMarkers::ALL, HiddenMarkers::name), default_value_t = HiddenMarkers::None)]
     hidden: HiddenMarkers,
     /// Compute only shard I of N; `finray merge` joins the shards

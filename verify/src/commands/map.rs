@@ -7,7 +7,7 @@ use finray_studies::sampling::sweep::Table;
 /// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
-  finray map mine.toml --knows auto@auto --noise-mm 0.067 --force-n 1,2 --out unknown.csv      (and unknown.svg)
+  finray map mine.toml --knows auto@auto --noise-mm 0.067 --force-n 1,2 --out unknown.csv
   finray map fixtures/scenes/paper.toml --noise-mm 0.067 --out map.csv
   finray map fixtures/scenes/paper.toml --force-n 1,2,3 --estimator nonlinear --out map.csv
   finray map fixtures/scenes/paper.toml --estimator network --places 12 --step-deg 90

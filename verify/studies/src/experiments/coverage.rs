@@ -11,6 +11,7 @@ use crate::sampling::map::{AccuracyMap, MapRequest};
 use crate::sampling::noise::Noise;
 use crate::sampling::sampled::{SampledForces, SampledSensor};
 use crate::sampling::situation::{ContactKnowledge, HiddenMarkers, Situation};
+use crate::sampling::sweep::MapCell;
 use crate::truths::{Truth, TruthId};
 use std::convert::Infallible;
 use std::ops::Add;
@@ -122,9 +123,17 @@ pub fn run(
     Ok(rows)
 }
 
+/// Counts of a map's cell, which lacks the squares. A cell in which every sample was refused has no intervals.
+fn counts_of_cell(cell: &MapCell) -> IntervalCounts {
+    let [warned, covered, covered_warned] =
+        [cell.warned, cell.covered, cell.covered_warned].map(Option::unwrap_or_default);
+    let answers = [[cell.answered - warned, covered], [warned, covered_warned]];
+    IntervalCounts { samples: cell.samples, answers, warned_squares_n2: [0.0; 2] }
+}
+
 /// Coverage over the cells of a map; `None` if its estimator answers no sample.
 fn of_map(map: &AccuracyMap) -> Option<CoverageRow> {
-    let counts = map.cells.iter().map(IntervalCounts::of_cell).fold(IntervalCounts::default(), Add::add);
+    let counts = map.cells.iter().map(counts_of_cell).fold(IntervalCounts::default(), Add::add);
     let of = (map.truth, map.estimator, map.situation, map.noise_mm, map.request.contact_count());
     (counts.answered() > 0).then(|| CoverageRow { error_over_sigma_with_warning: None, ..CoverageRow::of(&counts, of) })
 }

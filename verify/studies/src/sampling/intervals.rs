@@ -1,6 +1,5 @@
 //! Counts of stated intervals that contain the true force, over the noise samples of a cell or of many cells.
 
-use crate::sampling::sweep::MapCell;
 use finray_model::sensor::SensedForce;
 use std::ops::Add;
 
@@ -29,14 +28,6 @@ impl IntervalCounts {
                 *sum += figure * figure;
             }
         }
-    }
-
-    /// Counts of a map's cell, which lacks the squares. A cell in which every sample was refused has no intervals.
-    pub fn of_cell(cell: &MapCell) -> IntervalCounts {
-        let [warned, covered, covered_warned] =
-            [cell.warned, cell.covered, cell.covered_warned].map(Option::unwrap_or_default);
-        let answers = [[cell.answered - warned, covered], [warned, covered_warned]];
-        IntervalCounts { samples: cell.samples, answers, warned_squares_n2: [0.0; 2] }
     }
 
     /// Number of answers.
