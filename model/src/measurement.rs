@@ -47,6 +47,7 @@ pub struct Measurement {
     markers: Vec<Marker>,
     base: Option<BaseUncertainty>,
     shared_errors: Vec<SharedError>,
+    plate_offsets: Vec<PlateMotion>,
 }
 
 /// An error that all markers share.
@@ -54,8 +55,29 @@ pub struct Measurement {
 pub struct SharedError {
     /// Displacement of each key node's marker, mm, for one standard deviation of the error.
     pub pattern_mm: Vec<Vector>,
+    /// Motion of the plate at each contact for one standard deviation of the error. Empty if the error displaces only the markers.
+    pub plate: Vec<PlateMotion>,
     /// Amplitude at which a search starts, in standard deviations. The expected amplitude is zero.
     pub start: f64,
+}
+
+/// Motion of the plate at a contact: the difference between two fingers under the same forces.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PlateMotion {
+    /// Displacement of the point of the plate's middle line, mm, finger frame.
+    pub displacement: Vector,
+    /// Rotation of the plate's normal towards the tip, rad.
+    pub turn_rad: f64,
+}
+
+impl PlateMotion {
+    /// Sum of this motion and `times` times the motion `other`.
+    pub(crate) fn and(self, times: f64, other: PlateMotion) -> PlateMotion {
+        PlateMotion {
+            displacement: self.displacement + other.displacement * times,
+            turn_rad: self.turn_rad + times * other.turn_rad,
+        }
+    }
 }
 
 /// Reason why a measurement does not fit the finger.
@@ -138,7 +160,7 @@ impl Measurement {
 
     /// A measurement without markers.
     pub fn empty() -> Measurement {
-        Measurement { markers: Vec::new(), base: None, shared_errors: Vec::new() }
+        Measurement { markers: Vec::new(), base: None, shared_errors: Vec::new(), plate_offsets: Vec::new() }
     }
 
     /// Adds one marker, with the checks of [`Measurement::new`]. Nodes at one point of a plate share one marker.
@@ -209,6 +231,17 @@ impl Measurement {
     /// Errors that all markers share, except the error of the base.
     pub fn shared_errors(&self) -> &[SharedError] {
         &self.shared_errors
+    }
+
+    /// Returns this measurement with the motion of the plate at each contact, relative to the scene's finger, while all shared errors are zero.
+    pub(crate) fn with_plate_offsets(mut self, offsets: Vec<PlateMotion>) -> Measurement {
+        self.plate_offsets = offsets;
+        self
+    }
+
+    /// Motion of the plate at each contact, relative to the scene's finger, while all shared errors are zero. Empty for no motion.
+    pub(crate) fn plate_offsets(&self) -> &[PlateMotion] {
+        &self.plate_offsets
     }
 
     /// Returns this measurement after calling `change` on each marker.

@@ -1,14 +1,14 @@
 //! Errors of assembly and mounting: differences between the unloaded real finger and the finger of the scene.
 //!
 //! Assembly and mounting displace each joint by some tenths of a millimetre, leave a preload in the plates, and change the finger's distance from the
-//! camera. To first order, each error displaces the markers of a bent finger in a fixed pattern. [`UnloadedFinger`] computes the displacement pattern
-//! of each error from the equilibrium of a finger with this error. The nonlinear estimator estimates the amplitude of each error's displacement
-//! pattern together with the forces. Each amplitude has a prior. Errors that remain after a calibration are correlated; [`AssemblyErrors::further`]
+//! camera. To first order, each error displaces the markers of a bent finger in a fixed pattern, and the plate at each contact, which an object of known
+//! shape touches. [`UnloadedFinger`] computes both from the equilibrium of a finger with this error. The nonlinear estimator estimates the amplitude of
+//! each error together with the forces. Each amplitude has a prior. Errors that remain after a calibration are correlated; [`AssemblyErrors::further`]
 //! lists independent combinations of these errors.
 
 use super::{ContactQuestion, PadForce, SensingError};
-use crate::finger::{Finger, Plate};
-use crate::measurement::{Measurement, SharedError};
+use crate::finger::{Finger, Plate, PlatePosition};
+use crate::measurement::{Measurement, PlateMotion, SharedError};
 use crate::mesh::{Load, Mesh};
 use crate::statics::Statics;
 use crate::{Kinematics, NodeId, Vector};
@@ -207,29 +207,32 @@ impl UnloadedFinger {
         // If a finger with the amplitudes `found` is geometrically impossible, the effects of the errors are linearised at zero amplitude.
         let (here, found) = if all.finger(finger).is_some() { (all, found) } else { (none, &[][..]) };
         let bent = self.bent(finger, &here, pushed)?;
-        let seen = self.seen(&here, &bent);
-        let mut shared: Vec<Vec<Vector>> = Vec::new();
-        for error in &errors {
-            let moved = |times: f64| -> Result<Vec<Vector>, SensingError> {
+        let seen = self.seen(&here, &bent.markers_mm);
+        let mut shared: Vec<SharedError> = Vec::new();
+        let starts = found.iter().copied().chain(std::iter::repeat(0.0));
+        for (error, start) in errors.iter().zip(starts) {
+            let moved = |times: f64| -> Result<SharedError, SensingError> {
                 let there = here.and(times, error);
-                let bent = if error.bends() { self.bent(finger, &there, pushed)? } else { bent.clone() };
-                Ok(self.seen(&there, &bent).iter().zip(&seen).map(|(there, here)| (there - here) * times).collect())
+                let bent_there = if error.bends() { self.bent(finger, &there, pushed)? } else { bent.clone() };
+                let seen_there = self.seen(&there, &bent_there.markers_mm);
+                let moved = |(there, here): (&Vector, &Vector)| (there - here) * times;
+                let pattern_mm = seen_there.iter().zip(&seen).map(moved).collect();
+                let plate = bent_there.moved_from(&bent).map(|moved| PlateMotion::default().and(times, moved));
+                Ok(SharedError { pattern_mm, plate: plate.collect(), start })
             };
             // If a finger with the error is impossible or has no equilibrium, the effect follows from the error of opposite sign.
             shared.push(moved(1.0).or_else(|_| moved(-1.0))?);
         }
-        let mut offset = self.markers(finger, 0.0, pushed)?;
-        for (offset, seen) in offset.iter_mut().zip(&seen) {
-            *offset -= seen;
+        let of_scene = self.bent_under(finger, 0.0, pushed)?;
+        let mut offset: Vec<Vector> = of_scene.markers_mm.iter().zip(&seen).map(|(scene, seen)| scene - seen).collect();
+        let mut plate_offsets: Vec<PlateMotion> = bent.moved_from(&of_scene).collect();
+        for SharedError { pattern_mm, plate, start } in &shared {
+            offset.iter_mut().zip(pattern_mm).for_each(|(offset, of_error)| *offset += of_error * *start);
+            plate_offsets.iter_mut().zip(plate).for_each(|(offset, of_error)| *offset = offset.and(-start, *of_error));
         }
-        for (shared, times) in shared.iter().zip(found) {
-            offset.iter_mut().zip(shared).for_each(|(offset, shared)| *offset += shared * *times);
-        }
-        let starts = found.iter().copied().chain(std::iter::repeat(0.0));
         let allowed_for = |marker: &crate::measurement::Marker| marker.displacement + offset[marker.node.0 - 1];
-        Ok(measurement.clone().with_markers(|marker| marker.displacement = allowed_for(marker)).with_shared_errors(
-            shared.into_iter().zip(starts).map(|(pattern_mm, start)| SharedError { pattern_mm, start }).collect(),
-        ))
+        let measurement = measurement.clone().with_markers(|marker| marker.displacement = allowed_for(marker));
+        Ok(measurement.with_shared_errors(shared).with_plate_offsets(plate_offsets))
     }
 
     /// Whether an error has a standard deviation, so that it is estimated together with the forces.
@@ -284,11 +287,11 @@ impl UnloadedFinger {
         errors
     }
 
-    /// Marker positions, in mm, of `finger` with `error` under the forces, relative to the base of this finger.
-    fn bent(&self, finger: &Finger, error: &UnloadedError, pushed: Pushed) -> Result<Vec<Vector>, SensingError> {
+    /// `finger` with `error`, bent by the forces.
+    fn bent(&self, finger: &Finger, error: &UnloadedError, pushed: Pushed) -> Result<BentFinger, SensingError> {
         let other = error.finger(finger).ok_or(SensingError::NoSuchFinger)?;
         let forces = pushed.turned_back(error.base_turn_rad);
-        self.markers(&other, self.assembly.preload_nmm + error.preload_nmm, Pushed { forces: &forces, ..pushed })
+        self.bent_under(&other, self.assembly.preload_nmm + error.preload_nmm, Pushed { forces: &forces, ..pushed })
     }
 
     /// Marker positions that the camera sees, in mm: the positions `bent`, displaced by the errors of base and height in `error`.
@@ -307,9 +310,8 @@ impl UnloadedFinger {
         bent.iter().map(seen).collect()
     }
 
-    /// Marker positions of all key nodes under forces and a moment at the tip, in mm. If displacements refer to an image of the unloaded finger,
-    /// returns the displacements of the markers from the unloaded finger, in mm.
-    fn markers(&self, finger: &Finger, moment_nmm: f64, pushed: Pushed) -> Result<Vec<Vector>, SensingError> {
+    /// `finger` under forces and a moment at the tip.
+    fn bent_under(&self, finger: &Finger, moment_nmm: f64, pushed: Pushed) -> Result<BentFinger, SensingError> {
         let mesh = Mesh::with_elements_per_member(finger, ELEMENTS);
         let mut statics = Statics::ladder(&mesh, Kinematics::Corotational);
         let preload = mesh.frame_load(&AssemblyErrors::load(finger, moment_nmm))?;
@@ -324,6 +326,32 @@ impl UnloadedFinger {
                 bent.displacements[mesh.marker_node(node)] - rest.motion.displacements[mesh.marker_node(node)]
             }
         };
-        Ok(nodes.map(at).collect())
+        let plate = |force: &PadForce| {
+            let contact = force.contact;
+            let s_mm = contact.position_mm(finger)?;
+            let point = mesh.plate_point(&bent, PlatePosition { plate: contact.position.plate(), s_mm }).ok()?;
+            Some((point, mesh.normal_turn(&bent, &contact.unit_load(finger), 0.0).ok()?))
+        };
+        let plate = pushed.forces.iter().map(|force| plate(force).unwrap_or_default()).collect();
+        Ok(BentFinger { markers_mm: nodes.map(at).collect(), plate })
+    }
+}
+
+/// A finger under forces, relative to its base.
+#[derive(Debug, Clone)]
+struct BentFinger {
+    /// Positions of the markers of all key nodes, mm. If displacements refer to an image of the unloaded finger, displacements from the unloaded finger.
+    markers_mm: Vec<Vector>,
+    /// Position, mm, and rotation towards the tip, rad, of the plate at each contact.
+    plate: Vec<(Vector, f64)>,
+}
+
+impl BentFinger {
+    /// Motion of the plate at each contact from that of the finger `from`.
+    fn moved_from(&self, from: &BentFinger) -> impl Iterator<Item = PlateMotion> {
+        self.plate
+            .iter()
+            .zip(&from.plate)
+            .map(|(to, from)| PlateMotion { displacement: to.0 - from.0, turn_rad: to.1 - from.1 })
     }
 }

@@ -349,15 +349,19 @@ fn touching(mounted: &Mounted, s_mm: f64, force_n: f64) -> (Load, Isometry2<f64>
     (load, place)
 }
 
+/// Number of cases with a disc that show a fault of the past: errors of the assembly displaced the markers, but not the plate that touches the disc. Of
+/// 48 intervals 76 % held, with a mean square of 4.4; the first 12 of them showed nothing.
+const OBJECT_CASES: usize = 24;
+
 /// On fingers that were assembled anew, intervals contain the forces of one or two known contacts, of contacts whose friction is uncertain, of measured
 /// contacts, and of a disc whose outline touches the plate.
 #[test]
 fn intervals_at_contacts_hold_on_fingers_that_were_assembled_anew() {
     use rayon::prelude::*;
-    let cases = case_count(12, 300);
     for (known, count) in
         [(Known::Contacts, 2), (Known::Positions, 2), (Known::Measured, 1), (Known::Measured, 2), (Known::Object, 1)]
     {
+        let cases = case_count(if known == Known::Object { OBJECT_CASES } else { 12 }, 300);
         let all: Vec<Option<Vec<f64>>> =
             (0..cases).into_par_iter().map(|case| errors_at_contacts(case, known, count)).collect();
         let errors: Vec<f64> = all.iter().flatten().flatten().copied().collect();

@@ -2,13 +2,17 @@
 
 use finray_model::finger::{Plate, PlatePosition};
 use finray_model::measurement::{BaseUncertainty, Marker, Measurement};
+use finray_model::mesh::Load;
+use finray_model::observation::Observation;
+use finray_model::scene::{ObjectFrame, ObjectPlace, TouchedDescription};
 use finray_model::sensing::{
-    Contact, ContactPosition, ContactQuestion, Direction, ForcePrior, LinearEstimator, MeasuredContact,
-    NonlinearEstimator, Pad,
+    AssemblyErrors, Contact, ContactPosition, ContactQuestion, Direction, ForcePrior, Lean, LinearEstimator,
+    MeasuredContact, NonlinearEstimator, Normal, Pad, TouchedOutline,
 };
-use finray_model::{Finger, Kinematics, Mesh, NodeId, Vector};
+use finray_model::sensor::{Sensor, SensorContacts, SensorOptions};
+use finray_model::{Finger, Kinematics, Mesh, NodeId, Scene, Vector, statics};
 use finray_tests::{built_finger, cases, contact_node, force_for_deflection, mirrored, noisy, random_stream, seen};
-use nalgebra::UnitComplex;
+use nalgebra::{Isometry2, UnitComplex};
 use proptest::prelude::*;
 
 /// Noise of a marker coordinate, relative to the length of the plate.
@@ -122,6 +126,82 @@ proptest! {
             let [found, expected] = [&found, &expected].map(|estimate| estimate.contacts[0]);
             prop_assert_eq!(found.position.plate(), Plate::Back);
             prop_assert!((found.angle_deg - expected.angle_deg).abs() <= SAME_MINIMUM.to_degrees(), "{:?} against {:?}", found, expected);
+        }
+    }
+}
+
+/// An ellipse that is not symmetric about the normal of the plate, so that a wrong sign of its rotation moves the point that touches.
+const SEMI_AXES_MM: [f64; 2] = [30.0, 20.0];
+const ELLIPSE_TURN_RAD: f64 = 0.4;
+const POSE_SD_MM: f64 = 0.2;
+
+/// Point of the ellipse, from its centre, at which the outward normal is `normal`.
+fn facing(normal: Vector) -> Vector {
+    let turn = UnitComplex::new(ELLIPSE_TURN_RAD);
+    let ([a, b], along) = (SEMI_AXES_MM, turn.inverse() * normal);
+    turn * Vector::new(a * a * along.x, b * b * along.y) / (a * along.x).hypot(b * along.y)
+}
+
+proptest! {
+    #![proptest_config(cases(12))]
+
+    /// `Sensor` finds the same force on both fingers if an object of known shape touches the plate, if the contact is measured, and if the finger was
+    /// assembled with errors.
+    #[test]
+    fn objects_measured_contacts_and_errors_of_the_assembly_mirror(finger in built_finger(), at in 0.4..0.8, has_errors in any::<bool>()) {
+        let (image, node) = (mirrored(&finger), contact_node(&finger, 1.0 - at));
+        let s_mm = Contact { position: ContactPosition::Node(node), angle_deg: 0.0 }.position_mm(&finger).expect("on the plate");
+        let contact = Contact { position: ContactPosition::at(s_mm), angle_deg: 0.0 };
+        let force_n = force_for_deflection(&finger, node, 0.0, 0.02).norm();
+        let mesh = Mesh::with_elements_per_member(&finger, 8);
+        let load = Load::at_position(s_mm, finger.direction(0.0) * force_n);
+        let Ok(shape) = statics::solve(&mesh, &[load], Kinematics::Corotational) else {
+            return Err(TestCaseError::reject("no equilibrium"));
+        };
+        let clean = Measurement::of_shape(&finger, &shape);
+        prop_assume!(clean.displacement_rms_mm() < BUCKLED * finger.plate_length_mm(Plate::Front));
+        let moved = shape.motion(node);
+        let inward = UnitComplex::new(moved.rotation) * finger.direction(0.0);
+        let surface = moved.position + moved.displacement - inward * (0.5 * finger.description().front.thickness_mm);
+        let centre = surface - facing(inward);
+        let assembly = AssemblyErrors { joint_sd_mm: 0.1, preload_nmm: 1.0, preload_sd_nmm: 2.0, ..AssemblyErrors::default() };
+        let scene = |finger: &Finger, centre: Vector, turn_rad: f64| {
+            let scene = Scene::from_toml(finray_fixtures::PAPER_SCENE).expect("a scene");
+            let pose = Isometry2::new(centre, turn_rad);
+            let place = ObjectPlace { pose, sd_mm: POSE_SD_MM, sd_rad: 0.02, frame: ObjectFrame::Base };
+            let touched = TouchedDescription { shape: TouchedOutline::Ellipse { semi_axes_mm: SEMI_AXES_MM }, place: Some(place) };
+            let preload_nmm = if finger == &image { -assembly.preload_nmm } else { assembly.preload_nmm };
+            let assembly = has_errors.then(|| AssemblyErrors { preload_nmm, ..assembly.clone() });
+            Scene { finger: finger.clone(), touched: Some(touched), assembly, ..scene }
+        };
+        let ours = scene(&image, Vector::new(centre.x, -centre.y), -ELLIPSE_TURN_RAD);
+        let theirs = scene(&finger, centre, ELLIPSE_TURN_RAD);
+        let asked = |contact: Contact| {
+            let lean = Lean { from: Normal::Object, ..Lean::NONE };
+            let measured = MeasuredContact { contact, direction_sd_rad: 0.03, position_sd_mm: 0.5 };
+            [
+                SensorContacts::Asked(vec![ContactQuestion::new(Some(contact.position), Direction::Leaning(lean))]),
+                SensorContacts::Measured { contacts: vec![measured], friction: 0.3 },
+                SensorContacts::known(&[contact]),
+            ]
+        };
+        let options = SensorOptions { noise_mm: Some(NOISE * finger.plate_length_mm(Plate::Front)), ..SensorOptions::default() };
+        for (ours_asked, asked) in asked(across(contact)).into_iter().zip(asked(contact)) {
+            let sense = |scene: &Scene, asked: &SensorContacts, measurement: &Measurement| {
+                let sensor = Sensor::new(scene.clone(), asked.clone(), options.clone()).expect("contacts");
+                sensor.sense(&Observation::of_displacements(measurement))
+            };
+            let Ok(expected) = sense(&theirs, &asked, &clean) else { continue };
+            let found = sense(&ours, &ours_asked, &flipped(&image, &clean)).expect("identifiable");
+            let [found, expected] = [&found, &expected].map(|sensed| sensed.forces[0]);
+            for (found, expected) in [(found.force_n, expected.force_n), (found.sigma_n, expected.sigma_n)] {
+                prop_assert!((found - expected).abs() <= SAME_MINIMUM * force_n, "{found} against {expected} N of {force_n} N for {asked:?}");
+            }
+            prop_assert_eq!(found.contact.position.plate(), Plate::Back);
+            prop_assert!((found.contact.angle_deg - expected.contact.angle_deg).abs() <= SAME_MINIMUM.to_degrees());
+            if matches!(asked, SensorContacts::Asked(_)) && !has_errors {
+                prop_assert!((expected.force_n / force_n - 1.0).abs() < 0.1, "{} of {force_n} N", expected.force_n);
+            }
         }
     }
 }

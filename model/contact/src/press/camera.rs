@@ -58,10 +58,17 @@ pub fn read_contact(
 const ALONG_FACE: f64 = 1e-3;
 /// Largest distance of a touch from the face to which it belongs, mm; overlaps of object and finger are smaller.
 const ON_FACE_MM: f64 = 1e-2;
+/// Two sides of a polygon belong to a curve if the outline turns between them by at most this angle, rad (that of a polygon of 24 equal sides), and
+/// neither is longer than the other by more than the factor `ALIKE`.
+const TANGENT_RAD: f64 = 0.27;
+const ALIKE: f64 = 3.0;
+/// Sides are on one line if the outline turns between them by at most this angle, rad: more than rounding.
+const STRAIGHT_RAD: f64 = 1e-6;
 
 /// Distance between the two outline points that show the direction of the surfaces at a touch, mm. If a flat face of the object touches, the points
 /// are the ends of that face. For a touch on a rod without a flat face, one point is the rod's centre. The other point is the touching corner, or the
-/// centre of the touching disc. For a touch elsewhere on the plate without a flat face, the points are the ends of the plate segment.
+/// centre of the curve that touches: a disc, or short sides of a polygon that hardly turn. For a touch elsewhere on the plate without a flat face,
+/// the points are the ends of the plate segment.
 pub fn baseline_mm(
     finger: &Finger,
     rod_radius_mm: f64,
@@ -69,18 +76,46 @@ pub fn baseline_mm(
     object: Vector,
     touch: &Touch,
 ) -> f64 {
-    let (_, disc_mm) = outline.corners();
-    let face = outline.sides().map(|[a, b]| (a + object, b - a)).find(|(from, face)| {
-        let length_mm = face.norm();
-        let along = (touch.point - from).dot(face) / length_mm;
-        let off_mm = (touch.point - from).perp(face).abs() / length_mm;
-        touch.normal.dot(face).abs() <= ALONG_FACE * length_mm
-            && off_mm <= ON_FACE_MM
-            && (-ON_FACE_MM..=length_mm + ON_FACE_MM).contains(&along)
-    });
+    let at = touch.point - object;
+    let sides = faces(outline);
+    let distance_mm = |&i: &usize| {
+        let [from, to] = sides[i];
+        let share = (at - from).dot(&(to - from)) / (to - from).norm_squared();
+        (at - from - (to - from) * share.clamp(0.0, 1.0)).norm()
+    };
+    let touching = (0..sides.len()).min_by(|a, b| distance_mm(a).total_cmp(&distance_mm(b)));
+    let radius_mm = touching.map_or(Some(outline.corners().1), |i| radius_mm(&sides, i));
+    let is_face = |i: &usize| {
+        let face = sides[*i][1] - sides[*i][0];
+        touch.normal.dot(&face).abs() <= ALONG_FACE * face.norm() && distance_mm(i) <= ON_FACE_MM
+    };
+    let face = (0..sides.len()).filter(|_| radius_mm.is_none()).find(is_face);
     match (face, touch.part) {
-        (Some((_, face)), _) => face.norm(),
-        (None, TouchedPart::Rod(_)) => disc_mm + rod_radius_mm,
+        (Some(face), _) => (sides[face][1] - sides[face][0]).norm(),
+        (None, TouchedPart::Rod(_)) => radius_mm.unwrap_or_default() + rod_radius_mm,
         (None, TouchedPart::On(wall, s_mm)) => member_mm(finger, (wall, s_mm)),
     }
+}
+
+/// Sides of a polygon, with sides on one line joined; none for a disc.
+fn faces(outline: &ContactOutline) -> Vec<[Vector; 2]> {
+    let sides: Vec<[Vector; 2]> = outline.sides().collect();
+    let turns = |(i, [from, to]): (usize, &[Vector; 2])| {
+        let [before, _] = sides[(i + sides.len() - 1) % sides.len()];
+        ((from - before).angle(&(to - from)) > STRAIGHT_RAD).then_some(*from)
+    };
+    let corners: Vec<Vector> = sides.iter().enumerate().filter_map(turns).collect();
+    (0..corners.len()).map(|i| [corners[i], corners[(i + 1) % corners.len()]]).collect()
+}
+
+/// Radius of the curve to which a side of a polygon belongs, mm: the sides of a finely sampled curve are no flat faces. `None` for a flat face.
+fn radius_mm(sides: &[[Vector; 2]], side: usize) -> Option<f64> {
+    let along = |i: usize| sides[i][1] - sides[i][0];
+    let of_neighbour = |other: usize| {
+        let (turn_rad, lengths_mm) = (along(side).angle(&along(other)), [along(side).norm(), along(other).norm()]);
+        let is_alike = lengths_mm[0] <= ALIKE * lengths_mm[1] && lengths_mm[1] <= ALIKE * lengths_mm[0];
+        (is_alike && turn_rad <= TANGENT_RAD).then(|| 0.5 * (lengths_mm[0] + lengths_mm[1]) / turn_rad)
+    };
+    let neighbours = [(side + 1) % sides.len(), (side + sides.len() - 1) % sides.len()];
+    neighbours.into_iter().filter_map(of_neighbour).min_by(f64::total_cmp)
 }

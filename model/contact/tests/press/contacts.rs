@@ -1,6 +1,7 @@
 //! Contacts as measured by the camera, and the forces sensed at them.
 
 use super::{COARSE, last, prepared, scene, steps};
+use finray_contact::outline::ContactOutline;
 use finray_contact::press::{ContactScene, HalfSpan, NotSensed, SeenContact, read_contact, seen_contacts};
 use finray_contact::{Touch, TouchedPart, Wall};
 use finray_model::finger::{Plate, PlatePosition};
@@ -32,6 +33,67 @@ fn contacts_are_seen_alike_whatever_they_carry() {
     assert_eq!((one.contact, one.point), (other.contact, other.point));
     assert!((one.contact.angle_deg - 1.0).abs() < 1e-9, "the middle: {:?}", one.contact);
     assert!(matches!(one.contact.position, ContactPosition::At(at) if (at.s_mm - 81.0).abs() < 1e-9));
+}
+
+/// The camera reads a finely sampled polygon as the curve that it samples, and not by the ends of one short side. An octagon and a box touch with flat
+/// faces, and so does the long side of a box whose corners are finely sampled arcs.
+#[test]
+fn facets_of_a_sampled_curve_are_no_flat_faces() {
+    const RADIUS_MM: f64 = 20.0;
+    const ROD_MM: f64 = 1.5;
+    let finger = scene("shape = \"disc\"\nradius_mm = 1\nat_mm = 1\ntravel_mm = 1").finger;
+    let node = finger.contact_nodes().next().expect("a rod");
+    let baseline_mm = |outline: &ContactOutline, at: [f64; 2], part: TouchedPart| {
+        let (object, normal) = (Vector::new(70.0, 40.0), Vector::new(0.0, -1.0));
+        let point = object + Vector::from(at);
+        let touch = Touch { part, clamped: false, point, normal, force: normal, overlap_mm: 0.0 };
+        finray_contact::press::baseline_mm(&finger, ROD_MM, outline, object, &touch)
+    };
+    let around = |count: usize| {
+        let corner = |i: usize| {
+            let (sin, cos) =
+                (std::f64::consts::TAU * (i as f64 + 0.5) / count as f64 - 0.5 * std::f64::consts::PI).sin_cos();
+            Vector::new(cos, sin) * RADIUS_MM
+        };
+        ContactOutline::polygon(&(0..count).map(corner).collect::<Vec<_>>())
+    };
+    let lowest = |count: usize| [0.0, -RADIUS_MM * (std::f64::consts::PI / count as f64).cos()];
+    let (rod, wall) = (TouchedPart::Rod(node), TouchedPart::On(Wall::Front, 70.0));
+    let disc = ContactOutline::disc(RADIUS_MM);
+    for part in [rod, wall] {
+        let of_disc_mm = baseline_mm(&disc, [0.0, -RADIUS_MM], part);
+        for count in [30, 90, 360] {
+            let corner = around(count).corners().0[0];
+            for at in [lowest(count), corner.into()] {
+                let found_mm = baseline_mm(&around(count), at, part);
+                // Half the side over the sine of half the turn is the radius; the sine differs by 0.2 % at 30 sides.
+                assert!(
+                    (found_mm / of_disc_mm - 1.0).abs() < 2e-3,
+                    "{count} sides at {at:?}: {found_mm}, {of_disc_mm} mm"
+                );
+            }
+        }
+        let side_mm = 2.0 * RADIUS_MM * (std::f64::consts::PI / 8.0).sin();
+        assert!((baseline_mm(&around(8), lowest(8), part) - side_mm).abs() < 1e-9);
+    }
+    let halved = [[-10.0, -8.0], [-2.0, -8.0], [2.0, -8.0], [10.0, -8.0], [10.0, 8.0], [-10.0, 8.0]].map(Vector::from);
+    let halved = ContactOutline::polygon(&halved);
+    assert!((baseline_mm(&halved, [0.5, -8.0], rod) - 20.0).abs() < 1e-9, "three sides on one line are one face");
+    let arc = |middle: [f64; 2], from_deg: f64| {
+        (0..=9).map(move |i| {
+            let (sin, cos) = (from_deg + 10.0 * f64::from(i)).to_radians().sin_cos();
+            Vector::from(middle) + Vector::new(cos, sin) * 2.0
+        })
+    };
+    let corners: Vec<Vector> = arc([10.0, 6.0], 0.0)
+        .chain(arc([-10.0, 6.0], 90.0))
+        .chain(arc([-10.0, -6.0], 180.0))
+        .chain(arc([10.0, -6.0], 270.0))
+        .collect();
+    let rounded = ContactOutline::polygon(&corners);
+    assert!((baseline_mm(&rounded, [3.0, -8.0], rod) - 20.0).abs() < 1e-9, "the flat face between two arcs");
+    let on_arc = [10.0 + 2.0 * 45.0_f64.to_radians().sin(), -6.0 - 2.0 * 45.0_f64.to_radians().cos()];
+    assert!((baseline_mm(&rounded, on_arc, rod) - 3.5).abs() < 0.01, "the middle of the arc and that of the rod");
 }
 
 /// Positions and directions read by the camera scatter about the true values with the stated standard deviations.

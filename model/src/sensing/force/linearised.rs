@@ -108,6 +108,12 @@ impl Linearised {
         self.misses_mm = misses_mm;
     }
 
+    /// Derivatives of the violated contact conditions with respect to an unknown, mm per unit of the unknown.
+    pub(super) fn touch_rates(&self, unknown: usize) -> &[f64] {
+        let conditions = self.touch_rates.nrows();
+        &self.touch_rates.as_slice()[unknown * conditions..(unknown + 1) * conditions]
+    }
+
     /// Displacement of a key node's marker in a shape, mm, relative to the expected pose of the base.
     pub(super) fn seen_displacement(&self, key_node: usize, shape: Posed) -> Vector {
         self.marker_points[key_node].displacement(shape)

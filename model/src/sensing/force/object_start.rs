@@ -40,7 +40,7 @@ pub(super) fn require_touch(
     let mut nearest_mm = [f64::INFINITY; 2];
     for i in 1..=PLACES {
         let s_mm = length_mm * i as f64 / PLACES as f64;
-        let missed_mm = touching.missed_mm(problem.mesh, (PlatePosition { plate, s_mm }, pad), shape)?;
+        let missed_mm = touching.missed_mm(problem.mesh, (contact, pad), PlatePosition { plate, s_mm }, shape)?;
         if missed_mm[1].abs() < nearest_mm[1].abs() {
             nearest_mm = missed_mm;
         }

@@ -188,6 +188,9 @@ impl<'m> ForceProblem<'m> {
         if let Some(i) = self.questions.iter().position(touches_object).filter(|_| self.object.is_none()) {
             return Err(SensingError::NoObject { contact: i + 1 });
         }
+        if let Some(touching) = &mut self.object {
+            touching.plate_offsets = measurement.plate_offsets().to_vec();
+        }
         let object = self.object.as_ref().map(|touching| &touching.object);
         let unknowns = Unknown::list(&self.questions, object, measurement);
         let is_other = unknowns[..] != self.unknowns[..] || self.shared_errors != measurement.shared_errors();
@@ -312,7 +315,11 @@ impl<'m> ForceProblem<'m> {
                         self.mesh.normal_turn(motion, &contact.unit_load(finger), over_mm)?
                     }
                     // A plate is tangential to an outline that it touches.
-                    Normal::Object => self.mesh.normal_turn(motion, &contact.unit_load(finger), 0.0)?,
+                    Normal::Object => {
+                        let moved = self.object.as_ref().map(|object| object.plate_motion(i, nuisances));
+                        let turn_rad = self.mesh.normal_turn(motion, &contact.unit_load(finger), 0.0)?;
+                        turn_rad + moved.map_or(0.0, |moved| moved.turn_rad)
+                    }
                     Normal::Undeformed => 0.0,
                 };
                 let angle_deg = turned.to_degrees() + lean.mean_deg(forces_n[i]) + nuisances.further_leans_deg[i];

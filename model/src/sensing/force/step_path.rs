@@ -36,7 +36,7 @@ pub(super) fn follow_step(
     let ForceProblem { mesh, object, unknowns, shared_errors, priors, statics, .. } = problem;
     let projected = |motion: &FrameMotion| {
         let shape = Posed { motion, ..next.posed() };
-        project((unknowns, shared_errors, priors), &state.linearised, shape, measurement)
+        project((unknowns, shared_errors, priors), (mesh, object.as_ref()), &state.linearised, shape, measurement)
     };
     let misfit_mm2 = |motion: &FrameMotion| {
         let projected = projected(motion);
@@ -81,8 +81,14 @@ pub(super) fn part_of_step(
     problem.advance(&mut state).ok()?;
     let loads = [&state.loads[..], &state.loads];
     state.motion = problem.statics.tried(&motion, loads, 1, |_, _| true).ok()?.motion;
-    let ForceProblem { unknowns, shared_errors, priors, .. } = &*problem;
-    let projected = project((unknowns, shared_errors, priors), &state.linearised, state.posed(), measurement);
+    let ForceProblem { mesh, object, unknowns, shared_errors, priors, .. } = &*problem;
+    let projected = project(
+        (unknowns, shared_errors, priors),
+        (mesh, object.as_ref()),
+        &state.linearised,
+        state.posed(),
+        measurement,
+    );
     state.nuisances = projected.unwrap_or(state.nuisances);
     let is_better = problem.misfit(&state, measurement) <= current_mm2;
     is_better.then_some((share, state))

@@ -5,8 +5,10 @@
 //! contact's position and direction as accurately as the object's pose is known.
 
 use super::marker_motion::Posed;
+use super::values::Nuisances;
 use crate::Vector;
 use crate::finger::PlatePosition;
+use crate::measurement::PlateMotion;
 use crate::mesh::{Load, LoadError, Mesh};
 use crate::sensing::{ContactQuestion, Direction, Lean, Normal, Pad, TouchedObject};
 use nalgebra::Point2;
@@ -20,6 +22,8 @@ pub(super) struct Touching {
     pub object: TouchedObject,
     /// The contacts that touch the object: index, from 0, and the touched surface.
     pub contacts: Vec<(usize, Pad)>,
+    /// Motion of the plate at each contact, relative to the scene's finger, while all shared errors are zero. Empty for no motion.
+    pub plate_offsets: Vec<PlateMotion>,
 }
 
 impl Touching {
@@ -27,7 +31,7 @@ impl Touching {
     pub fn new(questions: &[ContactQuestion], object: &TouchedObject) -> Option<Touching> {
         let touching = questions.iter().enumerate().filter(|(_, question)| touches_object(question));
         let contacts: Vec<(usize, Pad)> = touching.map(|(i, question)| (i, question.pad.unwrap_or_default())).collect();
-        (!contacts.is_empty()).then(|| Touching { object: object.clone(), contacts })
+        (!contacts.is_empty()).then(|| Touching { object: object.clone(), contacts, plate_offsets: Vec::new() })
     }
 
     /// Number of rows that the contacts add.
@@ -47,7 +51,7 @@ impl Touching {
             let contact = &shape.contacts[i];
             let s_mm = contact.position_mm(mesh.finger()).unwrap_or(f64::NAN);
             let at = PlatePosition { plate: contact.position.plate(), s_mm };
-            let missed = self.missed_mm(mesh, (at, pad), shape).unwrap_or([f64::NAN; 2]);
+            let missed = self.missed_mm(mesh, (i, pad), at, shape).unwrap_or([f64::NAN; 2]);
             [0, 1].map(|way| missed[way] / CLOSED_SD_MM[way] * marker_noise_mm)
         })
     }
@@ -57,14 +61,27 @@ impl Touching {
         self.misses_mm(mesh, shape, marker_noise_mm).map(|missed_mm| missed_mm * missed_mm).sum()
     }
 
+    /// Motion of the plate at a contact, relative to the scene's finger: errors of the assembly displace the plate, and not only the markers.
+    pub fn plate_motion(&self, contact: usize, nuisances: &Nuisances) -> PlateMotion {
+        nuisances.shared_plate(contact).and(1.0, self.plate_offsets.get(contact).copied().unwrap_or_default())
+    }
+
     /// Distance between the surface of the plate or `pad` at the position `at` and the point of the outline that faces this position. Returns the gap
-    /// and the distance along the plate, mm.
-    pub fn missed_mm(&self, mesh: &Mesh, (at, pad): (PlatePosition, Pad), shape: Posed) -> Result<[f64; 2], LoadError> {
+    /// and the distance along the plate, mm. The plate moves as at the contact with the index `contact`.
+    pub fn missed_mm(
+        &self,
+        mesh: &Mesh,
+        (contact, pad): (usize, Pad),
+        at: PlatePosition,
+        shape: Posed,
+    ) -> Result<[f64; 2], LoadError> {
         let Posed { motion, nuisances, .. } = shape;
-        let turn_deg = mesh.normal_turn(motion, &Load::at_position(at, Vector::zeros()), 0.0)?.to_degrees();
+        let moved = self.plate_motion(contact, nuisances);
+        let turn_rad = mesh.normal_turn(motion, &Load::at_position(at, Vector::zeros()), 0.0)? + moved.turn_rad;
+        let turn_deg = turn_rad.to_degrees();
         let [inward, tipward] =
             [0.0, 90.0].map(|deg| nuisances.base.rotation * mesh.finger().direction_on(at.plate, deg + turn_deg));
-        let point = nuisances.base * Point2::from(mesh.plate_point(motion, at)?);
+        let point = nuisances.base * Point2::from(mesh.plate_point(motion, at)? + moved.displacement);
         let apart = point.coords - self.object.point_facing(inward, nuisances.object);
         Ok([apart.dot(&inward) - pad.lever_mm(mesh.finger(), at), apart.dot(&tipward)])
     }

@@ -6,7 +6,7 @@
 use super::unknowns::{PosePart, Unknown, leaning_n};
 use crate::Vector;
 use crate::finger::{Finger, Plate, PlatePosition};
-use crate::measurement::SharedError;
+use crate::measurement::{PlateMotion, SharedError};
 use crate::sensing::{Contact, ContactPosition, ContactQuestion, Direction};
 use nalgebra::{Isometry2, Translation2, UnitComplex};
 
@@ -39,6 +39,8 @@ pub(super) struct Nuisances {
     /// together, mm.
     pub shared: Vec<f64>,
     shared_mm: Vec<Vector>,
+    /// Motion of the plate at each contact due to all shared errors together.
+    shared_plate: Vec<PlateMotion>,
 }
 
 impl Nuisances {
@@ -51,6 +53,7 @@ impl Nuisances {
             object: [0.0; 3],
             shared: shared_errors.iter().map(|error| error.start).collect(),
             shared_mm: Vec::new(),
+            shared_plate: Vec::new(),
         };
         nuisances.use_patterns(shared_errors);
         nuisances
@@ -60,6 +63,7 @@ impl Nuisances {
     pub fn use_patterns(&mut self, shared_errors: &[SharedError]) {
         let key_nodes = shared_errors.first().map_or(0, |error| error.pattern_mm.len());
         self.shared_mm = vec![Vector::zeros(); key_nodes];
+        self.shared_plate = vec![PlateMotion::default(); shared_errors.first().map_or(0, |error| error.plate.len())];
         for (k, by) in std::mem::take(&mut self.shared).into_iter().enumerate() {
             self.shared.push(0.0);
             self.share(k, &shared_errors[k], by);
@@ -71,6 +75,11 @@ impl Nuisances {
         self.shared_mm.get(key_node).copied().unwrap_or_default()
     }
 
+    /// Motion of the plate at a contact due to the errors that all markers share.
+    pub fn shared_plate(&self, contact: usize) -> PlateMotion {
+        self.shared_plate.get(contact).copied().unwrap_or_default()
+    }
+
     /// Rotation of the base as a change of an angle on a plate, degrees.
     pub fn base_turn_deg(&self, plate: Plate) -> f64 {
         plate.turn_sign() * self.base.rotation.angle().to_degrees()
@@ -80,6 +89,7 @@ impl Nuisances {
     fn share(&mut self, index: usize, error: &SharedError, by: f64) {
         self.shared[index] += by;
         self.shared_mm.iter_mut().zip(&error.pattern_mm).for_each(|(all, of_error)| *all += of_error * by);
+        self.shared_plate.iter_mut().zip(&error.plate).for_each(|(all, of_error)| *all = all.and(by, *of_error));
     }
 
     /// Tangent of the angle between the force of a contact and its measured normal, dimensionless.

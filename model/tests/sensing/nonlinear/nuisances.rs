@@ -352,8 +352,11 @@ fn shapes_for_other_unknowns_of_the_same_number_are_not_used() {
     // To first order, the shared errors are the three motions of the base.
     let positions: Vec<Vector> =
         (1..=finger.key_node_count()).map(|node| finger.marker_position(NodeId(node))).collect();
-    let pattern =
-        |of: &dyn Fn(&Vector) -> Vector| SharedError { pattern_mm: positions.iter().map(of).collect(), start: 0.0 };
+    let pattern = |of: &dyn Fn(&Vector) -> Vector| SharedError {
+        pattern_mm: positions.iter().map(of).collect(),
+        plate: Vec::new(),
+        start: 0.0,
+    };
     let errors = vec![
         pattern(&|_| Vector::new(base.sd_mm, 0.0)),
         pattern(&|_| Vector::new(0.0, base.sd_mm)),
