@@ -105,6 +105,6 @@ impl PlaneFrame {
 
     /// Whether a node follows another node through at least one lever.
     pub(crate) fn is_linked(&self, node: NodeIndex) -> bool {
-        self.lever_rotations(node).next().is_some()
+        self.nodes[node].link.as_ref().is_some_and(|link| link.levers[0].is_some())
     }
 }

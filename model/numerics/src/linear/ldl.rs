@@ -42,13 +42,16 @@ impl<R: Number, const N: usize> Ldl<R, N> {
         }
     }
 
-    /// Factorises a matrix, of which only the upper triangle is read. Works in place, because moving a factor takes as long as computing it.
+    /// Factorises a matrix, of which only the upper triangle is read, and overwrites each of the M columns x with L^-1 x. Works in place, because moving
+    /// a factor takes as long as computing it.
     #[inline(always)]
-    pub fn factorise(&mut self, matrix: &[[R; N]; N]) {
+    pub fn factorise<const M: usize>(&mut self, matrix: &[[R; N]; N], columns: &mut [[R; M]; N]) {
         self.upper = *matrix;
         let zero = matrix[0][0].zero();
         let one = matrix[0][0].constant(1.0);
         self.positive = zero.always();
+        // The divisions by the pivots wait for each other. Columns that fit into the registers beside the matrix are processed in this time.
+        let together = R::LANES == 1 && N * (N + M) <= 24;
         for j in 0..N {
             let row = self.upper[j];
             // A NaN pivot compares as false.
@@ -61,13 +64,22 @@ impl<R: Number, const N: usize> Ldl<R, N> {
                 for k in i..N {
                     self.upper[i][k] -= factor * row[k];
                 }
+                if together {
+                    for k in 0..M {
+                        let known = columns[j][k];
+                        columns[i][k] -= factor * known;
+                    }
+                }
             }
+        }
+        if !together {
+            self.forward(columns);
         }
     }
 
     /// Overwrites each of the M columns x with L^-1 x.
     #[inline(always)]
-    pub fn forward<const M: usize>(&self, columns: &mut [[R; M]; N]) {
+    fn forward<const M: usize>(&self, columns: &mut [[R; M]; N]) {
         // For scalars, all columns are processed together, so that one instruction processes neighbours in a row. For SIMD lanes, the columns are
         // processed one by one, because one column fits into the registers.
         if R::LANES == 1 {

@@ -35,9 +35,8 @@ impl<R: Number, const N: usize, const M: usize> Block<R, N, M> {
     /// Factorises the stiffness. Rows of `coupling` are the block's unknowns; columns are the neighbours' unknowns.
     #[inline(always)]
     pub(super) fn factorise(&mut self, stiffness: &[[R; N]; N], coupling: &[[R; M]; N]) {
-        self.factor.factorise(stiffness);
         self.with = *coupling;
-        self.factor.forward(&mut self.with);
+        self.factor.factorise(stiffness, &mut self.with);
     }
 
     /// Subtracts C^T K^-1 C from the neighbours' stiffness, of which only the upper triangle is valid.

@@ -84,9 +84,12 @@ impl Balance<'_> {
             };
             loads.extend((0..=joints).filter(is_loaded).map(|i| (i, self.loads_abreast(indices, i, like))));
         }
-        let brackets: Vec<_> =
-            indices.iter().filter_map(|&line| Brackets::of(frame, &lines[line], motion, linear)).collect();
-        let brackets = (!brackets.is_empty()).then(|| Brackets::of_lanes(&brackets, like));
+        // All ribs of a finger have brackets, or none has.
+        let has_brackets = Brackets::of(frame, &lines[indices[0]], motion, linear).is_some();
+        let brackets = has_brackets.then(|| {
+            let of_line = |&line: &usize| Brackets::of(frame, &lines[line], motion, linear);
+            Brackets::of_lanes(&indices.iter().filter_map(of_line).collect::<Vec<_>>(), like)
+        });
         let chain = room.chain.get_or_insert_with(|| Chain::new(frame, &lines[indices[0]], like));
         let mut forces = ChainForces::none(like);
         let Room { joints, ys, previous, .. } = room;
