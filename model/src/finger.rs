@@ -1,18 +1,20 @@
 //! A fin-ray finger: geometry and material of two plates in a V and of the ribs between them.
 
 mod description;
+mod model_error;
 mod one_piece;
 mod placement;
 mod sections;
 mod side_faces;
 
 pub use description::*;
-pub(crate) use side_faces::SideFaceFactors;
-pub use side_faces::SideFaces;
+pub use model_error::{FingerKind, ModelError};
+pub(crate) use sections::SectionFactors;
+pub use side_faces::{SIDE_FACE_ERROR, SideFaces};
 
 use crate::Vector;
-use one_piece::Arms;
-use placement::{check_room, check_sizes, check_zones, place_ribs, place_tip};
+use one_piece::OnePiece;
+use placement::{check_lists, check_room, check_sizes, check_zones, place_ribs, place_tip};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -43,8 +45,8 @@ pub struct Finger {
     tip: Vector,
     /// Positions of the front and the back end of each rib along the plates, mm from the base.
     ribs: Vec<[f64; 2]>,
-    /// Arms by the rule for a finger of one piece; `None` without stated fillets.
-    arms: Option<Arms>,
+    /// Members by the rule for a finger of one piece; `None` without stated fillets.
+    one_piece: Option<OnePiece>,
 }
 
 impl Finger {
@@ -60,9 +62,10 @@ impl Finger {
         let tip = place_tip(d)?;
         let ribs = place_ribs(d)?;
         check_zones(d)?;
-        let mut finger = Finger { tip, ribs, description, arms: None };
+        let mut finger = Finger { tip, ribs, description, one_piece: None };
+        check_lists(&finger)?;
         if let Some(fillets) = finger.description.fillets {
-            finger.arms = Some(one_piece::arms(&finger, fillets)?);
+            finger.one_piece = Some(OnePiece::new(&finger, fillets)?);
         }
         check_room(&finger)?;
         Ok(finger)
@@ -191,14 +194,15 @@ impl Finger {
         let second = if member == self.rib_count() { tip_mm } else { clip_mm };
         let FingerDescription { rod_arm_mm, clamp_arm_mm, .. } = self.description;
         let at_clamp_mm = clamp_arm_mm.filter(|_| from_mm == 0.0).unwrap_or(rod_arm_mm);
-        let [start_mm, end_mm] = self.arms.as_ref().map_or([at_clamp_mm, rod_arm_mm], |arms| arms.plates[side][member]);
+        let one_piece = self.one_piece_member(part.into(), member);
+        let [start_mm, end_mm] = one_piece.map_or([at_clamp_mm, rod_arm_mm], |member| member.arms_mm);
         [first.max(start_mm), second.max(end_mm)]
     }
 
     /// Lengths of the rigid arms at the front and the back end of a rib, mm; ribs are numbered from 0 at the base.
     pub fn rib_arms_mm(&self, index: usize) -> [f64; 2] {
-        if let Some(arms) = &self.arms {
-            return arms.ribs[index];
+        if let Some(member) = self.one_piece_member(Part::Ribs, index) {
+            return member.arms_mm;
         }
         let FingerDescription { rod_arm_mm, rib_arm_mm, clamp_arm_mm, .. } = self.description;
         let arm_mm = rib_arm_mm.unwrap_or(rod_arm_mm);

@@ -7,6 +7,7 @@ mod gripper;
 mod object;
 mod reader;
 mod touched;
+mod warning;
 
 pub use crate::keys::ROD_RADIUS_MM;
 pub use camera::{Base, CameraDescription, MarkerLook, Markers, Reference, Rgb, Shade};
@@ -14,10 +15,11 @@ pub use contact::ContactDescription;
 pub use grasp::{GraspDescription, Support};
 pub use object::{ObjectDescription, ObjectMotion, Outline, Until};
 pub use touched::{ObjectFrame, ObjectPlace, TouchedDescription};
+pub use warning::SceneWarning;
 
 use crate::finger::{
-    Fillets, Finger, FingerDescription, Joints, MarkerPoints, Part, Plate, RibDescription, RibPositions, RigidEnds,
-    SideFaces, Strip, Zone,
+    Fillets, Finger, FingerDescription, Joints, MarkerPoints, ModelError, Part, Plate, RibDescription, RibPositions,
+    RigidEnds, SideFaces, Strip, Zone,
 };
 use crate::gripper::Gripper;
 use crate::keys::{
@@ -38,8 +40,8 @@ pub struct Scene {
     pub finger: Finger,
     /// Largest fibre strain at which the material of each part is linear, dimensionless; `None` for parts without a stated limit.
     pub strain_limits: StrainLimits,
-    /// Relative standard deviation of a sensed force due to the errors of beam theory and of the model of free side faces, dimensionless.
-    pub model_error: f64,
+    /// Relative standard deviation of a sensed force due to the errors of beam theory and of the model of free side faces, with its origin.
+    pub model_error: ModelError,
     /// Standard deviation of one measured marker coordinate, mm; `None` if the scene does not state it.
     pub noise_mm: Option<f64>,
     /// Factor on the stated noise of the markers, and error of the finger model at a marker.
@@ -79,7 +81,7 @@ impl Scene {
     pub fn of_finger(finger: Finger) -> Scene {
         Scene {
             name: String::new(),
-            model_error: finger.one_piece_model_error().hypot(finger.side_face_error()),
+            model_error: ModelError::of(&finger, None),
             finger,
             strain_limits: StrainLimits::default(),
             noise_mm: None,
@@ -145,7 +147,7 @@ impl Scene {
         Ok(Scene {
             name,
             strain_limits,
-            model_error: model_error.unwrap_or(finger.one_piece_model_error()).hypot(finger.side_face_error()),
+            model_error: ModelError::of(&finger, model_error),
             finger,
             noise_mm,
             marker_errors: markers.errors,
@@ -188,9 +190,9 @@ fn read_finger(table: &TableReader, markers_on: MarkerPoints) -> Result<FingerDe
     })
 }
 
-fn read_side_faces(table: &TableReader) -> Result<SideFaces, SceneError> {
-    let side_faces = table.word(&FINGER.side_faces, [SideFaces::Fixed, SideFaces::Free])?;
-    if side_faces == SideFaces::Free && !table.has(&FINGER.poissons_ratio) {
+fn read_side_faces(table: &TableReader) -> Result<Option<SideFaces>, SceneError> {
+    let side_faces = table.optional(&FINGER.side_faces)?.map(|word| [SideFaces::Fixed, SideFaces::Free][word]);
+    if side_faces == Some(SideFaces::Free) && !table.has(&FINGER.poissons_ratio) {
         let needed = FINGER.poissons_ratio.name;
         let message =
             format!("expected {needed} beside free side faces: without it, no section contracts along the depth");
@@ -207,6 +209,12 @@ fn read_fillets(finger: &TableReader) -> Result<Option<Fillets>, SceneError> {
     };
     let plates_mm = [of(&finger.table(&FRONT)?, &FRONT.fillet_mm)?, of(&finger.table(&BACK)?, &BACK.fillet_mm)?];
     let base_mm = of(finger, &FINGER.base_fillet_mm)?;
+    for keys in [&FRONT, &BACK] {
+        let (ribs, plate) = (finger.table(&RIBS)?, finger.table(keys)?);
+        if ribs.has(&RIBS.fillet_mm) && plate.has(&keys.fillet_mm) {
+            return Err(plate.wrong(keys.fillet_mm.name, "either this key or fillet_mm of the ribs", "both"));
+        }
+    }
     Ok(of_all.map(|_| Fillets { plates_mm, base_mm }))
 }
 
@@ -264,6 +272,7 @@ fn read_ribs(table: &TableReader) -> Result<RibDescription, SceneError> {
         clip_mm: table.get(&RIBS.clip_mm)?,
         strip,
         thicknesses_mm,
+        fillets_mm: table.optional(&RIBS.fillet_mm)?,
     })
 }
 

@@ -335,7 +335,7 @@ impl Sensor {
         near: Option<&SensedForces>,
     ) -> Result<SensedForces, Refusal> {
         let (measurement, marker_noise_mm) =
-            with_beam_theory_error(self.scene().model_error, measurement, marker_noise_mm);
+            with_beam_theory_error(self.scene().model_error.share(), measurement, marker_noise_mm);
         let near: Option<(Vec<Contact>, Vec<f64>)> =
             near.map(|near| near.forces.iter().map(|sensed| (sensed.contact, sensed.force_n)).unzip());
         // If another thread uses the kept results, this estimate does without them.
@@ -365,7 +365,7 @@ impl Sensor {
 
     /// Relative standard deviation of a force due to scatter between images and the errors of beam theory.
     fn force_error(&self) -> f64 {
-        self.scene().contact.force_error.hypot(self.scene().model_error)
+        self.scene().contact.force_error.hypot(self.scene().model_error.share())
     }
 
     fn answer(&self, question: &Question) -> Result<SensedForces, Refusal> {

@@ -10,7 +10,7 @@ mod warning;
 pub use warning::ValidityWarning;
 
 use crate::element::{Beam, Station};
-use crate::finger::{Finger, Part, Plate, SideFaceFactors};
+use crate::finger::{Finger, Part, Plate, SectionFactors};
 use crate::frame::{FrameLoad, FrameMotion};
 use crate::mesh::{Load, Mesh};
 use crate::statics::{Statics, StaticsError};
@@ -158,9 +158,9 @@ const PARTS: [Part; 3] = [Part::Front, Part::Back, Part::Ribs];
 
 /// Thickness of a beam with rectangular section, mm, from the ratio of its rigidities in plane strain. A zone with a different modulus does not change
 /// this ratio. For an element of a tapered plate, the result lies between the thicknesses at the element's ends.
-fn thickness_mm(beam: &Beam, faces: SideFaceFactors) -> f64 {
-    let bending_nmm2 = beam.bending_rigidity_nmm2 / faces.bending;
-    (12.0 * bending_nmm2 * faces.stretching / beam.axial_rigidity_n).sqrt()
+fn thickness_mm(beam: &Beam, factors: SectionFactors) -> f64 {
+    let bending_nmm2 = beam.bending_rigidity_nmm2 / factors.bending;
+    (12.0 * bending_nmm2 * factors.stretching / beam.axial_rigidity_n).sqrt()
 }
 
 /// Largest fibre strain and energies (N mm) of one member.
@@ -188,11 +188,11 @@ fn examine(
     let of_plate = finger.rib_count() + 1;
     let nth = if line < 2 * of_plate { line % of_plate } else { line - 2 * of_plate };
     let line = &mesh.lines()[line];
-    let faces = finger.side_face_factors(line.part, nth);
+    let factors = finger.section_factors(line.part, nth);
     let members = &mesh.frame().members()[line.members.clone()];
     let (first, last) = (line.nodes.first()?, line.nodes.last()?);
     let free_mm: f64 = members.iter().map(|member| member.beam.length_mm).sum();
-    let thickest_mm = members.iter().map(|member| thickness_mm(&member.beam, faces)).fold(0.0, f64::max);
+    let thickest_mm = members.iter().map(|member| thickness_mm(&member.beam, factors)).fold(0.0, f64::max);
     let examined = FingerMember {
         part: line.part,
         nodes: [NodeId(first + 1), NodeId(last + 1)],
@@ -205,12 +205,12 @@ fn examine(
         Part::Ribs => 0.0,
     };
     let mut start_mm = origin_mm + members.first()?.ends[0].arm.norm();
-    let shear_rigidity = SHEAR_CORRECTION * (1.0 - finger.description().poissons_ratio) / (2.0 * faces.stretching);
+    let shear_rigidity = SHEAR_CORRECTION * (1.0 - finger.description().poissons_ratio) / (2.0 * factors.stretching);
     let mut strain = FibreStrain { strain: 0.0, axial_strain: 0.0, member: examined, at_mm: start_mm };
     let (mut strain_energy, mut shear_energy) = (0.0, 0.0);
     for (index, member) in line.members.clone().zip(members) {
         let beam = &member.beam;
-        let thickness_mm = thickness_mm(beam, faces);
+        let thickness_mm = thickness_mm(beam, factors);
         let forces: Vec<(f64, Vector)> = loads.iter().filter_map(|load| inside(load, index)).collect();
         for ends in mesh.frame().stations(motion, index, kinematics, &forces).chunks_exact(2) {
             let [from, to] = [ends[0], ends[1]];

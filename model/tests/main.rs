@@ -15,6 +15,7 @@ mod scene {
     mod errors;
     mod geometry;
     mod refused;
+    mod warnings;
 }
 mod scene_keys;
 mod shared_junctions;

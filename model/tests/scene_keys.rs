@@ -8,12 +8,13 @@ use std::path::Path;
 use toml::{Table, Value};
 
 /// Scenes that together contain every key except `force_n`, the force that ends a press.
-const SCENES: [&str; 5] = [
+const SCENES: [&str; 6] = [
     include_str!("scenes/pressed.toml"),
     include_str!("scenes/grasped.toml"),
     include_str!("scenes/path.toml"),
     include_str!("scenes/tapered.toml"),
     include_str!("scenes/one_piece.toml"),
+    include_str!("scenes/short_rib.toml"),
 ];
 
 /// Path to a value in a scene: the names of the keys and, for each array of tables, the index from 0.

@@ -3,7 +3,7 @@
 use finray_model::Finger;
 use finray_model::finger::{
     BracketLengths, FingerDescription, Joints, MarkerPoints, Part, Plate, RibDescription, RibPositions, RigidEnds,
-    SideFaces, Strip, Zone,
+    Strip, Zone,
 };
 use proptest::prelude::*;
 
@@ -92,13 +92,14 @@ pub fn finger() -> impl Strategy<Value = Finger> {
                 clamp_arm_mm: None,
                 fillets: None,
                 poissons_ratio: extras.1,
-                side_faces: SideFaces::Fixed,
+                side_faces: None,
                 shear_correction: 0.0,
                 front,
                 back,
                 rigid_ends: Default::default(),
                 ribs: RibDescription {
                     thicknesses_mm: None,
+                    fillets_mm: None,
                     positions: RibPositions::Positions(positions),
                     joints,
                     bracket_mm: BracketLengths::NONE,

@@ -77,6 +77,18 @@ impl Scene {
         self.scene.camera.map(|camera| camera.lens.size_px().into())
     }
 
+    /// Reasons why the scene probably does not describe the real finger, which the commands print as warnings.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.scene.warnings().iter().map(ToString::to_string).collect()
+    }
+
+    /// Relative standard deviation of a sensed force due to the errors of the finger's model, which sigma_n includes.
+    #[getter]
+    fn model_error(&self) -> f64 {
+        self.scene.model_error.share()
+    }
+
     /// Drawing of the undeformed finger, for Jupyter.
     fn _repr_svg_(&self) -> PyResult<String> {
         let finger = self.finger();

@@ -98,3 +98,13 @@ def test_loads_on_nodes_are_rows_of_an_array(paper):
 def test_wrong_arguments_are_errors(paper, wrong, message):
     with pytest.raises(finray.FinrayError, match=message):
         finray.solve(paper, **wrong)
+
+
+def test_a_scene_warns_of_unstated_side_faces(tmp_path):
+    text = (SCENES.parent / "calculix" / "paper.toml").read_text()
+    assert finray.Scene.parse(text).warnings == []
+    path = tmp_path / "unstated.toml"
+    path.write_text(text.replace('side_faces = "fixed"\n', ""))
+    [warning] = finray.Scene.read(path).warnings
+    said = done("solve", path, "--load-at", "80:0.5,-20")[1]
+    assert f"warning: {path}: {warning}" in said.splitlines()

@@ -68,6 +68,8 @@ pub struct RibDescription {
     /// Thickness of each rib, mm, from base to tip, if the ribs differ. These values replace the thickness of `strip`; in this case, `strip` stores
     /// the largest of the values.
     pub thicknesses_mm: Option<Vec<f64>>,
+    /// Radii of the fillets in the corners of the ribs, mm, which replace those of [`Fillets::plates_mm`]; `None` if unstated.
+    pub fillets_mm: Option<OfRibs<f64>>,
 }
 
 /// Positions of the markers at the ends of ribs.
@@ -134,8 +136,8 @@ pub struct FingerDescription {
     pub fillets: Option<Fillets>,
     /// Poisson's ratio, dimensionless. The effective modulus is E / (1 - nu^2) (plane strain), and smaller with free side faces.
     pub poissons_ratio: f64,
-    /// State of the side faces, which are parallel to the plane of the finger frame.
-    pub side_faces: SideFaces,
+    /// State of the side faces, which are parallel to the plane of the finger frame; `None` if unstated, which computes like [`SideFaces::Fixed`].
+    pub side_faces: Option<SideFaces>,
     /// Shear correction factor kappa of plates and ribs, dimensionless: the shear rigidity is kappa G A. Zero for members without shear deformation.
     pub shear_correction: f64,
     /// The front plate.

@@ -2,37 +2,30 @@
 //!
 //! A member carries its force in its own section. Where it meets another member or a fillet, the section that carries the force widens, at most at a
 //! slope that depends on the kind of member. The arm is the length that bending loses by this: the integral of 1 - (t / w)^3 along the member, with
-//! its thickness t and the width w that carries. `fixtures/solids` contains the solids that determine the constants, and others that judge them.
+//! its thickness t and the width w that carries. Stretching loses less, the integral of 1 - t / w: the elastic part between the arms is softer in
+//! tension than its section, by the ratio of both remaining lengths. `fixtures/solids` contains the solids that determine the constants, and others
+//! that judge them.
 
 use super::placement::require;
-use super::{Fillets, Finger, ImpossibleFinger, NodeId, Plate};
+use super::{Fillets, Finger, FingerKind, ImpossibleFinger, NodeId, Part, Plate};
 use crate::keys::FINGER;
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Slope at which the carrying section of a rib, or of a plate at the base, widens, dimensionless. Solids hardly depend on a slope from 2 to 10.
 const RIB_SLOPE: f64 = 2.0;
 /// Slope at which the carrying section of a plate widens, dimensionless: little, because ribs hold only one face of a plate.
 const PLATE_SLOPE: f64 = 0.37;
-/// Length by which a rib's arm is shorter, because the plate yields under the end of the rib; relative to the plate's thickness.
+/// Length that a rib loses less, because the plate yields under the end of the rib; relative to the plate's thickness.
 const YIELD_OF_PLATE: f64 = 0.1;
-/// Length by which the arm of a plate with fillets at the base is shorter, relative to the plate's thickness.
-const YIELD_OF_BASE: f64 = 0.05;
 /// Arm of a plate at a clamp that holds its whole section, relative to the plate's thickness: the arm at Poisson's ratio 0.4, and its slope in
 /// Poisson's ratio. A clamp also prevents the change of thickness, which stiffens a plate the more the larger Poisson's ratio is.
 const CLAMP: [f64; 2] = [0.021, 0.29];
-/// Share of the arms that remains if ribs share junctions. Such ribs carry loads along their length; a junction stiffens this less than bending.
-const SHARE_IN_ZIGZAG: f64 = 0.62;
-/// Angle between rib and plate, rad, below which the model error is that of [`OBLIQUE_ERROR`]: 35 degrees.
-const OBLIQUE: f64 = 0.611;
-/// Relative standard deviations of a sensed force, chosen from the errors on solids that the other constants were not fitted to: 93 to 97 % of these
-/// forces err by at most 1.96 of the deviation of their kind. Fingers with sharp corners at the base, and with fillets there.
-const STEEP_ERRORS: [f64; 2] = [0.0065, 0.011];
-/// Same, with ribs at less than [`OBLIQUE`] from a plate.
-const OBLIQUE_ERROR: f64 = 0.02;
-/// Same, with ribs that share junctions.
-const ZIGZAG_ERROR: f64 = 0.03;
+/// Length of a plate's first member, in thicknesses, below which a finger is one of [`FingerKind::RibNearBase`].
+const NEAR_BASE: f64 = 3.0;
 /// Largest angle between two members that form a corner, rad. Beyond, as between the two sides of a plate, the outer faces are in line.
 const LARGEST_CORNER: f64 = 3.05;
+/// Panels of the quadrature between two kinks of fillets.
+const PANELS: usize = 4;
 /// Positive half of the points, and weights, of Gauss's quadrature with six points on -1 to 1.
 const QUADRATURE: [[f64; 2]; 3] = [
     [0.238_619_186_083_196_9, 0.467_913_934_572_691],
@@ -40,15 +33,23 @@ const QUADRATURE: [[f64; 2]; 3] = [
     [0.932_469_514_203_152, 0.171_324_492_379_170_36],
 ];
 
-/// Arms of all members, mm.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Arms {
-    /// Arms at both ends of each member of the front and of the back plate, from base to tip.
-    pub plates: [Vec<[f64; 2]>; 2],
-    /// Arms at the front and the back end of each rib.
-    pub ribs: Vec<[f64; 2]>,
-    /// Relative standard deviation of a sensed force due to the errors of beam theory, dimensionless.
-    pub model_error: f64,
+/// A finger whose plates and ribs are one piece.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct OnePiece {
+    /// Members of the front and of the back plate, from base to tip.
+    plates: [Vec<OnePieceMember>; 2],
+    /// The ribs.
+    ribs: Vec<OnePieceMember>,
+    pub(super) kind: FingerKind,
+}
+
+/// A plate's member or a rib between junctions of one piece.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct OnePieceMember {
+    /// Arms at both ends, mm: for a plate's member from the base, for a rib at the front and the back end.
+    pub arms_mm: [f64; 2],
+    /// Ratio of the axial rigidity between the arms to that of the section, dimensionless.
+    pub stretching: f64,
 }
 
 /// The corner between a face of a member and the next member, with its fillet.
@@ -59,6 +60,8 @@ struct Corner {
     /// Angle between the members, rad.
     angle: f64,
     radius_mm: f64,
+    /// Height of the next member's outer face over this face at the node, mm. In an acute corner, the section cannot be wider.
+    outer_mm: f64,
 }
 
 impl Corner {
@@ -83,31 +86,70 @@ impl Corner {
         let slope = self.slope(flow);
         let [flat_mm, at_flat_mm] = self.flat_mm(slope);
         let within_mm = (self.end_mm() - x_mm).max(0.0);
-        if within_mm < flat_mm {
+        let flow_mm = if within_mm < flat_mm {
             within_mm * within_mm / (self.radius_mm + (self.radius_mm.powi(2) - within_mm.powi(2)).sqrt())
         } else {
             at_flat_mm + slope * (within_mm - flat_mm)
-        }
+        };
+        if self.angle < FRAC_PI_2 { flow_mm.min((self.outer_mm + x_mm * self.angle.tan()).max(0.0)) } else { flow_mm }
     }
 }
 
-/// Length of a member of thickness `t_mm` that bending loses at one end, mm: the integral of 1 - (t / w)^3.
-fn stiff_length_mm(t_mm: f64, corners: &[Corner], flow: f64) -> f64 {
-    let end_mm = corners.iter().map(Corner::end_mm).fold(0.0, f64::max);
-    // The width has kinks where a fillet ends and where force flow leaves it.
-    let kinks = corners.iter().flat_map(|c| [c.end_mm(), c.end_mm() - c.flat_mm(c.slope(flow))[0]]);
-    let mut cuts_mm: Vec<f64> = kinks.map(|x_mm| x_mm.clamp(0.0, end_mm)).chain([0.0, end_mm]).collect();
+/// An end of a member: its corners, and what determines the lengths that the member loses there.
+#[derive(Debug, Clone, Default)]
+struct End {
+    corners: Vec<Corner>,
+    /// Slope at which the carrying section widens, dimensionless.
+    flow: f64,
+    /// Length that is lost less because the neighbour yields, mm.
+    yield_mm: f64,
+    /// Least loss in bending, mm.
+    least_mm: f64,
+}
+
+impl End {
+    /// Distance from the node at which the last fillet ends, mm.
+    fn reach_mm(&self) -> f64 {
+        self.corners.iter().map(Corner::end_mm).fold(0.0, f64::max)
+    }
+
+    /// Height of the carrying section over both faces, mm.
+    fn height_mm(&self, x_mm: f64) -> f64 {
+        self.corners.iter().map(|corner| corner.height_mm(self.flow, x_mm)).sum()
+    }
+
+    /// Distances from the node at which the height has a kink, mm: where a fillet ends, and where force flow leaves it.
+    fn kinks_mm(&self) -> impl Iterator<Item = f64> + '_ {
+        self.corners.iter().flat_map(|c| [c.end_mm(), c.end_mm() - c.flat_mm(c.slope(self.flow))[0]])
+    }
+}
+
+/// Exponents of thickness over width in the compliance of a section.
+const BENDING: i32 = 3;
+const TENSION: i32 = 1;
+
+/// Length of a member of thickness `t_mm` that a load loses between an end and the distance `to_mm` from its node: the integral of 1 - (t / w)^n with
+/// the load's exponent n. Fillets of the `other` end, whose node is `length_mm` away, also widen the section.
+fn stiff_length_mm(t_mm: f64, exponent: i32, [end, other]: [&End; 2], to_mm: f64, length_mm: f64) -> f64 {
+    let kinks = end.kinks_mm().chain(other.kinks_mm().map(|x_mm| length_mm - x_mm));
+    let mut cuts_mm: Vec<f64> = kinks.map(|x_mm| x_mm.clamp(0.0, to_mm)).chain([0.0, to_mm]).collect();
     cuts_mm.sort_by(f64::total_cmp);
     let lost = |x_mm: f64| {
-        let width_mm = t_mm + corners.iter().map(|c| c.height_mm(flow, x_mm)).sum::<f64>();
-        1.0 - (t_mm / width_mm).powi(3)
+        let width_mm = t_mm + end.height_mm(x_mm) + other.height_mm(length_mm - x_mm);
+        1.0 - (t_mm / width_mm).powi(exponent)
     };
     let panel = |cuts_mm: &[f64]| {
         let [middle_mm, half_mm] = [0.5 * (cuts_mm[0] + cuts_mm[1]), 0.5 * (cuts_mm[1] - cuts_mm[0])];
         let pair = |[at, weight]: [f64; 2]| weight * (lost(middle_mm - at * half_mm) + lost(middle_mm + at * half_mm));
         half_mm * QUADRATURE.into_iter().map(pair).sum::<f64>()
     };
-    cuts_mm.windows(2).map(panel).sum()
+    // Outer faces add kinks within these panels.
+    let parts = |cuts_mm: &[f64]| {
+        let step_mm = (cuts_mm[1] - cuts_mm[0]) / PANELS as f64;
+        let start_mm = cuts_mm[0];
+        (0..PANELS).map(|i| panel(&[0.0, 1.0].map(|end| start_mm + step_mm * (i as f64 + end)))).sum::<f64>()
+    };
+    cuts_mm.windows(2).map(parts).sum()
 }
 
 /// A plate member or a rib. The first end of a plate member is nearer to the base, that of a rib on the front plate.
@@ -117,14 +159,16 @@ struct Piece {
     length_mm: f64,
     /// Thickness at both ends, mm.
     thickness_mm: [f64; 2],
+    /// Radius of the fillets in the corners of a rib, mm; `None` for those of the plates.
+    fillet_mm: Option<f64>,
     /// Corners at both ends: counter-clockwise and clockwise of the direction from the end into the member.
     corners: [[Option<Corner>; 2]; 2],
 }
 
 fn pieces(finger: &Finger) -> Vec<Piece> {
-    let piece = |plate, nodes: [NodeId; 2], thickness_mm| {
+    let piece = |plate, nodes: [NodeId; 2], thickness_mm, fillet_mm| {
         let length_mm = (finger.position(nodes[1]) - finger.position(nodes[0])).norm();
-        Piece { plate, nodes, length_mm, thickness_mm, corners: Default::default() }
+        Piece { plate, nodes, length_mm, thickness_mm, fillet_mm, corners: Default::default() }
     };
     let mut pieces = Vec::new();
     for plate in [Plate::Front, Plate::Back] {
@@ -132,12 +176,14 @@ fn pieces(finger: &Finger) -> Vec<Piece> {
         let thickness_mm = |level: usize| finger.thickness_mm(plate, at_mm[level]);
         pieces.extend((0..=finger.rib_count()).map(|member| {
             let levels = [member, member + 1];
-            piece(Some(plate), levels.map(|level| nodes[level]), levels.map(thickness_mm))
+            piece(Some(plate), levels.map(|level| nodes[level]), levels.map(thickness_mm), None)
         }));
     }
-    pieces.extend(
-        (0..finger.rib_count()).map(|rib| piece(None, finger.rib_nodes(rib), [finger.rib_thickness_mm(rib); 2])),
-    );
+    let fillets_mm = finger.description().ribs.fillets_mm.as_ref();
+    pieces.extend((0..finger.rib_count()).map(|rib| {
+        let thickness_mm = [finger.rib_thickness_mm(rib); 2];
+        piece(None, finger.rib_nodes(rib), thickness_mm, fillets_mm.map(|fillets_mm| fillets_mm.of(rib)))
+    }));
     pieces
 }
 
@@ -158,18 +204,42 @@ fn find_corners(finger: &Finger, fillets: Fillets, pieces: &mut [Piece]) {
     around[finger.tip().0].clear();
     for (node, members) in around.iter_mut().enumerate() {
         members.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let radius_mm = fillets.plates_mm[plate_of(finger, NodeId(node)).index()];
+        let of_plate_mm = fillets.plates_mm[plate_of(finger, NodeId(node)).index()];
         for (i, &(direction, index, end)) in members.iter().enumerate() {
             let neighbours = [members[(i + 1) % members.len()], members[(i + members.len() - 1) % members.len()]];
             for (side, (other, other_index, other_end)) in neighbours.into_iter().enumerate() {
                 let turn = if side == 0 { other - direction } else { direction - other };
                 let angle = turn.rem_euclid(TAU);
                 if angle > 0.0 && angle < LARGEST_CORNER {
-                    let halves_mm = [&pieces[index], &pieces[other_index]];
-                    let [own_mm, other_mm] = [halves_mm[0].thickness_mm[end], halves_mm[1].thickness_mm[other_end]];
+                    let both = [&pieces[index], &pieces[other_index]];
+                    let [own_mm, other_mm] = [both[0].thickness_mm[end], both[1].thickness_mm[other_end]];
                     let distance_mm = 0.5 * (other_mm + own_mm * angle.cos()) / angle.sin();
-                    pieces[index].corners[end][side] = Some(Corner { distance_mm, angle, radius_mm });
+                    // Between two ribs, the smaller fillet fits.
+                    let radius_mm =
+                        both.iter().filter_map(|piece| piece.fillet_mm).reduce(f64::min).unwrap_or(of_plate_mm);
+                    let outer_mm = 0.5 * (other_mm / angle.cos() - own_mm);
+                    pieces[index].corners[end][side] = Some(Corner { distance_mm, angle, radius_mm, outer_mm });
                 }
+            }
+        }
+    }
+}
+
+/// Lets fillets between the last rib and the plates merge: if the rib is so short that both fillets meet, a circle between the plates bounds the
+/// material before the rib, as a fillet in the corner of the plates would.
+fn merge_before_tip(finger: &Finger, pieces: &mut [Piece]) {
+    let Some(before_last) = finger.rib_count().checked_sub(1) else { return };
+    let angle = finger.tangent(Plate::Front).dot(&finger.tangent(Plate::Back)).clamp(-1.0, 1.0).acos();
+    let members = finger.rib_count() + 1;
+    let last_of = |plate: Plate| plate.index() * members + before_last + 1;
+    let half_mm = [Plate::Front, Plate::Back].map(|plate| 0.5 * pieces[last_of(plate)].thickness_mm[0]);
+    for plate in [Plate::Front, Plate::Back] {
+        let (own_mm, other_mm) = (half_mm[plate.index()], half_mm[1 - plate.index()]);
+        let distance_mm = (other_mm + own_mm * angle.cos()) / angle.sin() - pieces[last_of(plate)].length_mm;
+        for corner in pieces[last_of(plate) - 1].corners[1].iter_mut().flatten() {
+            let merged = Corner { distance_mm, angle, outer_mm: f64::INFINITY, ..*corner };
+            if merged.end_mm() > corner.end_mm() {
+                *corner = merged;
             }
         }
     }
@@ -187,11 +257,11 @@ impl Piece {
     fn add_corners_of_base(&mut self, finger: &Finger, radius_mm: f64) {
         for (side, angle) in self.angles_at_base(finger).into_iter().enumerate() {
             let distance_mm = 0.5 * self.thickness_mm[0] / angle.tan();
-            self.corners[0][side].get_or_insert(Corner { distance_mm, angle, radius_mm });
+            self.corners[0][side].get_or_insert(Corner { distance_mm, angle, radius_mm, outer_mm: f64::INFINITY });
         }
     }
 
-    fn arm_mm(&self, finger: &Finger, base_fillet_mm: f64, end: usize) -> f64 {
+    fn end(&self, finger: &Finger, base_fillet_mm: f64, end: usize) -> End {
         let (node, t_mm) = (self.nodes[end], self.thickness_mm[end]);
         let mut corners: Vec<Corner> = self.corners[end].iter().flatten().copied().collect();
         match self.plate {
@@ -200,74 +270,142 @@ impl Piece {
                 let mean_mm = corners.iter().map(|c| c.distance_mm).sum::<f64>() / corners.len().max(1) as f64;
                 corners.iter_mut().for_each(|corner| corner.distance_mm = mean_mm);
                 let plate_mm = finger.thickness_mm(plate_of(finger, node), finger.plate_position(node).s_mm);
-                (stiff_length_mm(t_mm, &corners, RIB_SLOPE) - YIELD_OF_PLATE * plate_mm).max(0.0)
+                End { corners, flow: RIB_SLOPE, yield_mm: YIELD_OF_PLATE * plate_mm, least_mm: 0.0 }
             }
             Some(_) if finger.is_clamped(node) => {
                 // As for a rib, the slanted end starts, on average, at the node.
-                let at_base = |angle| Corner { distance_mm: 0.0, angle, radius_mm: base_fillet_mm };
-                let filled_mm = stiff_length_mm(t_mm, &self.angles_at_base(finger).map(at_base), RIB_SLOPE);
+                let at_base =
+                    |angle| Corner { distance_mm: 0.0, angle, radius_mm: base_fillet_mm, outer_mm: f64::INFINITY };
                 let clamped = CLAMP[0] + CLAMP[1] * (finger.description().poissons_ratio - 0.4);
-                (filled_mm - YIELD_OF_BASE * t_mm).max(clamped * t_mm).max(0.0)
+                End {
+                    corners: self.angles_at_base(finger).map(at_base).to_vec(),
+                    flow: RIB_SLOPE,
+                    yield_mm: 0.0,
+                    least_mm: clamped * t_mm,
+                }
             }
-            Some(_) => stiff_length_mm(t_mm, &corners, PLATE_SLOPE),
+            Some(_) => End { corners, flow: PLATE_SLOPE, ..End::default() },
         }
     }
 
-    /// Length that corners and fillets take on the face where they take most, mm.
-    fn taken_mm(&self) -> f64 {
-        let end_mm = |end: usize, side: usize| self.corners[end][side].map_or(0.0, |corner| corner.end_mm().max(0.0));
+    /// Arms and softer part of this piece.
+    fn member(&self, finger: &Finger, base_fillet_mm: f64) -> OnePieceMember {
+        let length_mm = self.length_mm;
+        if length_mm == 0.0 {
+            return OnePieceMember { arms_mm: [0.0; 2], stretching: 1.0 };
+        }
+        let ends = [0, 1].map(|end| self.end(finger, base_fillet_mm, end));
+        let reach_mm = ends.each_ref().map(End::reach_mm);
+        // Fillets of both ends may meet, as on a short rib before the tip. Each end then loses length up to the middle of their overlap.
+        let until_mm = if reach_mm[0] + reach_mm[1] > length_mm {
+            let split_mm = (0.5 * (reach_mm[0] + length_mm - reach_mm[1])).clamp(0.0, length_mm);
+            [split_mm, length_mm - split_mm]
+        } else {
+            reach_mm
+        };
+        let lost_mm = |exponent: i32| {
+            [0, 1].map(|i| {
+                let both = [&ends[i], &ends[1 - i]];
+                stiff_length_mm(self.thickness_mm[i], exponent, both, until_mm[i], length_mm) - ends[i].yield_mm
+            })
+        };
+        let [bending_mm, tension_mm] = [lost_mm(BENDING), lost_mm(TENSION)];
+        let arms_mm = [0, 1].map(|i: usize| bending_mm[i].max(ends[i].least_mm).max(0.0));
+        let stretching = (length_mm - arms_mm[0] - arms_mm[1]) / (length_mm - tension_mm[0] - tension_mm[1]);
+        OnePieceMember { arms_mm, stretching }
+    }
+
+    /// Length that corners take on the face where they take most, mm, with all radii multiplied by a factor.
+    fn taken_mm(&self, factor: f64) -> f64 {
+        let end_mm = |end: usize, side: usize| {
+            let scaled = self.corners[end][side].map(|c| Corner { radius_mm: factor * c.radius_mm, ..c });
+            scaled.map_or(0.0, |corner| corner.end_mm().max(0.0))
+        };
         [0, 1].map(|side| end_mm(0, side) + end_mm(1, 1 - side)).into_iter().fold(0.0, f64::max)
     }
 }
 
-/// Arms of a finger whose plates and ribs are one piece.
-///
-/// # Errors
-/// [`ImpossibleFinger`] if corners and fillets leave no free length of a plate between two ribs, or of a rib.
-pub(super) fn arms(finger: &Finger, fillets: Fillets) -> Result<Arms, ImpossibleFinger> {
-    let mut pieces = pieces(finger);
-    find_corners(finger, fillets, &mut pieces);
-    let in_zigzag = finger.has_shared_junctions();
-    let share = if in_zigzag { SHARE_IN_ZIGZAG } else { 1.0 };
-    let corners = pieces.iter().flat_map(|piece| piece.corners.iter().flatten().flatten());
-    let sharpest = corners.map(|corner| corner.angle).fold(PI, f64::min);
-    let model_error = match (in_zigzag, sharpest < OBLIQUE) {
-        (true, _) => ZIGZAG_ERROR,
-        (_, true) => OBLIQUE_ERROR,
-        _ => STEEP_ERRORS[usize::from(fillets.base_mm > 0.0)],
+/// Steps of the bisection for the largest fillets: as many as give six digits.
+const BISECTIONS: usize = 20;
+
+/// Checks that corners and fillets leave a free length of each plate between two ribs. Fillets may meet in the last cell and on ribs.
+fn check_room(finger: &Finger, fillets: Fillets, pieces: &[Piece]) -> Result<(), ImpossibleFinger> {
+    let between_ribs =
+        |piece: &&Piece| piece.plate.is_some() && piece.length_mm > 0.0 && piece.nodes[1] != finger.tip();
+    let has_room = |factor: f64| move |piece: &&Piece| piece.taken_mm(factor) < piece.length_mm;
+    let Some(crowded) = pieces.iter().filter(between_ribs).find(|piece| !has_room(1.0)(piece)) else { return Ok(()) };
+    let all_have_room = |factor: f64| pieces.iter().filter(between_ribs).all(|piece| has_room(factor)(&piece));
+    let mut fits = [0.0, 1.0];
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (fits[0] + fits[1]);
+        fits[usize::from(!all_have_room(middle))] = middle;
+    }
+    let Fillets { plates_mm, base_mm } = fillets;
+    let radii_mm = || pieces.iter().filter_map(|piece| piece.fillet_mm).chain(plates_mm).chain([base_mm]);
+    let largest_mm = radii_mm().fold(0.0, f64::max);
+    // Rounded down, so that the stated radius fits.
+    let fitting_mm = (fits[0] * largest_mm * 1e3).floor() / 1e3;
+    let expected = match radii_mm().all(|radius_mm| radius_mm == largest_mm) {
+        _ if fitting_mm <= 0.0 => "no fillets: corners alone leave no room".to_owned(),
+        true => format!("at most {fitting_mm:?} mm, found {largest_mm:?}"),
+        false => format!(
+            "smaller fillets, the largest at most {fitting_mm:?} mm instead of {largest_mm:?} and others in proportion"
+        ),
     };
-    for piece in pieces.iter_mut().filter(|piece| piece.plate.is_some() && finger.is_clamped(piece.nodes[0])) {
-        piece.add_corners_of_base(finger, fillets.base_mm);
-    }
-    let mut arms = Arms { model_error, ..Arms::default() };
-    for piece in &pieces {
-        let arms_mm = if piece.length_mm > 0.0 {
-            [0, 1].map(|end| share * piece.arm_mm(finger, fillets.base_mm, end))
-        } else {
-            [0.0; 2]
+    let ([from, to], length_mm, taken_mm) = (crowded.nodes, crowded.length_mm, crowded.taken_mm(1.0));
+    require(false, &FINGER.fillet_mm.path(), || {
+        format!(
+            "expected {expected}: corners and fillets take {taken_mm:.3} mm of the plate between nodes {from} and {to}, which is {length_mm:.3} mm long"
+        )
+    })
+}
+
+impl OnePiece {
+    /// Members of a finger whose plates and ribs are one piece.
+    ///
+    /// # Errors
+    /// [`ImpossibleFinger`] if corners and fillets leave no free length of a plate between two ribs.
+    pub(super) fn new(finger: &Finger, fillets: Fillets) -> Result<OnePiece, ImpossibleFinger> {
+        let mut pieces = pieces(finger);
+        find_corners(finger, fillets, &mut pieces);
+        let corners = || pieces.iter().flat_map(|piece| piece.corners.iter().flatten().flatten());
+        let largest_mm = corners().map(|corner| corner.radius_mm).fold(0.0, f64::max);
+        let fillets_meet =
+            |piece: &Piece| largest_mm > 0.0 && piece.plate.is_none() && piece.taken_mm(1.0) >= piece.length_mm;
+        let is_near_base = |piece: &Piece| {
+            let from_base = piece.plate.is_some() && piece.length_mm > 0.0 && finger.is_clamped(piece.nodes[0]);
+            from_base && piece.length_mm < NEAR_BASE * piece.thickness_mm[0]
         };
-        // Fillets may meet on the face of a short rib, as they fill the last cell before the tip. The arms still leave a free length.
-        let of_plate_mm = if piece.plate.is_some() { piece.taken_mm() } else { 0.0 };
-        let taken_mm = of_plate_mm.max(arms_mm[0] + arms_mm[1]);
-        require(piece.length_mm == 0.0 || taken_mm < piece.length_mm, &FINGER.fillet_mm.path(), || {
-            let ([from, to], Fillets { plates_mm: [front_mm, back_mm], base_mm }) = (piece.nodes, fillets);
-            let (name, length_mm) = (if piece.plate.is_some() { "plate" } else { "rib" }, piece.length_mm);
-            format!(
-                "expected smaller fillets: corners and fillets (front plate, back plate, base: {front_mm:?}, {back_mm:?}, {base_mm:?} mm) take {taken_mm:.3} mm of the {name} between nodes {from} and {to}, which is {length_mm:.3} mm long"
-            )
-        })?;
-        match piece.plate {
-            Some(plate) => arms.plates[plate.index()].push(arms_mm),
-            None => arms.ribs.push(arms_mm),
+        let kind = match (finger.has_shared_junctions(), finger.has_inclined_ribs()) {
+            _ if pieces.iter().any(is_near_base) => FingerKind::RibNearBase,
+            (true, _) if largest_mm > 0.0 => FingerKind::FilletedZigzag,
+            (true, _) => FingerKind::ZigzagRibs,
+            (_, true) => FingerKind::InclinedRibs,
+            _ if pieces.iter().any(fillets_meet) => FingerKind::MeetingFillets,
+            _ if fillets.base_mm > 0.0 => FingerKind::FilletedBase,
+            _ => FingerKind::OnePiece,
+        };
+        for piece in pieces.iter_mut().filter(|piece| piece.plate.is_some() && finger.is_clamped(piece.nodes[0])) {
+            piece.add_corners_of_base(finger, fillets.base_mm);
         }
+        check_room(finger, fillets, &pieces)?;
+        merge_before_tip(finger, &mut pieces);
+        let members = |plate| {
+            let of_plate = pieces.iter().filter(move |piece| piece.plate == plate);
+            of_plate.map(|piece| piece.member(finger, fillets.base_mm)).collect()
+        };
+        Ok(OnePiece { plates: [members(Some(Plate::Front)), members(Some(Plate::Back))], ribs: members(None), kind })
     }
-    Ok(arms)
 }
 
 impl Finger {
-    /// Relative standard deviation of a sensed force due to the errors of beam theory, for a finger with stated fillets; dimensionless. It follows
-    /// from the errors on solids of the same kind that the rule for the arms was not fitted to (`fixtures/solids`). Zero without stated fillets.
-    pub fn one_piece_model_error(&self) -> f64 {
-        self.arms.as_ref().map_or(0.0, |arms| arms.model_error)
+    /// A plate's member, numbered from 0 at the base, or a rib, by the rule for a finger of one piece; `None` without stated fillets.
+    pub(super) fn one_piece_member(&self, part: Part, member: usize) -> Option<OnePieceMember> {
+        let one_piece = self.one_piece.as_ref()?;
+        Some(match part {
+            Part::Front => one_piece.plates[0][member],
+            Part::Back => one_piece.plates[1][member],
+            Part::Ribs => one_piece.ribs[member],
+        })
     }
 }

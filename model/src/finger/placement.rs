@@ -53,12 +53,17 @@ pub(super) fn check_sizes(d: &FingerDescription) -> Result<(), ImpossibleFinger>
 
 /// Checks fillets, and that the finger is one piece: with other arms, hinges or brackets, the rule for the arms does not hold.
 fn check_fillets(d: &FingerDescription) -> Result<(), ImpossibleFinger> {
-    let Some(Fillets { plates_mm, base_mm }) = d.fillets else { return Ok(()) };
+    let Some(Fillets { plates_mm, base_mm }) = d.fillets else {
+        return require(d.ribs.fillets_mm.is_none(), &RIBS.fillet_mm.path(), || {
+            format!("expected {} beside it, found none", FINGER.fillet_mm.path())
+        });
+    };
     for (key, radius_mm) in
         [(&FRONT.fillet_mm, plates_mm[0]), (&BACK.fillet_mm, plates_mm[1]), (&FINGER.base_fillet_mm, base_mm)]
     {
         check(key, &radius_mm)?;
     }
+    d.ribs.fillets_mm.as_ref().map_or(Ok(()), |radii_mm| check(&RIBS.fillet_mm, radii_mm))?;
     let arms = d.rod_arm_mm != 0.0 || d.rib_arm_mm.is_some() || d.clamp_arm_mm.is_some();
     let deforms = d.ribs.strip.is_some() || d.ribs.positions == RibPositions::Count(0);
     let is_one_piece = d.ribs.joints == Joints::Rigid && d.ribs.bracket_mm == BracketLengths::NONE && deforms;
@@ -181,16 +186,25 @@ fn check_shared_junctions(finger: &Finger) -> Result<(), ImpossibleFinger> {
     require(!(refused && is_rigid), &RIBS.rigid.path(), || format!("expected false {shared}"))
 }
 
+/// Checks that lists with one value per rib have as many values as the finger has ribs.
+pub(super) fn check_lists(finger: &Finger) -> Result<(), ImpossibleFinger> {
+    let (ribs, count) = (&finger.description.ribs, finger.rib_count());
+    let thicknesses = ribs.thicknesses_mm.as_ref().map(|each| (RIBS.thickness_mm.path(), "thickness", each.len()));
+    let fillets = ribs.fillets_mm.clone().and_then(OfRibs::each);
+    let fillets = fillets.map(|each| (RIBS.fillet_mm.path(), "radius", each.len()));
+    for (key, name, found) in thicknesses.into_iter().chain(fillets) {
+        require(found == count, &key, || {
+            format!("expected one {name} for each of {count} ribs, found {found} values")
+        })?;
+    }
+    Ok(())
+}
+
 /// Checks that rods, clips and rigid ends leave an elastic part of each member, and that brackets leave room for each rib.
 pub(super) fn check_room(finger: &Finger) -> Result<(), ImpossibleFinger> {
     check_shared_junctions(finger)?;
     check_brackets(finger)?;
     let d = &finger.description;
-    if let Some(each_mm) = &d.ribs.thicknesses_mm {
-        require(each_mm.len() == finger.rib_count(), &RIBS.thickness_mm.path(), || {
-            format!("expected one thickness for each of {} ribs, found {} values", finger.rib_count(), each_mm.len())
-        })?;
-    }
     check_rod_arms(finger)?;
     let plates = [Plate::Front, Plate::Back];
     let members =

@@ -3,7 +3,34 @@
 use super::{Finger, FingerDescription, Part, Plate, Strip};
 use crate::frame::Section;
 
+/// Ratios of a member's rigidities to those of its section in plane strain, dimensionless.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct SectionFactors {
+    pub(crate) bending: f64,
+    pub(crate) stretching: f64,
+}
+
+impl SectionFactors {
+    pub(super) const NONE: SectionFactors = SectionFactors { bending: 1.0, stretching: 1.0 };
+
+    /// The section with these ratios. The shear rigidity stays.
+    fn apply(self, section: Section) -> Section {
+        Section {
+            axial_rigidity_n: section.axial_rigidity_n * self.stretching,
+            bending_rigidity_nmm2: section.bending_rigidity_nmm2 * self.bending,
+            shear_flexibility: section.shear_flexibility * self.stretching,
+        }
+    }
+}
+
 impl Finger {
+    /// Factors of free side faces and of the junctions of a finger of one piece, for a plate's member, numbered from 0 at the base, or a rib.
+    pub(crate) fn section_factors(&self, part: Part, member: usize) -> SectionFactors {
+        let faces = self.side_face_factors(part, member);
+        let stretching = self.one_piece_member(part, member).map_or(1.0, |member| member.stretching);
+        SectionFactors { stretching: faces.stretching * stretching, ..faces }
+    }
+
     /// Whether the thickness of a plate differs between base and tip.
     pub fn tapers(&self, part: Plate) -> bool {
         let strip = self.strip(part);
@@ -31,7 +58,7 @@ impl Finger {
         }
     }
 
-    /// Section of a part, ignoring zones and free side faces, with the plane-strain modulus E / (1 - nu^2). For a plate, this is the section at its base; for ribs, the
+    /// Section of a part, ignoring zones, free side faces and junctions, with the plane-strain modulus E / (1 - nu^2). For a plate, this is the section at its base; for ribs, the
     /// section of the thickest rib. `None` for undeformable ribs.
     pub fn section(&self, part: Part) -> Option<Section> {
         match part {
@@ -41,9 +68,9 @@ impl Finger {
         }
     }
 
-    /// Section of a plate with the thickness at its base, ignoring zones, with the side faces of a member; members are numbered from 0 at the base.
+    /// Section of a plate with the thickness at its base, ignoring zones, with the factors of a member; members are numbered from 0 at the base.
     pub fn member_section(&self, plate: Plate, member: usize) -> Section {
-        self.side_face_factors(plate.into(), member).apply(self.section_of(self.strip(plate)))
+        self.section_factors(plate.into(), member).apply(self.section_of(self.strip(plate)))
     }
 
     fn section_of(&self, strip: &Strip) -> Section {
@@ -60,12 +87,12 @@ impl Finger {
         if shear_correction > 0.0 { 2.0 / (shear_correction * (1.0 - poissons_ratio)) } else { 0.0 }
     }
 
-    /// Section of a rib, including the effects of zones and side faces; ribs are numbered from 0 at the base. `None` for undeformable ribs.
+    /// Section of a rib, including the effects of zones, side faces and junctions; ribs are numbered from 0 at the base. `None` for undeformable ribs.
     pub fn rib_section(&self, rib: usize) -> Option<Section> {
         let d = &self.description;
         let strip = Strip { thickness_mm: self.rib_thickness_mm(rib), ..d.ribs.strip? };
         let zones = d.zones.iter().filter(|zone| zone.holds_rib(self.ribs[rib][0]));
         let factor: f64 = zones.map(|zone| zone.modulus_factor).product();
-        Some(self.side_face_factors(Part::Ribs, rib).apply(self.section_of(&strip)).scaled(factor))
+        Some(self.section_factors(Part::Ribs, rib).apply(self.section_of(&strip)).scaled(factor))
     }
 }

@@ -1,7 +1,7 @@
 //! Rigidities of plates and ribs whose side faces are free.
 
+use super::sections::SectionFactors;
 use super::{Finger, Part, Plate};
-use crate::frame::Section;
 
 /// State of the two faces of the finger that are parallel to the plane of the finger frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -12,13 +12,6 @@ pub enum SideFaces {
     /// No stress acts on the side faces. From the faces inwards, sections contract and bend along the depth (anticlastic bending), up to the distance
     /// at which plates and ribs at both ends of the member prevent it.
     Free,
-}
-
-/// Ratios of the rigidities of a member with free side faces to its rigidities in plane strain, dimensionless, between 1 - nu^2 and 1.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct SideFaceFactors {
-    pub(crate) bending: f64,
-    pub(crate) stretching: f64,
 }
 
 /// Width of the layers at both side faces together, as multiples of the free length and of the thickness of a member, dimensionless.
@@ -41,40 +34,33 @@ const ROD_ARM: f64 = 0.4;
 
 /// Root mean square error of the compliance with free side faces, relative, on the 84 random fingers without rods in `fixtures/depth/fingers.csv`, rounded
 /// up. On the 66 fingers with rods, the error is 0.0031. No constant was fitted to these fingers.
-const SIDE_FACE_ERROR: f64 = 0.005;
+pub const SIDE_FACE_ERROR: f64 = 0.005;
 
 /// Value of (1 - nu) (3 + nu) at the Poisson's ratio 0.45, to which [`Layers`] refers. At a free edge of a thin plate whose curvature varies as cos(kx),
 /// the layer of anticlastic bending is 2 / ((1 - nu) (3 + nu) k) wide (Kirchhoff plate with free edge; Timoshenko and Woinowsky-Krieger, Theory of
 /// Plates and Shells, 1959, ch. 6).
 const REFERENCE: f64 = 0.55 * 3.45;
 
-impl SideFaceFactors {
-    const FIXED: SideFaceFactors = SideFaceFactors { bending: 1.0, stretching: 1.0 };
-
-    /// The section with free side faces, given the section in plane strain. The shear rigidity does not depend on the side faces.
-    pub(crate) fn apply(self, section: Section) -> Section {
-        Section {
-            axial_rigidity_n: section.axial_rigidity_n * self.stretching,
-            bending_rigidity_nmm2: section.bending_rigidity_nmm2 * self.bending,
-            shear_flexibility: section.shear_flexibility * self.stretching,
-        }
-    }
-}
-
 impl Finger {
     /// Relative standard deviation of a sensed force due to the error of [`SideFaces::Free`], dimensionless; zero for [`SideFaces::Fixed`].
     pub fn side_face_error(&self) -> f64 {
         match self.description.side_faces {
-            SideFaces::Fixed => 0.0,
-            SideFaces::Free => SIDE_FACE_ERROR,
+            None | Some(SideFaces::Fixed) => 0.0,
+            Some(SideFaces::Free) => SIDE_FACE_ERROR,
         }
     }
 
-    /// Factors of a member: a plate's member, numbered from 0 at the base, or a rib.
-    pub(crate) fn side_face_factors(&self, part: Part, member: usize) -> SideFaceFactors {
+    /// Whether rods are in the junctions. Only the stated arms show it.
+    pub(super) fn has_rods(&self) -> bool {
         let d = &self.description;
-        if d.side_faces == SideFaces::Fixed {
-            return SideFaceFactors::FIXED;
+        d.rod_arm_mm >= ROD_ARM * 0.5 * (d.front.thickness_mm + d.back.thickness_mm)
+    }
+
+    /// Ratios of the rigidities to those in plane strain, between 1 - nu^2 and 1, of a plate's member, numbered from 0 at the base, or a rib.
+    pub(super) fn side_face_factors(&self, part: Part, member: usize) -> SectionFactors {
+        let d = &self.description;
+        if d.side_faces != Some(SideFaces::Free) {
+            return SectionFactors::NONE;
         }
         let (length_mm, arms_mm, thickness_mm) = match part {
             Part::Ribs => (self.rib_length_mm(member), self.rib_arms_mm(member), self.rib_thickness_mm(member)),
@@ -85,13 +71,12 @@ impl Finger {
                 (to_mm - from_mm, self.member_arms_mm(plate, member), thickness_mm)
             }
         };
-        let mean_mm = 0.5 * (d.front.thickness_mm + d.back.thickness_mm);
-        let layers = if d.rod_arm_mm >= ROD_ARM * mean_mm { WITH_RODS } else { WITHOUT_RODS };
+        let layers = if self.has_rods() { WITH_RODS } else { WITHOUT_RODS };
         let nu = d.poissons_ratio;
         let free_mm = (length_mm - arms_mm[0] - arms_mm[1]) * REFERENCE / ((1.0 - nu) * (3.0 + nu));
         let thick_mm = thickness_mm * REFERENCE / ((1.0 - nu) * (3.0 + nu));
         let factor = |width_mm: f64| 1.0 - nu * nu * free_share(d.depth_mm / width_mm);
-        SideFaceFactors {
+        SectionFactors {
             bending: factor(layers.bending_by_length * free_mm + layers.bending_by_thickness * thick_mm),
             stretching: factor(layers.stretching_by_length * free_mm),
         }

@@ -115,8 +115,8 @@ tables! {
     poissons_ratio: Number(Quantity("ratio", ""), Above(-1.0, 0.5)), Or(0.0),
         "Poisson's ratio nu. The effective modulus is E / (1 - nu^2) (plane strain), which is too stiff \
          for side faces that are free: for nu near 0.45, by 21, 14, 9, 7, 5 and 3 % on average at depths of 3, 6, 11, 16, 24 and 34 thicknesses (side_faces).";
-    side_faces: Word<2>(["fixed", "free"]), Or(0),
-        "State of the two side faces. \"fixed\": plane strain. \"free\": plates and ribs contract along the depth near the faces; needs poissons_ratio. \
+    side_faces: Word<2>(["fixed", "free"]), Optional,
+        "State of the two side faces. \"fixed\", the default: plane strain; without the key, commands warn if \"free\" would matter. \"free\": plates and ribs contract along the depth near the faces; needs poissons_ratio. \
          Rigidities then lie between those of plane strain (large depth) and those of plane stress with E (small depth), by the depth, the free length \
          and the thickness of each member. model_error then includes 0.005 for the error of this model (`finray guide your-finger`).";
     shear_correction: Number(Quantity("factor", ""), Within(0.0, 1.0)), Optional,
@@ -125,7 +125,7 @@ tables! {
     model_error: Number(Quantity("share", ""), Within(0.0, 1.0)), Optional,
         "Relative standard deviation of a sensed force due to the errors of beam theory. Every stated sigma_n includes this deviation, also in maps \
          and sweeps; their errors do not, because these follow from the true finger. `finray guide accuracy` states values. \
-         Default: the value for fingers of the same kind with fillets, otherwise 0.";
+         Default: with fillets, and with stated arms beside poissons_ratio and shear_correction, the value for fingers of the same kind; otherwise 0.";
 }
 
 tables! {
@@ -153,6 +153,8 @@ tables! {
     youngs_modulus_mpa: Number(MODULUS, POSITIVE), RequiredIf("unless ribs are rigid"), "Young's modulus E of the ribs.";
     largest_strain: Number(STRAIN, Above(0.0, 1.0)), Optional,
         "Largest fibre strain at which the material of the ribs is linear. Default and warning are the same as for plates.";
+    fillet_mm: RibNumbers(Number(LENGTH, NOT_NEGATIVE)), Optional,
+        "Radius of the fillets in the corners of the ribs, instead of those of plates. Default: finger.fillet_mm, which is required.";
     bracket_mm: RibLengths(), Or(BracketLengths::NONE),
         "Lengths of the rigid brackets, which connect plates and joints. Each bracket points inwards, perpendicular to its plate.";
     clip_mm: SideLengths(), Or([0.0; 2]),

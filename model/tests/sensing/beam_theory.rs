@@ -1,6 +1,7 @@
 //! Every stated standard deviation of a force includes the error of beam theory, and the sum of one force has the deviation of this force.
 
 use finray_model::estimators::EstimatorId;
+use finray_model::finger::ModelError;
 use finray_model::measurement::Measurement;
 use finray_model::observation::{Observation, ObservedMarker};
 use finray_model::sensing::{Contact, MeasuredContact};
@@ -19,7 +20,8 @@ const MESHES: f64 = 0.005;
 const SEARCHES: f64 = 0.02;
 
 fn scene() -> Scene {
-    Scene { model_error: MODEL_ERROR, noise_mm: None, ..paper_scene_with(&[]) }
+    let scene = Scene { noise_mm: None, ..paper_scene_with(&[]) };
+    Scene { model_error: ModelError::of(&scene.finger, Some(MODEL_ERROR)), ..scene }
 }
 
 /// Noisy displacements of the co-rotational finger under one force.
@@ -39,7 +41,7 @@ fn sensed(scene: &Scene, contacts: SensorContacts, of: &Measurement, options: Se
 #[test]
 fn a_sensor_states_the_error_of_beam_theory() {
     let scene = scene();
-    let without = Scene { model_error: 0.0, ..scene.clone() };
+    let without = Scene { model_error: ModelError::of(&scene.finger, None), ..scene.clone() };
     for (estimator, force_n) in [(EstimatorId::LeastSquares, 0.3), (EstimatorId::Nonlinear, 2.0)] {
         for (contact, noise_mm) in
             [(at_node(19, 0.0), 0.02), (at_node(15, 30.0), 0.002), (at_position(60.0, -20.0), 0.02)]

@@ -130,7 +130,7 @@ fn errors(case: u64, count: usize, pad: Option<Pad>) -> Option<Option<Vec<f64>>>
     let contacts = pushes.iter().map(|push| push.measured(&finger, chance)).collect();
     let contact = ContactDescription { pad, rod_radius_mm: ROD_RADIUS_MM, ..ContactDescription::default() };
     let along = finger.direction(0.0);
-    let scene = Scene { finger, contact, model_error: 0.0, ..paper_scene_with(&[]) };
+    let scene = Scene { finger, contact, ..paper_scene_with(&[]) };
     let contacts = SensorContacts::Measured { contacts, friction: FRICTION };
     let sensor = Sensor::new(scene.clone(), contacts, SensorOptions::default()).expect("contacts on the plate");
     let sensed = match sensor.sense_displacements(&seen, Some(NOISE_MM), None) {

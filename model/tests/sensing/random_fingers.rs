@@ -4,7 +4,7 @@
 //! standard deviations.
 
 use finray_model::finger::{
-    BracketLengths, FingerDescription, Joints, MarkerPoints, Plate, RibDescription, RibPositions, SideFaces, Strip,
+    BracketLengths, FingerDescription, Joints, MarkerPoints, Plate, RibDescription, RibPositions, Strip,
 };
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, ContactQuestion, NearForces, SensingError, sense_refining};
@@ -42,13 +42,14 @@ pub(super) fn random_finger(rng: &mut ChaCha8Rng) -> Finger {
             clamp_arm_mm: None,
             fillets: None,
             poissons_ratio: 0.0,
-            side_faces: SideFaces::Fixed,
+            side_faces: None,
             shear_correction: 0.0,
             front: strip(rng),
             back: strip(rng),
             rigid_ends: Default::default(),
             ribs: RibDescription {
                 thicknesses_mm: None,
+                fillets_mm: None,
                 positions: RibPositions::Count(rng.random_range(0..=12)),
                 joints: if rng.random_bool(0.5) { Joints::Rigid } else { Joints::Hinged },
                 bracket_mm: BracketLengths::NONE,
@@ -177,13 +178,14 @@ fn a_v_seen_at_its_tip_is_given_no_force_of_the_wrong_sign() {
         clamp_arm_mm: None,
         fillets: None,
         poissons_ratio: 0.0,
-        side_faces: SideFaces::Fixed,
+        side_faces: None,
         shear_correction: 0.0,
         front: strip(2.0),
         back: strip(4.0),
         rigid_ends: Default::default(),
         ribs: RibDescription {
             thicknesses_mm: None,
+            fillets_mm: None,
             positions: RibPositions::Count(0),
             joints: Joints::Rigid,
             bracket_mm: BracketLengths::NONE,

@@ -1,7 +1,7 @@
 //! Equilibria of single fingers: mesh sizes of the paper, and regressions of fingers that were once solved wrongly.
 
 use finray_model::finger::{
-    BracketLengths, FingerDescription, Joints, MarkerPoints, RibDescription, RibPositions, SideFaces, Strip,
+    BracketLengths, FingerDescription, Joints, MarkerPoints, RibDescription, RibPositions, Strip,
 };
 use finray_model::statics::{Statics, StaticsError, reaction, solve};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
@@ -69,13 +69,14 @@ fn a_buckling_load_is_not_jumped_over() {
         clamp_arm_mm: None,
         fillets: None,
         poissons_ratio: 0.0,
-        side_faces: SideFaces::Fixed,
+        side_faces: None,
         shear_correction: 0.0,
         front: strip(1.94819, 181.17),
         back: strip(0.5, 353.372),
         rigid_ends: Default::default(),
         ribs: RibDescription {
             thicknesses_mm: None,
+            fillets_mm: None,
             positions: RibPositions::Positions(vec![[59.8018, 29.6223], [120.8031, 74.9941]]),
             joints: Joints::Hinged,
             bracket_mm: BracketLengths::NONE,

@@ -1,6 +1,6 @@
 //! Beams with shear deformation, compared with closed forms, and fingers of such beams on different meshes.
 
-use finray_model::finger::{FingerDescription, SideFaces};
+use finray_model::finger::FingerDescription;
 use finray_model::frame::{FrameLoad, FrameMotion, PlaneFrame, Section};
 use finray_model::statics::Statics;
 use finray_model::validity::{SHEAR_CORRECTION, Validity};
@@ -98,7 +98,7 @@ fn with_shear(finger: &Finger) -> Finger {
         clamp_arm_mm: Some(0.3),
         fillets: None,
         poissons_ratio: 0.45,
-        side_faces: SideFaces::Fixed,
+        side_faces: None,
         ..description
     })
     .expect("a finger")

@@ -65,6 +65,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         return Err(bad_input("--out: expected a folder for five files, found -"));
     }
     let SceneWithOutline { scene, corners, .. } = load_scene_with_outline(&arguments.scene)?;
+    hints::of_scene(&arguments.scene, &scene);
     let name = name_of(&arguments.scene);
     let bad = |error: GraspError| {
         // A missing table has no line number; the message names line 1, as for any missing key.

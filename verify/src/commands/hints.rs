@@ -3,24 +3,19 @@
 use super::print_message;
 use finray_files::observations::RefusedImage;
 use finray_files::{Elsewhere, name_of, of_another_finger};
-use finray_model::Finger;
+use finray_model::scene::SceneWarning;
+use finray_model::{Finger, Scene};
 use std::path::Path;
 
-/// Young's modulus of diamond, MPa, rounded down. A larger modulus in a scene is probably in another unit.
-const STIFFEST_MPA: f64 = 1e6;
-const PA_A_MPA: f64 = 1e6;
+/// Prints the warnings about a scene.
+pub fn of_scene(path: &Path, scene: &Scene) {
+    of_scene_without(path, scene, |_| false);
+}
 
-/// Warns of moduli that are probably in Pa instead of MPa.
-pub fn of_moduli(path: &Path, finger: &Finger) {
-    let description = finger.description();
-    let plates = [("front", description.front.youngs_modulus_mpa), ("back", description.back.youngs_modulus_mpa)];
-    let ribs = description.ribs.strip.map(|strip| ("ribs", strip.youngs_modulus_mpa));
-    for (part, found) in plates.into_iter().chain(ribs).filter(|(_, found)| *found > STIFFEST_MPA) {
-        print_message(format_args!(
-            "warning: {}: finger.{part}.youngs_modulus_mpa is {found:e} MPa, stiffer than diamond; did you mean {} MPa?",
-            name_of(path),
-            found / PA_A_MPA
-        ));
+/// Prints the warnings about a scene, except those that do not matter to the command.
+pub fn of_scene_without(path: &Path, scene: &Scene, no_matter: impl Fn(&SceneWarning) -> bool) {
+    for warning in scene.warnings().iter().filter(|warning| !no_matter(warning)) {
+        print_message(format_args!("warning: {}: {warning}", name_of(path)));
     }
 }
 

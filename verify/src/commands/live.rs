@@ -127,7 +127,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         .iter()
         .map(|(name, path)| {
             let scene = load_scene(path)?;
-            hints::of_moduli(path, &scene.finger);
+            hints::of_scene(path, &scene);
             Ok((name.as_str(), scene))
         })
         .collect::<Result<_, Failure>>()?;

@@ -52,6 +52,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         }
     }
     let SceneWithOutline { scene, corners, .. } = load_scene_with_outline(&arguments.scene)?;
+    hints::of_scene(&arguments.scene, &scene);
     let Some(object) = &scene.object else {
         return Err(FileError::content(&arguments.scene, NO_OBJECT).into());
     };

@@ -58,7 +58,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         None => SceneWithOutline::from_toml(finray_fixtures::PAPER_SCENE).map_err(not_computed)?,
     };
     if let Some(path) = &arguments.scene {
-        hints::of_moduli(path, &scene.scene.finger);
+        hints::of_scene(path, &scene.scene);
     }
     let seen = match &arguments.measurements {
         None => None,

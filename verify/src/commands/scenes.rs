@@ -11,7 +11,7 @@ use finray_model::keys::{CAMERA, MARKERS, SceneTable};
 use finray_model::scene::Markers;
 use std::path::Path;
 
-/// The scene of a file with its text; without a path, the paper's finger. Warns of moduli that are probably in Pa.
+/// The scene of a file with its text; without a path, the paper's finger. Prints the warnings about the scene.
 ///
 /// # Errors
 /// [`Failure`] if the file cannot be read or is not a valid scene.
@@ -21,7 +21,7 @@ pub fn scene_or_papers(path: Option<&Path>) -> Result<(Scene, String), Failure> 
         return Ok((scene, PAPER_SCENE.to_owned()));
     };
     let (scene, text) = load_scene_and_text(path)?;
-    hints::of_moduli(path, &scene.finger);
+    hints::of_scene(path, &scene);
     Ok((scene, text))
 }
 

@@ -90,7 +90,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     require_one_standard_input([&arguments.scene, &arguments.displacements].into_iter().chain(&arguments.forces))?;
     let scene = load_scene(&arguments.scene)?;
     let finger = &scene.finger;
-    hints::of_moduli(&arguments.scene, finger);
+    hints::of_scene(&arguments.scene, &scene);
     let (networks, _) = networks_of(arguments.network.as_deref(), &[arguments.estimator])?;
     let options = SensorOptions {
         estimator: arguments.estimator,
@@ -135,7 +135,12 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         let asked = rows.len();
         write_file(&arguments.out, &csv_text(rows)?)?;
         let images = count(table.images()?.len(), "image");
-        format!("{} of {} in {images} sensed, {refused} refused", asked - refused, count(asked, "force"))
+        format!(
+            "{} of {} in {images} sensed, {refused} refused{}",
+            asked - refused,
+            count(asked, "force"),
+            with_model_error(&scene)
+        )
     } else {
         let seen = table.observation(arguments.image_name.as_deref())?;
         let sensor = question.sensor(&seen)?;
@@ -144,10 +149,16 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         write_file(&arguments.out, &csv_text(rows(&question, &sensed))?)?;
         let warnings = sensor.validity_warnings(&sensed);
         warnings.iter().for_each(|warning| print_message(format_args!("warning: {warning}")));
-        format!("{} sensed", count(sensed.forces.len(), "force"))
+        format!("{} sensed{}", count(sensed.forces.len(), "force"), with_model_error(&scene))
     };
     hints::of_displacements(&arguments.displacements, &text, finger);
     Ok(summary(done, [&arguments.out]))
+}
+
+/// The model error that standard deviations include, with its origin; nothing if they include none.
+fn with_model_error(scene: &Scene) -> String {
+    let error = scene.model_error;
+    if error.share() > 0.0 { format!("; sigma_n includes a model error of {error}") } else { String::new() }
 }
 
 /// Contacts, friction and estimator for all images, with the measured force of each image.

@@ -80,6 +80,7 @@ fn own_beams(name: &str) -> Result<TruthId, String> {
 pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     require_writable(&arguments.out)?;
     let scene = load_scene(&arguments.scene)?;
+    hints::of_scene(&arguments.scene, &scene);
     let finger = &scene.finger;
     let contacts: Option<Vec<Contact>> = match arguments.contacts.of(&scene, 0.0, None)? {
         SensorContacts::Asked(questions) => questions.iter().map(ContactQuestion::known).collect(),

@@ -99,3 +99,31 @@ fn a_pressed_finger_is_judged() {
     assert_eq!(warnings.len(), 1, "{warnings:?}");
     assert_says(&warnings[0], &["warning: step 2: strains are not small", "finger.front.largest_strain of the scene"]);
 }
+
+/// Each command that computes with the finger warns once of unstated side faces, unless the scene states them or calibrated moduli absorb them.
+#[test]
+fn unstated_side_faces_are_warned_of_once() {
+    let folder = Folder::new();
+    let printed = include_str!("../../../fixtures/calculix/paper.toml");
+    let stated = folder.put("stated.toml", printed);
+    let unstated = folder.put("unstated.toml", printed.replace("side_faces = \"fixed\"\n", ""));
+    let load = paper_load(19, 0.5, 0.0);
+    let shape = folder.put("shape.csv", finray(&["solve", &stated, "--load", &load]).done());
+    let sense = |scene| finray(&["sense", scene, "--displacements", &shape, "--contact", "19", "--noise-mm", "0.05"]);
+    let sensed = sense(&stated);
+    let summary = "done: 1 force sensed; sigma_n includes a model error of 0.6 % (fingers with rods: 0.6 %)";
+    assert_eq!(sensed.summary.as_deref(), Some(summary));
+    sensed.done();
+    let map = ["map", &unstated, "--places", "2", "--step-deg", "90", "--seeds", "1", "--estimator", "least-squares"];
+    for answer in [finray(&["solve", &unstated, "--load", &load]), sense(&unstated), finray(&map)] {
+        let (_, warnings) = answer.warned();
+        let about = warnings.iter().filter(|line| line.contains("finger.side_faces is not stated")).count();
+        assert_eq!((warnings.len(), about), (1, 1), "{warnings:?}");
+    }
+    let rows = Csv::of(&finray(&["solve", &stated, "--load", &load]).done());
+    let moved = rows.texts("node").into_iter().zip(rows.texts("ux_mm")).zip(rows.texts("uy_mm"));
+    let load = load.replace(':', ",");
+    let rows: String = moved.map(|((node, ux), uy)| format!("a,{load},{node},{ux},{uy}\n")).collect();
+    let weights = folder.put("weights.csv", format!("case,load_node,fx_n,fy_n,node,ux_mm,uy_mm\n{rows}"));
+    finray(&["calibrate", &unstated, "--measurements", &weights]).done();
+}

@@ -6,8 +6,8 @@ use super::{
 };
 use crate::calibration::CalibrationError;
 use crate::estimators::ELEMENTS;
-use crate::finger::{BracketLengths, RibPositions};
-use crate::keys::{ASSEMBLY, BACK, BASE, CAMERA, CONTACT, FRONT, MARKERS, REFERENCE, RIBS};
+use crate::finger::{BracketLengths, FingerDescription, RibPositions};
+use crate::keys::{ASSEMBLY, BACK, BASE, CAMERA, CONTACT, FINGER, FRONT, MARKERS, REFERENCE, RIBS};
 use crate::measurement::BaseUncertainty;
 use crate::sensing::{Lean, Pad, UnloadedError};
 use crate::{Scene, Vector};
@@ -157,6 +157,11 @@ impl RigEstimate {
         put(MARKERS.model_error_mm.path(), Value::from(errors.calibration_error_mm));
         if let Some(share) = self.force_error {
             put(CONTACT.force_error_share.path(), Value::from(share));
+        }
+        // Calibrated moduli hold for the side faces with which they were computed.
+        let FingerDescription { side_faces, poissons_ratio, .. } = scene.finger.description();
+        if self.sought(Quantity::is_modulus) && side_faces.is_none() && *poissons_ratio > 0.0 {
+            put(FINGER.side_faces.path(), Value::from("fixed"));
         }
         if self.is_base_unstated {
             put(BASE.sigma_mm.path(), Value::from(UNSTATED_BASE.sd_mm));

@@ -48,7 +48,7 @@ impl Fingerprint {
         if finger.shear_flexibility() > 0.0 {
             numbers.number("shear_flexibility", finger.shear_flexibility());
         }
-        if d.side_faces == SideFaces::Free {
+        if d.side_faces == Some(SideFaces::Free) {
             numbers.number("free side faces: depth_mm", d.depth_mm);
             numbers.number("free side faces: poissons_ratio", d.poissons_ratio);
         }

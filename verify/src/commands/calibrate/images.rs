@@ -9,6 +9,7 @@ use finray_model::calibration::{
     RigQuestion, Sought, ViewEstimate,
 };
 use finray_model::finger::{Plate, RibPositions};
+use finray_model::scene::SceneWarning;
 use finray_model::sensing::{Lean, Normal};
 
 /// The parameters that a name of `--fit` stands for.
@@ -145,6 +146,10 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<String, F
     require_one_standard_input([&arguments.scene].into_iter().chain(&arguments.located).chain(&arguments.forces))?;
     let (scene, text) = load_scene_and_text(&arguments.scene)?;
     let fit = parse(fit, &scene)?;
+    // A calibrated modulus absorbs the state of the side faces.
+    let absorbed = seeks(&fit, Quantity::is_modulus);
+    let is_absorbed = |warning: &SceneWarning| absorbed && matches!(warning, SceneWarning::SideFaces { .. });
+    hints::of_scene_without(&arguments.scene, &scene, is_absorbed);
     let LocatedViews { views: seen, refused, .. } = views::load(located, arguments.forces.as_deref(), &scene)?;
     hints::of_refused(&refused);
     let measured = seen.iter().filter(|seen| seen.view.force.is_some()).count();

@@ -11,6 +11,7 @@ use finray_files::measurements;
 use finray_model::Kinematics;
 use finray_model::calibration::{CalibrationError, OutlyingMarker};
 use finray_model::finger::FingerDescription;
+use finray_model::scene::SceneWarning;
 use finray_model::sensing::{ResidualTest, Warning};
 use nalgebra::DMatrix;
 
@@ -104,8 +105,9 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     };
     require_one_standard_input([&arguments.scene, measured])?;
     let scene = load_scene(&arguments.scene)?;
-    let finger = scene.finger;
-    hints::of_moduli(&arguments.scene, &finger);
+    // A calibrated modulus absorbs the state of the side faces.
+    hints::of_scene_without(&arguments.scene, &scene, |warning| matches!(warning, SceneWarning::SideFaces { .. }));
+    let Scene { finger, .. } = scene;
     let noise_mm = arguments.noise_mm.or(scene.noise_mm);
     let cases = measurements::load(measured, &finger, noise_mm)?;
     match &arguments.zones {

@@ -11,7 +11,7 @@ use crate::prelude::*;
 use crate::problems::ProblemError;
 use crate::statistics::median;
 use crate::truths::fine_mesh;
-use finray_model::finger::{FingerDescription, SideFaces};
+use finray_model::finger::FingerDescription;
 
 /// Largest force of the comparison, N: the largest force in the paper's gripper tests. Shapes computed by CalculiX are available up to 5 N.
 pub const LARGEST_FORCE_N: f64 = 3.0;
@@ -63,7 +63,7 @@ impl Constants {
         let description = match self {
             Constants::Modulus => FingerDescription {
                 poissons_ratio: 0.0,
-                side_faces: SideFaces::Fixed,
+                side_faces: None,
                 rod_arm_mm: 0.0,
                 rib_arm_mm: None,
                 clamp_arm_mm: None,
@@ -72,7 +72,7 @@ impl Constants {
                 ..all
             },
             Constants::PlaneStrain => FingerDescription {
-                side_faces: SideFaces::Fixed,
+                side_faces: None,
                 rod_arm_mm: 0.0,
                 rib_arm_mm: None,
                 clamp_arm_mm: None,

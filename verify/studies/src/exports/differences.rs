@@ -64,7 +64,7 @@ fn properties(scene: &Scene, solved: Solved) -> Vec<(String, String)> {
         number(&FINGER.back_length_mm, *back_length_mm),
         number(&FINGER.depth_mm, *depth_mm),
         number(&FINGER.poissons_ratio, *poissons_ratio),
-        (FINGER.side_faces.path(), format!("{side_faces:?}").to_lowercase()),
+        (FINGER.side_faces.path(), format!("{:?}", side_faces.unwrap_or_default()).to_lowercase()),
     ];
     all.extend(of_plate(&FRONT, front, &rigid_ends[0]));
     all.extend(of_plate(&BACK, back, &rigid_ends[1]));
@@ -103,8 +103,8 @@ fn of_plate(keys: &PlateKeys, strip: &Strip, ends: &RigidEnds) -> [(String, Stri
     ]
 }
 
-fn of_ribs(finger: &Finger, ribs: &RibDescription) -> [(String, String); 7] {
-    let RibDescription { positions, joints, bracket_mm, clip_mm, strip, thicknesses_mm } = ribs;
+fn of_ribs(finger: &Finger, ribs: &RibDescription) -> [(String, String); 8] {
+    let RibDescription { positions, joints, bracket_mm, clip_mm, strip, thicknesses_mm, fillets_mm } = ribs;
     let count = finger.rib_count();
     let [front_mm, back_mm] = [Plate::Front, Plate::Back].map(|plate| finger.plate_positions_mm(plate));
     let key = match positions {
@@ -122,6 +122,7 @@ fn of_ribs(finger: &Finger, ribs: &RibDescription) -> [(String, String); 7] {
         (RIBS.youngs_modulus_mpa.path(), strip.map_or("none".to_owned(), |strip| rounded(strip.youngs_modulus_mpa))),
         (RIBS.bracket_mm.path(), listed((0..count).map(|rib| pair(bracket_mm.of(rib))))),
         (RIBS.clip_mm.path(), pair(*clip_mm)),
+        (RIBS.fillet_mm.path(), listed((0..count).filter_map(|rib| Some(rounded(fillets_mm.as_ref()?.of(rib)))))),
     ]
 }
 

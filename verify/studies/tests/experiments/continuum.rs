@@ -195,7 +195,7 @@ fn intervals(model_error: f64, noise_mm: f64, unknown: Unknown, samples: usize) 
     for name in TESTED {
         let stated = format!("[finger]\nmodel_error = {model_error:?}\n");
         let scene = Scene::from_toml(&scene_text(name).replacen("[finger]\n", &stated, 1)).expect("a scene");
-        assert_eq!(scene.model_error, model_error);
+        assert_eq!(scene.model_error.share(), model_error);
         for case in cases(exported(name)) {
             number += 1;
             let known: ContactQuestion = Contact { angle_deg: case.angle_deg, ..Contact::at_node(case.node) }.into();
