@@ -1,8 +1,6 @@
 //! Tests of `finray-numerics`: each test file tests the source file with the same path.
 
-mod dense {
-    mod tanh;
-}
+mod dense;
 mod linear {
     mod bordered;
     mod ldl;

@@ -2,13 +2,12 @@
 
 use super::LatticeError;
 use super::bodies::{Assembly, BodyLoad};
-use super::pattern::Pattern;
 use super::springs::{BodyIndex, Deformation, Spring};
 use faer::Side;
 use faer::linalg::solvers::Solve;
 use faer::mat::MatMut;
-use faer::sparse::Triplet;
 use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
+use faer::sparse::{Argsort, Pair, SparseColMat, SymbolicSparseColMat, Triplet};
 use finray_model::Vector;
 use nalgebra::{Matrix6, Rotation2, Vector6};
 
@@ -171,20 +170,24 @@ const STIFF: f64 = 1e4;
 
 /// Sparsity pattern and elimination order, shared by all second derivatives under the same loads.
 struct Elimination {
-    pattern: Pattern,
+    pattern: SymbolicSparseColMat<usize>,
+    /// Order in which the entries of a list fill the pattern.
+    entries: Argsort<usize>,
     order: SymbolicLlt<usize>,
 }
 
 impl Elimination {
     fn of(count: usize, curvature: &[Triplet<usize, usize, f64>]) -> Option<Elimination> {
-        let pattern = Pattern::of(count, curvature)?;
-        let order = SymbolicLlt::try_new(pattern.symbolic().as_ref(), Side::Lower).ok()?;
-        Some(Elimination { pattern, order })
+        let indices: Vec<_> = curvature.iter().map(|entry| Pair::new(entry.row, entry.col)).collect();
+        let (pattern, entries) = SymbolicSparseColMat::try_new_from_indices(count, count, &indices).ok()?;
+        let order = SymbolicLlt::try_new(pattern.as_ref(), Side::Lower).ok()?;
+        Some(Elimination { pattern, entries, order })
     }
 
     /// Cholesky factors; `None` if the matrix of second derivatives is not positive definite.
     fn factorised(&self, curvature: &[Triplet<usize, usize, f64>]) -> Option<Llt<usize, f64>> {
-        let matrix = self.pattern.matrix(curvature)?;
+        let values: Vec<f64> = curvature.iter().map(|entry| entry.val).collect();
+        let matrix = SparseColMat::new_from_argsort(self.pattern.clone(), &self.entries, &values).ok()?;
         Llt::try_new_with_symbolic(self.order.clone(), matrix.as_ref(), Side::Lower).ok()
     }
 }

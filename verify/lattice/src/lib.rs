@@ -22,7 +22,6 @@
 pub mod bodies;
 pub mod energy;
 pub mod engine_pressing;
-pub mod pattern;
 pub mod settling;
 pub mod skin;
 pub mod springs;

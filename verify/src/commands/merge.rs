@@ -3,7 +3,7 @@
 use super::grid::{figure, map_of, table_path, trusted};
 use crate::commands::prelude::*;
 use finray_files::{open_stream, streamed, write_from};
-use finray_studies::sampling::sweep::{MergeError, Shards};
+use finray_studies::sampling::sweep::Shards;
 use std::io::{Read, Write};
 
 /// Help text below the options.
@@ -49,13 +49,4 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     write_from(sources)?;
     let result = map.as_ref().map_or_else(joined, |map| format!("{}, {}", joined(), trusted(map)));
     Ok(summary(result, std::iter::once(&out).chain(figure.iter().map(|(path, _)| path))))
-}
-
-impl From<MergeError> for Failure {
-    fn from(error: MergeError) -> Failure {
-        match error {
-            MergeError::File(inner) => inner.into(),
-            MergeError::Missing { .. } | MergeError::Nothing => bad_input(error),
-        }
-    }
 }

@@ -36,6 +36,7 @@ use finray_model::sensing::SensingError;
 use finray_model::sensing::network::NetworkError;
 use finray_model::sensor::Refusal;
 use finray_model::statics::StaticsError;
+use finray_studies::sampling::sweep::MergeError;
 use finray_studies::truths::{NotExported, TruthError, TwinError};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::fmt::Display;
@@ -175,33 +176,43 @@ impl From<FileError> for Failure {
     }
 }
 
-impl From<StaticsError> for Failure {
-    fn from(error: StaticsError) -> Failure {
-        match error {
-            StaticsError::Load(_) | StaticsError::LoadNotFinite => bad_input(error),
-            StaticsError::NotHeld | StaticsError::TooFewDigits { .. } | StaticsError::NoEquilibrium { .. } => {
-                not_computed(error)
+/// For each type of error: the variants that hold another error of this list, then the kind of failure of the other variants.
+macro_rules! failures {
+    ($($error:ident($($inner:ident),*) { $($variants:pat => $kind:ident,)* })*) => {$(
+        impl From<$error> for Failure {
+            fn from(error: $error) -> Failure {
+                match error {
+                    $($error::$inner(inner) => inner.into(),)*
+                    $($variants => $kind(error),)*
+                }
             }
         }
-    }
+    )*};
 }
 
-impl From<SensingError> for Failure {
-    fn from(error: SensingError) -> Failure {
-        match error {
-            SensingError::Statics(inner) => inner.into(),
-            other => bad_input(other),
-        }
+failures! {
+    StaticsError() {
+        StaticsError::Load(_) | StaticsError::LoadNotFinite => bad_input,
+        StaticsError::NotHeld | StaticsError::TooFewDigits { .. } | StaticsError::NoEquilibrium { .. } => not_computed,
     }
-}
-
-impl From<NetworkError> for Failure {
-    fn from(error: NetworkError) -> Failure {
-        match error {
-            NetworkError::Sensing(inner) => inner.into(),
-            other => bad_input(other),
-        }
+    SensingError(Statics) { _ => bad_input, }
+    NetworkError(Sensing) { _ => bad_input, }
+    CheckedShapeError(Mesh, Statics) {}
+    LatticeError(Contact) {
+        LatticeError::NotSettled { .. } | LatticeError::NoEquilibrium { .. } => not_computed,
+        _ => bad_input,
     }
+    ContactError(Statics) {
+        ContactError::Tapered | ContactError::Overlap { .. } => bad_input,
+        _ => not_computed,
+    }
+    TruthError(Mesh, Statics, Lattice) {
+        TruthError::NotExported(_, NotExported::Table(_)) | TruthError::Twin(TwinError::Scene(_)) => not_computed,
+        TruthError::NotExported(..) | TruthError::Twin(_) => bad_input,
+    }
+    EstimatorError(Mesh, Sensing, Network) { _ => bad_input, }
+    Refusal(Estimator) { _ => bad_input, }
+    MergeError(File) { _ => bad_input, }
 }
 
 #[cfg(feature = "train")]
@@ -220,76 +231,6 @@ impl From<finray_train::TrainError> for Failure {
 impl From<finray_model::mesh::MeshSizeError> for Failure {
     fn from(error: finray_model::mesh::MeshSizeError) -> Failure {
         bad_input(format!("--mesh-nodes: {error}"))
-    }
-}
-
-impl From<CheckedShapeError> for Failure {
-    fn from(error: CheckedShapeError) -> Failure {
-        match error {
-            CheckedShapeError::Mesh(inner) => inner.into(),
-            CheckedShapeError::Statics(inner) => inner.into(),
-        }
-    }
-}
-
-impl From<LatticeError> for Failure {
-    fn from(error: LatticeError) -> Failure {
-        match error {
-            LatticeError::Load(_)
-            | LatticeError::LoadNotFinite
-            | LatticeError::NoSegments
-            | LatticeError::TooFine { .. }
-            | LatticeError::OffPlates => bad_input(error),
-            LatticeError::Contact(inner) => inner.into(),
-            LatticeError::NotSettled { .. } | LatticeError::NoEquilibrium { .. } => not_computed(error),
-        }
-    }
-}
-
-impl From<ContactError> for Failure {
-    fn from(error: ContactError) -> Failure {
-        match error {
-            ContactError::Tapered | ContactError::Overlap { .. } => bad_input(error),
-            ContactError::Statics(inner) => inner.into(),
-            _ => not_computed(error),
-        }
-    }
-}
-
-impl From<TruthError> for Failure {
-    fn from(error: TruthError) -> Failure {
-        match error {
-            TruthError::Mesh(inner) => inner.into(),
-            TruthError::Statics(inner) => inner.into(),
-            TruthError::Lattice(inner) => inner.into(),
-            TruthError::NotExported(_, NotExported::Table(_)) | TruthError::Twin(TwinError::Scene(_)) => {
-                not_computed(error)
-            }
-            TruthError::NotExported(..) | TruthError::Twin(_) => bad_input(error),
-        }
-    }
-}
-
-impl From<EstimatorError> for Failure {
-    fn from(error: EstimatorError) -> Failure {
-        match error {
-            EstimatorError::Mesh(inner) => inner.into(),
-            EstimatorError::Sensing(inner) => inner.into(),
-            EstimatorError::Network(inner) => inner.into(),
-            EstimatorError::NoNetwork(_)
-            | EstimatorError::NotKnown
-            | EstimatorError::NoPad
-            | EstimatorError::NoAssembly => bad_input(error),
-        }
-    }
-}
-
-impl From<Refusal> for Failure {
-    fn from(refusal: Refusal) -> Failure {
-        match refusal {
-            Refusal::Estimator(inner) => inner.into(),
-            other => bad_input(other),
-        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Model card of a network: purpose, training and errors.
 
-use super::error::NetworkError;
+use super::error::{NetworkError, require};
 use super::fingerprint::Fingerprint;
 use crate::Kinematics;
 use crate::finger::NodeId;
@@ -105,48 +105,35 @@ impl NetworkCard {
         if self.format != FORMAT {
             return Err(NetworkError::Format { expected: FORMAT, found: self.format.into() });
         }
-        let require = |holds: bool, key: &str, expected: &str, found: String| match holds {
-            true => Ok(()),
-            false => Err(NetworkError::of_part(key, expected, found)),
-        };
-        let repeated = |i: usize| self.markers[..i].contains(&self.markers[i]);
-        require(!self.markers.is_empty(), "markers", "at least one node", "none".to_owned())?;
-        let twice = (0..self.markers.len()).find(|&i| repeated(i));
+        let is_listed_before = |i: &usize| self.markers[..*i].contains(&self.markers[*i]);
+        require(!self.markers.is_empty(), "markers", "at least one node", "none")?;
+        let twice = (0..self.markers.len()).find(is_listed_before);
         require(twice.is_none(), "markers", "every node once", format!("{:?}", self.markers))?;
-        require(!self.contacts.is_empty(), "contacts", "at least one contact", "none".to_owned())?;
-        let count = self.contacts.len();
-        require(
-            self.test_errors.len() == count,
-            "test_errors",
-            "one for each contact",
-            self.test_errors.len().to_string(),
-        )?;
+        let (contacts, errors) = (self.contacts.len(), self.test_errors.len());
+        require(contacts > 0, "contacts", "at least one contact", "none")?;
+        require(errors == contacts, "test_errors", "one for each contact", errors)?;
         for contact in &self.contacts {
             let position_mm = if let ContactPosition::At(at) = contact.position { at.s_mm } else { 0.0 };
-            let finite = contact.angle_deg.is_finite() && position_mm.is_finite();
-            require(finite, "contacts", "finite positions and angles", format!("{contact:?}"))?;
+            let is_finite = contact.angle_deg.is_finite() && position_mm.is_finite();
+            require(is_finite, "contacts", "finite positions and angles", format!("{contact:?}"))?;
         }
-        let not_negative = |key: &str, value: f64| {
-            let expected = "a number of zero or more";
-            require(value.is_finite() && value >= 0.0, key, expected, value.to_string())
-        };
-        not_negative("noise_mm", self.noise_mm)?;
-        require(
-            self.prior_n.is_finite() && self.prior_n > 0.0,
-            "prior_n",
-            "a positive force",
-            self.prior_n.to_string(),
-        )?;
-        for error in &self.test_errors {
-            not_negative("test_errors.rms_n", error.rms_n)?;
-            not_negative("test_errors.clean_rms_n", error.clean_rms_n)?;
-        }
+        let is_positive = self.prior_n.is_finite() && self.prior_n > 0.0;
+        require(is_positive, "prior_n", "a positive force", self.prior_n)?;
         let origin = &self.origin;
         let [least_n, largest_n] = origin.force_range_n;
-        let range = least_n.is_finite() && largest_n.is_finite() && least_n <= largest_n;
-        require(range, "origin.force_range_n", "least, then largest force", format!("{:?}", origin.force_range_n))?;
-        not_negative("origin.largest_total_n", origin.largest_total_n)?;
-        not_negative("origin.direction_spread_deg", origin.direction_spread_deg)?;
-        not_negative("origin.modulus_spread", origin.modulus_spread)
+        let is_range = least_n.is_finite() && largest_n.is_finite() && least_n <= largest_n;
+        require(is_range, "origin.force_range_n", "least, then largest force", format!("{:?}", origin.force_range_n))?;
+        let of_tests = self.test_errors.iter();
+        let of_tests =
+            of_tests.flat_map(|of| [("test_errors.rms_n", of.rms_n), ("test_errors.clean_rms_n", of.clean_rms_n)]);
+        let numbers = [
+            ("noise_mm", self.noise_mm),
+            ("origin.largest_total_n", origin.largest_total_n),
+            ("origin.direction_spread_deg", origin.direction_spread_deg),
+            ("origin.modulus_spread", origin.modulus_spread),
+        ];
+        numbers.into_iter().chain(of_tests).try_for_each(|(key, value)| {
+            require(value.is_finite() && value >= 0.0, key, "a number of zero or more", value)
+        })
     }
 }

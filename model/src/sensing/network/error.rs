@@ -9,60 +9,19 @@ pub enum NetworkError {
     /// The bytes are not a safetensors file.
     #[error("not a network: expected a safetensors file ({0})")]
     NotSafetensors(String),
-    /// A part of the network is missing in the file.
-    #[error("not a complete network: {0} is missing")]
-    Missing(String),
-    /// The file contains a part that does not belong to a network.
-    #[error("not a network of this format: {0} is unknown")]
-    Unexpected(String),
-    /// A tensor has numbers of the wrong type.
-    #[error("{tensor}: expected numbers of type {expected}, found {found}")]
-    Type {
-        /// Name of the tensor.
-        tensor: String,
-        /// Expected type, as safetensors names it.
-        expected: String,
-        /// Type in the file.
-        found: String,
-    },
-    /// A tensor has the wrong shape.
-    #[error("{part}: expected shape {expected:?}, found {found:?}")]
-    Shape {
-        /// Name of the tensor.
-        part: String,
-        /// Shape that fits the other parts.
-        expected: Vec<usize>,
-        /// Shape of the tensor.
-        found: Vec<usize>,
-    },
-    /// A number is not finite.
-    #[error("{part}: expected finite numbers, found {value} at index {index}")]
-    NotFinite {
-        /// Name of the tensor, or key of the card.
-        part: String,
-        /// Index of the number.
-        index: usize,
-        /// The number that is infinite or NaN.
-        value: f64,
-    },
-    /// A part has an impossible value.
+    /// A tensor, a key of the card or a list is missing, has an impossible value, or does not fit the other parts.
     #[error("{part}: expected {expected}, found {found}")]
-    Parts {
-        /// Name of the tensor, or key of the card.
+    Part {
+        /// Name of the tensor, the key or the list.
         part: String,
         /// Expected value.
         expected: String,
         /// Found value.
         found: String,
     },
-    /// The card cannot be read.
-    #[error("cannot read the network's card (metadata key {key}): {reason}")]
-    Card {
-        /// Key of the card in the metadata.
-        key: &'static str,
-        /// Expected and found content.
-        reason: String,
-    },
+    /// The card in the metadata cannot be read.
+    #[error("cannot read the network's card: {0}")]
+    Card(String),
     /// The file has another version of the format.
     #[error(
         "the network has format {found}, expected format {expected}: train the network again with this version of finray"
@@ -125,16 +84,6 @@ pub enum NetworkError {
         /// Weight of the marker, dimensionless.
         weight: f64,
     },
-    /// The number of displacements or forces is wrong.
-    #[error("expected {expected} {what}, found {found}")]
-    Length {
-        /// Name of the counted items.
-        what: &'static str,
-        /// Expected number.
-        expected: usize,
-        /// Found number.
-        found: usize,
-    },
     /// The measured shape is unlike the shapes of the training.
     #[error(
         "the shape is unlike those that the network was trained on: its input {input} is {value:.2}, expected at most {largest:.2} (the sum of the \
@@ -182,20 +131,26 @@ pub enum NetworkError {
     Sensing(#[from] SensingError),
 }
 
-impl NetworkError {
-    /// Makes a [`NetworkError::Parts`].
-    pub(super) fn of_part(part: &str, expected: &str, found: impl ToString) -> NetworkError {
-        NetworkError::Parts { part: part.to_owned(), expected: expected.to_owned(), found: found.to_string() }
+/// Refuses a part of a network unless `holds` is true.
+///
+/// # Errors
+/// [`NetworkError::Part`] with the expected and the found value.
+pub(super) fn require(
+    holds: bool,
+    part: &str,
+    expected: impl ToString,
+    found: impl ToString,
+) -> Result<(), NetworkError> {
+    if holds {
+        return Ok(());
     }
+    Err(NetworkError::Part { part: part.to_owned(), expected: expected.to_string(), found: found.to_string() })
 }
 
 /// Refuses a tensor of the wrong shape.
 ///
 /// # Errors
-/// [`NetworkError::Shape`] if the shapes differ.
+/// [`NetworkError::Part`] if the shapes differ.
 pub(super) fn require_shape(part: &str, expected: &[usize], found: &[usize]) -> Result<(), NetworkError> {
-    if expected == found {
-        return Ok(());
-    }
-    Err(NetworkError::Shape { part: part.to_owned(), expected: expected.to_vec(), found: found.to_vec() })
+    require(expected == found, part, format!("shape {expected:?}"), format!("{found:?}"))
 }

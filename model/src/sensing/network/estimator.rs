@@ -1,5 +1,6 @@
 //! Estimates forces and their standard deviations with a network, in microseconds.
 
+use super::error::require;
 use super::forward::{Forward, Instructions};
 use super::further::FurtherContact;
 use super::hidden::{directions, filling};
@@ -184,10 +185,11 @@ impl NetworkEstimator {
     /// forces in the order of the contacts, N. The evaluation allocates no memory and checks no ranges: if displacements are NaN, forces are NaN.
     ///
     /// # Errors
-    /// [`NetworkError::Length`] if a slice has the wrong length.
+    /// [`NetworkError::Part`] if a slice has the wrong length.
     pub fn forces(&mut self, displacements: &[f64], forces_n: &mut [f64]) -> Result<(), NetworkError> {
-        require_length("displacements", self.forward.coordinates(), displacements.len())?;
-        require_length("forces", self.prepared.outputs(), forces_n.len())?;
+        let (coordinates, contacts) = (self.forward.coordinates(), self.prepared.outputs());
+        require(displacements.len() == coordinates, "displacements", coordinates, displacements.len())?;
+        require(forces_n.len() == contacts, "forces", contacts, forces_n.len())?;
         self.forward.forces(displacements, forces_n);
         Ok(())
     }
@@ -310,10 +312,6 @@ impl NetworkEstimator {
         }
         Ok(())
     }
-}
-
-fn require_length(what: &'static str, expected: usize, found: usize) -> Result<(), NetworkError> {
-    if expected == found { Ok(()) } else { Err(NetworkError::Length { what, expected, found }) }
 }
 
 impl Network {

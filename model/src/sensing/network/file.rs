@@ -12,7 +12,7 @@
 //! | `sha256` | U8 | 32: of the card and of names, shapes and contents of the other tensors in order of their names |
 
 use super::card::{FORMAT, NetworkCard};
-use super::error::require_shape;
+use super::error::{require, require_shape};
 use super::{Dense, Inputs, Network, NetworkError};
 use nalgebra::DMatrix;
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
@@ -71,7 +71,7 @@ impl Network {
         let (_, header) = SafeTensors::read_metadata(bytes).map_err(|error| unreadable(&error))?;
         let file = SafeTensors::deserialize(bytes).map_err(|error| unreadable(&error))?;
         let text = header.metadata().as_ref().and_then(|metadata| metadata.get(CARD));
-        let text = text.ok_or_else(|| NetworkError::Missing(format!("the metadata key {CARD}")))?;
+        let text = text.ok_or_else(|| NetworkError::Card(format!("expected the metadata key {CARD}, found none")))?;
         let card = read_card(text)?;
         let mut tensors: BTreeMap<&str, TensorView> = file.iter().collect();
 
@@ -102,9 +102,8 @@ impl Network {
             true => Some(to_matrix("compliance", &take(&mut tensors, "compliance", Dtype::F64)?)?),
             false => None,
         };
-        if let Some(name) = tensors.keys().next() {
-            return Err(NetworkError::Unexpected(format!("the tensor {name}")));
-        }
+        let names = tensors.keys().copied().collect::<Vec<_>>().join(", ");
+        require(names.is_empty(), "the file", "no other tensors", names)?;
         let network = Network::new(card, inputs, layers, skip, compliance)?;
         // The checksum is compared last, so that errors name the wrong part where possible.
         if stored_sum == sum { Ok(network) } else { Err(NetworkError::Damaged) }
@@ -115,8 +114,7 @@ impl Network {
 fn read_card(text: &str) -> Result<NetworkCard, NetworkError> {
     let value: serde_json::Value = serde_json::from_str(text).map_err(|error| card_error(&error))?;
     let Some(found) = value.get("format").and_then(serde_json::Value::as_u64) else {
-        let reason = "expected a JSON object with the number `format`".to_owned();
-        return Err(NetworkError::Card { key: CARD, reason });
+        return Err(NetworkError::Card("expected a JSON object with the number `format`".to_owned()));
     };
     if found != u64::from(FORMAT) {
         return Err(NetworkError::Format { expected: FORMAT, found });
@@ -125,7 +123,7 @@ fn read_card(text: &str) -> Result<NetworkCard, NetworkError> {
 }
 
 fn card_error(error: &serde_json::Error) -> NetworkError {
-    NetworkError::Card { key: CARD, reason: error.to_string() }
+    NetworkError::Card(error.to_string())
 }
 
 fn unreadable(error: &safetensors::SafeTensorError) -> NetworkError {
@@ -158,7 +156,8 @@ fn to_matrix(name: &str, tensor: &TensorView) -> Result<DMatrix<f64>, NetworkErr
 
 fn matrix_shape(name: &str, tensor: &TensorView) -> Result<[usize; 2], NetworkError> {
     let shape = tensor.shape();
-    shape.try_into().map_err(|_| NetworkError::of_part(name, "a matrix", format!("the shape {shape:?}")))
+    require(shape.len() == 2, name, "a matrix", format!("the shape {shape:?}"))?;
+    Ok([shape[0], shape[1]])
 }
 
 /// Removes a tensor from the tensors of a file, checks the type of the tensor, and returns the tensor.
@@ -167,12 +166,12 @@ fn take<'d>(
     name: &str,
     dtype: Dtype,
 ) -> Result<TensorView<'d>, NetworkError> {
-    let tensor = tensors.remove(name).ok_or_else(|| NetworkError::Missing(format!("the tensor {name}")))?;
-    if tensor.dtype() == dtype {
-        return Ok(tensor);
-    }
-    let (expected, found) = (dtype.to_string(), tensor.dtype().to_string());
-    Err(NetworkError::Type { tensor: name.to_owned(), expected, found })
+    let found = tensors.get(name).map_or("none".to_owned(), |tensor| tensor.dtype().to_string());
+    let tensor = tensors.remove(name).filter(|tensor| tensor.dtype() == dtype);
+    tensor.ok_or_else(|| {
+        let expected = format!("a tensor of type {dtype}");
+        NetworkError::Part { part: name.to_owned(), expected, found }
+    })
 }
 
 fn checksum(card: &str, tensors: &BTreeMap<&str, TensorView>) -> [u8; 32] {

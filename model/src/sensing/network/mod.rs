@@ -22,7 +22,7 @@ pub use fingerprint::{Fingerprint, NoFingerprint};
 pub use forward::Instructions;
 pub use prepared::ridge_gain;
 
-use error::require_shape;
+use error::{require, require_shape};
 use nalgebra::DMatrix;
 
 /// Conversion of displacements to inputs: z = P (x - mean), with n coordinates and p <= n inputs.
@@ -116,9 +116,7 @@ impl Network {
         let n = 2 * self.card.markers.len();
         require_shape("mean", &[n], &[self.inputs.mean.len()])?;
         let projection = &self.inputs.projection;
-        if p == 0 || p > n {
-            return Err(NetworkError::of_part("projection", &format!("1 to {n} rows"), p));
-        }
+        require((1..=n).contains(&p), "projection", format!("1 to {n} rows"), p)?;
         require_shape("projection", &[p, n], &[p, projection.ncols()])?;
         require_shape("variances", &[p], &[self.inputs.variances.len()])?;
         require_shape("largest", &[p], &[self.inputs.largest.len()])?;
@@ -140,9 +138,8 @@ impl Network {
             require_finite(&bias, layer.bias.iter().copied().map(f64::from))?;
             inputs = outputs;
         }
-        if self.layers.is_empty() || inputs == 0 {
-            return Err(NetworkError::of_part("layers", "at least one layer, none of them empty", self.layers.len()));
-        }
+        let are_layers = !self.layers.is_empty() && inputs > 0;
+        require(are_layers, "layers", "at least one layer, none of them empty", self.layers.len())?;
         if !self.skip.is_empty() {
             require_shape("skip", &[if any_of { 0 } else { contacts * p }], &[self.skip.len()])?;
             require_finite("skip", self.skip.iter().copied().map(f64::from))?;
@@ -166,16 +163,13 @@ impl Dense {
 }
 
 fn require_finite(part: &str, values: impl IntoIterator<Item = f64>) -> Result<(), NetworkError> {
-    match values.into_iter().enumerate().find(|(_, value)| !value.is_finite()) {
-        None => Ok(()),
-        Some((index, value)) => Err(NetworkError::NotFinite { part: part.to_owned(), index, value }),
-    }
+    let wrong = values.into_iter().enumerate().find(|(_, value)| !value.is_finite());
+    let found = wrong.map_or_else(String::new, |(index, value)| format!("{value} at index {index}"));
+    require(wrong.is_none(), part, "finite numbers", found)
 }
 
 fn require_not_negative(part: &str, values: &[f64]) -> Result<(), NetworkError> {
     require_finite(part, values.iter().copied())?;
-    match values.iter().find(|value| **value < 0.0) {
-        None => Ok(()),
-        Some(value) => Err(NetworkError::of_part(part, "numbers of zero or more", value)),
-    }
+    let least = values.iter().copied().fold(0.0, f64::min);
+    require(least >= 0.0, part, "numbers of zero or more", least)
 }

@@ -64,5 +64,5 @@ fn messages_name_what_is_wrong() {
     let tensors =
         [("mean", safetensors::tensor::TensorView::new(safetensors::Dtype::F32, vec![1], &[0; 4]).expect("a view"))];
     let other = safetensors::serialize(tensors, None).expect("a file");
-    assert!(matches!(Network::from_bytes(&other), Err(NetworkError::Missing(what)) if what.contains("finray_network")));
+    assert!(matches!(Network::from_bytes(&other), Err(NetworkError::Card(what)) if what.contains("finray_network")));
 }

@@ -1,5 +1,9 @@
 //! Times of frames, as streams state them.
 
+use jiff::Timestamp;
+use jiff::civil::DateTime;
+use jiff::tz::TimeZone;
+
 /// Names of a time, each with the number of its units in a second; `None` for a name without a unit, whose times are texts in ISO 8601.
 const NAMES: [(&str, Option<f64>); 11] = [
     ("t_s", Some(1.0)),
@@ -16,7 +20,6 @@ const NAMES: [(&str, Option<f64>); 11] = [
 ];
 /// Latest time of a frame, s; the limit exists because recordings store times as nanoseconds in 64 bits.
 const LATEST_S: f64 = 1e10;
-const DAY_S: f64 = 86_400.0;
 
 /// Column or key of a frame's time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,46 +65,9 @@ fn counted(text: &str, per_second: f64) -> Option<f64> {
     Some((count / units) as f64 + (count % units) as f64 / per_second)
 }
 
-/// Seconds since 1970-01-01T00:00:00Z of a time `YYYY-MM-DDThh:mm[:ss[.fraction]][Z|+hh:mm|-hh:mm]`. A space may replace the T. A time without an offset
-/// is taken as UTC.
+/// Seconds since 1970-01-01T00:00:00Z of a time in ISO 8601 with date and clock. A time without an offset is taken as UTC.
 fn iso_8601(text: &str) -> Option<f64> {
-    let (date, clock) = text.split_once(['T', 't', ' '])?;
-    let [year, month, day] = numbers(date, '-')?[..] else { return None };
-    let (clock, offset_s) = match clock.find(['Z', 'z', '+', '-']) {
-        None => (clock, 0.0),
-        Some(at) if matches!(&clock[at..], "Z" | "z") => (&clock[..at], 0.0),
-        Some(at) => {
-            let sign = if clock.as_bytes()[at] == b'-' { -1.0 } else { 1.0 };
-            let [hours, minutes] = numbers(&clock[at + 1..], ':')?[..] else { return None };
-            (&clock[..at], sign * (3600.0 * hours + 60.0 * minutes))
-        }
-    };
-    let [hour, minute, second] = match numbers(clock, ':')?[..] {
-        [hour, minute] => [hour, minute, 0.0],
-        [hour, minute, second] => [hour, minute, second],
-        _ => return None,
-    };
-    let is_whole = [year, month, day, hour, minute].iter().all(|number| number.fract() == 0.0);
-    let is_date = (1.0..=12.0).contains(&month) && (1.0..=31.0).contains(&day) && (1970.0..=2286.0).contains(&year);
-    if !is_whole || !is_date || hour > 24.0 || minute >= 60.0 || second >= 61.0 {
-        return None;
-    }
-    let days = days_since_1970(year as i64, month as i64, day as i64) as f64;
-    Some(DAY_S * days + 3600.0 * hour + 60.0 * minute + second - offset_s)
-}
-
-/// Numbers of digits, of which the last may have a fraction, with a separator between them.
-fn numbers(text: &str, separator: char) -> Option<Vec<f64>> {
-    let is_number = |part: &str| !part.is_empty() && part.bytes().all(|b| b.is_ascii_digit() || b == b'.');
-    text.split(separator).map(|part| part.parse().ok().filter(|_| is_number(part))).collect()
-}
-
-/// Days from 1970-01-01 to a date of the Gregorian calendar.
-///
-/// # Reference
-/// E. M. Reingold, N. Dershowitz, Calendrical Calculations (2018), eq. (2.17), with the year beginning in March.
-fn days_since_1970(year: i64, month: i64, day: i64) -> i64 {
-    let year = if month < 3 { year - 1 } else { year };
-    let of_months = (153 * ((month + 9) % 12) + 2) / 5;
-    365 * year + year / 4 - year / 100 + year / 400 + of_months + day - 719_469
+    let without_offset = || Some(text.parse::<DateTime>().ok()?.to_zoned(TimeZone::UTC).ok()?.timestamp());
+    let time = text.parse::<Timestamp>().ok().or_else(without_offset).filter(|_| text.contains(':'))?;
+    Some(time.as_second() as f64 + f64::from(time.subsec_nanosecond()) / 1e9)
 }
