@@ -4,7 +4,7 @@ mod in_full;
 
 pub(super) use in_full::answers;
 
-use super::format::{list, percent, percent_two_digits};
+use super::format::{capitalised, list, percent, percent_two_digits};
 use super::trust::{SOFTER, Situation, of_known, situations};
 use super::{checks, measured};
 use crate::prelude::*;
@@ -33,15 +33,19 @@ fn given<const N: usize>(all: [(&str, Option<String>); N]) -> Vec<[String; 2]> {
     all.into_iter().filter_map(given).collect()
 }
 
-/// Trusted shares with all markers visible, on the modelled finger, by situation.
+/// Trusted shares with all markers visible and the position unknown, on the modelled finger, by what is known of the direction; then of a known contact.
 fn places(study: &Study, situations: &[Situation]) -> Option<String> {
     let [least_n, .., most_n] = study.forces.of_maps_n();
     let share = |of: &Situation| Some(format!("{} {}", of.name, percent(of.trust().share()?)));
-    let is_plain = |of: &&Situation| of.map.situation.hidden == HiddenMarkers::None && of.name != SOFTER;
-    let shares: Vec<String> = situations.iter().filter(is_plain).filter_map(share).collect();
+    let is_first = |of: &&Situation| {
+        let knowledge = of.map.situation;
+        let is_told = matches!(knowledge.contact, ContactKnowledge::Misjudged | ContactKnowledge::Position);
+        knowledge.hidden == HiddenMarkers::None && !is_told && of.name != SOFTER
+    };
+    let shares: Vec<String> = situations.iter().filter(is_first).filter_map(share).collect();
     (!shares.is_empty()).then(|| {
         format!(
-            "Share of positions and allowed directions with a mean error within {} ({least_n} to {most_n} N): {}.",
+            "Positions and directions with a mean error within {} ({least_n} to {most_n} N): {}.",
             percent(TRUSTED_ERROR),
             list(shares, "; ")
         )
@@ -59,11 +63,10 @@ fn what_helps(situations: &[Situation]) -> Option<String> {
     let (from, to) = (share(unknown)?, share(best)?);
     Some(match to > from {
         true => {
-            format!("State what you know: {} raises the share from {} to {}.", best.name, percent(from), percent(to))
+            format!("{}: {} instead of {}.", capitalised(&best.name), percent(to), percent(from))
         }
         false => {
-            "A less noisy camera, more markers or larger forces: neither friction nor position alone raises the share."
-                .to_owned()
+            "A less noisy camera, more markers or larger forces; neither friction nor position alone helps.".to_owned()
         }
     })
 }
@@ -80,11 +83,7 @@ fn reasons(study: &Study, situations: &[Situation]) -> Option<String> {
     let assumed = situations.iter().find(|of| of.is_misjudged);
     let assumed = assumed.and_then(|of| of.failed_by_direction(study));
     let assumed = assumed.map(|share| {
-        format!(
-            " With a wrong contact, the main cause is its direction in {} of the failing cells, and its position in the \
-            others.",
-            percent(share)
-        )
+        format!(" With a wrong contact, the main cause is its direction in {} of the failing cells.", percent(share))
     });
     Some(format!("{known}{}", assumed.unwrap_or_default()))
 }
@@ -101,16 +100,18 @@ fn sureness(study: &Study) -> Option<String> {
     let of = |truth, contact| coverage(study, truth, contact)?.covered_without_warning.map(percent);
     let known = of(TruthId::Corotational, ContactKnowledge::Known)?;
     let unknown = of(TruthId::Corotational, ContactKnowledge::Nothing);
-    let unknown = unknown.map_or_else(String::new, |share| format!(" (contact unknown: {share})"));
     let softer = of(TruthId::Twin, ContactKnowledge::Known);
-    let softer = softer.map_or_else(String::new, |share| format!("; with softer ends, in {share}"));
-    Some(format!("95 % intervals without a warning contain the force in {known}{unknown}{softer}."))
+    let others = [("contact unknown", unknown), ("softer ends", softer)];
+    let others = others.into_iter().filter_map(|(name, share)| Some(format!("{name}: {}", share?)));
+    let others = list(others, "; ");
+    let others = if others.is_empty() { others } else { format!(" ({others})") };
+    Some(format!("95 % intervals without a warning contain the force in {known}{others}."))
 }
 
 /// Number of passed checks against other programs.
 fn checked(study: &Study) -> Option<String> {
     let counts = checks::counted(study).into_iter().find(|tally| tally.kind == Kind::External)?;
-    Some(format!("{} of {} solver checks against other programs pass.", counts.passed, counts.all))
+    Some(format!("{} of {} checks against other programs pass.", counts.passed, counts.all))
 }
 
 /// Results of measured images of a real finger, or the statement that there are none.

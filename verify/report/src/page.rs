@@ -52,6 +52,8 @@ pub struct First {
     pub lead: Vec<Figure>,
     /// Text below the drawings of `lead`.
     pub lead_caption: String,
+    /// Path, relative to the page, of the file with the cells of these drawings.
+    pub lead_csv: String,
 }
 
 /// A finger that the reader can push: its program and its data.

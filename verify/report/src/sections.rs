@@ -141,5 +141,6 @@ fn first(results: Results) -> Result<First, ReportError> {
         caveat: answers::caveat(study),
         lead: trust::figures(results)?,
         lead_caption: trust::caption(study),
+        lead_csv: trust::CSV.to_owned(),
     })
 }

@@ -10,7 +10,8 @@ use finray_studies::sampling::situation::ContactKnowledge;
 use finray_studies::sampling::trust::WorstCell;
 use finray_studies::settings::{DIRECTION_OFF_DEG, FRICTION_MAX, POSITION_OFF_MM};
 
-const CSV: &str = "trust.csv";
+/// File with the cells of all situations.
+pub(super) const CSV: &str = "trust.csv";
 /// Largest number of contact nodes at which the drawing has a fan of all directions.
 const FANS: usize = 6;
 /// Two upper limits of the length of a fan's rays: a share of the distance between fans, and a share of the plate length. The smaller limit applies.
@@ -126,7 +127,7 @@ pub(super) fn caption(study: &Study) -> String {
          coefficient of {FRICTION_MAX}), or a known range. Directions count from the normal of the bent plate; with a known or misjudged contact, from the \
          undeformed normal. Colour: the largest error. The plate shows forces along its normal; the fans show all directions on the side from which the \
          force comes. Hidden at the object: a third of the front plate. Misjudged: {misjudged} off. \
-         {CSV} has the cells of all situations. `--quick` has the same forces, but coarser grids.",
+         `--quick` has the same forces, but coarser grids.",
         FRICTION_MAX.atan().to_degrees()
     )
 }

@@ -17,6 +17,7 @@ fn page() -> Page {
             caveat: "all of it simulated".into(),
             lead: vec![figure(Some("lead.csv"))],
             lead_caption: "what the colours say".into(),
+            lead_csv: String::new(),
         }),
         push: None,
         explore: None,

@@ -9,7 +9,6 @@ const AFTER_HELP: &str = "\
 Examples:
   finray map mine.toml --knows auto@auto --noise-mm 0.067 --force-n 1,2 --out unknown.csv
   finray map fixtures/scenes/paper.toml --noise-mm 0.067 --out map.csv
-  finray map fixtures/scenes/paper.toml --force-n 1,2,3 --estimator nonlinear --out map.csv
   finray map fixtures/scenes/paper.toml --estimator network --places 12 --step-deg 90
 
 Guide: finray guide maps-and-sweeps";
@@ -35,10 +34,11 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let noise_mm = arguments.noise_mm.as_slice();
     let done = grid::run(&arguments.grid, Table::Map, &[arguments.truth], &[arguments.estimator], noise_mm)?;
     let is_exported = matches!(arguments.truth, TruthId::Mujoco | TruthId::Continuum);
-    if arguments.estimator.searches() && !is_exported && arguments.grid.knows.is_none() {
-        print_message(format_args!(
-            "note: this map assumes that the contact is known; --knows auto@auto maps unknown contacts"
-        ));
-    }
-    Ok(done)
+    let knows_contact = arguments.estimator.searches() && !is_exported && arguments.grid.knows.is_none();
+    Ok(match knows_contact {
+        true => {
+            format!("{done}\nnote: this map assumes that the contact is known; --knows auto@auto maps unknown contacts")
+        }
+        false => done,
+    })
 }

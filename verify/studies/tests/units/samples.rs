@@ -33,7 +33,17 @@ fn a_sample_does_not_depend_on_what_is_kept() {
     assert!(all(&noise) == seen);
     assert!(noise.drawn(7, 5999..6000) == seen[5999 * noise.coordinates..]);
     assert_eq!((noise.samples(0.1), noise.samples(0.0)), (6000, 1));
+    let of_force =
+        |noise: &NoiseSamples, group: &[f64], n| noise.of_force(n, group).flatten().copied().collect::<Vec<_>>();
+    assert!(of_force(&noise, &seen, 1) == seen, "all forces share the samples");
+
     grid.is_leaning = true;
+    grid.forces_n = vec![1.0, 2.0];
     let own = NoiseSamples::new(&grid, &finger);
-    assert!(own.drawn(7, 0..1) != seen[..own.coordinates] && own.drawn(7, 0..1) == all(&own)[..own.coordinates]);
+    let first = own.drawn(7, 0..1);
+    assert!(first[..own.coordinates] != seen[..own.coordinates] && first[..] == own.drawn(7, 0..2)[..own.length]);
+    assert_eq!(first.len(), 2 * own.coordinates);
+    assert!(
+        of_force(&own, &first, 0) == first[..own.coordinates] && of_force(&own, &first, 1) == first[own.coordinates..]
+    );
 }

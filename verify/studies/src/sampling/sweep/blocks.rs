@@ -28,7 +28,7 @@ pub struct Sweep<'s> {
 }
 
 impl<'s> Sweep<'s> {
-    /// Sets up a sweep; all cells share the same noise samples.
+    /// Sets up a sweep.
     pub fn new(
         scene: impl Into<PreparedScene>,
         truths: Vec<&'s dyn Truth>,
@@ -70,7 +70,7 @@ impl<'s> Sweep<'s> {
                     match sensors {
                         Ok(sensors) => {
                             let count = self.noise.samples(noise_mm).saturating_sub(first);
-                            let samples = samples.chunks_exact(self.noise.coordinates).take(count);
+                            let samples = self.noise.of_force(n, samples).take(count);
                             sense(sensors, seen, (noise_mm, force_n), self.grid.is_leaning, samples, tally);
                         }
                         Err(refusal) => tally.refuse(refusal),

@@ -22,7 +22,7 @@ pub struct Grid {
     pub forces_n: Vec<f64>,
     /// Standard deviations of a measured coordinate's noise, mm; 0 means no noise.
     pub noise_levels_mm: Vec<f64>,
-    /// Number of noise samples per cell. All cells share the samples.
+    /// Number of noise samples per cell. All cells share the samples, unless directions lean.
     #[serde(rename = "noise_pictures")]
     pub noise_samples: usize,
     /// Seed of the noise.
