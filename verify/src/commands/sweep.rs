@@ -7,8 +7,7 @@ use finray_studies::sampling::sweep::Table;
 /// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
-  finray sweep fixtures/scenes/paper.toml --truth linear,corotational --noise-mm 0,0.067
-      --estimator least-squares,ridge --force-n 0.5,1,2,3 --out sweep.csv
+  finray sweep fixtures/scenes/paper.toml --truth linear,twin --force-n 0.5,1,2,3 --out sweep.csv
   finray sweep mine.toml --estimator nonlinear --shard 2/7 --out 2.csv
 
 Guide: finray guide maps-and-sweeps";
