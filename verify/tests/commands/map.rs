@@ -264,12 +264,6 @@ fn what_is_known_of_the_contact_decides_the_trusted_share() {
         "{tip_share} {unknown_share} {friction_share}"
     );
     assert!(friction_share <= known_share && frictionless_share > unknown_share, "{known_share} {frictionless_share}");
-    let silent = finray(&["map", PAPER, "--places", "4", "--step-deg", "90", "--seeds", "1", "--force-n", "1"]);
-    assert!(
-        silent.err.contains("note: this map assumes that the contact is known; --knows auto@auto"),
-        "{}",
-        silent.err
-    );
     let exported = ["map", PAPER, "--estimator", "least-squares", "--truth", "mujoco", "--force-n", "1"];
     assert_says(&finray(&[&exported[..], &["--knows", "auto@auto"]].concat()).refused(), &["--knows auto@auto"]);
     assert_says(
