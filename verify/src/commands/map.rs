@@ -35,9 +35,10 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let done = grid::run(&arguments.grid, Table::Map, &[arguments.truth], &[arguments.estimator], noise_mm)?;
     let is_exported = matches!(arguments.truth, TruthId::Mujoco | TruthId::Continuum);
     let knows_contact = arguments.estimator.searches() && !is_exported && arguments.grid.knows.is_none();
+    // The note precedes the summary, which is the last line; `--quiet` omits both.
     Ok(match knows_contact {
         true => {
-            format!("{done}\nnote: this map assumes that the contact is known; --knows auto@auto maps unknown contacts")
+            format!("note: this map assumes that the contact is known; --knows auto@auto maps unknown contacts\n{done}")
         }
         false => done,
     })
