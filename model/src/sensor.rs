@@ -5,15 +5,20 @@
 //!
 //! # From the noise of a marker to the interval of a force
 //! The chain for the estimator `nonlinear`, with every formula, in the order of the computation. Squares add: `hypot(a, b)` = sqrt(a^2 + b^2).
+//! 0. `sigma_mm` of a marker in an image (`finray_imaging::locate`): `Search::disc` of coloured markers or `rim::measured` of grey ones (residuals of the
+//!    pixels, least values for blur and size), times the `wider` of its plate and with motion blur (`together::located`, `rim_locator::located`), and
+//!    hypot with the image of the unloaded finger (`Observer::marker`). `marker_sigma_mm` is the same without the error of a base that is seen in the
+//!    image. With rest frames, [`RestPositions::displaced`] adds the error of their mean.
 //! 1. Stated noise x of one coordinate, mm: [`SensorOptions::noise_mm`] (`--noise-mm`), else `noise_mm` of `[camera]`, for all markers. Without
 //!    it, each marker has the standard deviation of the observation (`sigma_mm` of a table).
-//! 2. [`Observation::for_sensing`]: m = hypot(`noise_factor` x, `model_error_mm`) with the two keys of `[markers]` (1 and 0 without them). Markers
+//! 2. [`Observation::for_sensing`]: m = hypot(`noise_factor` x, `model_error_mm`) with the two keys of `[markers]` (1 and 0 without them), in
+//!    `MarkerErrors::sd_mm` of [`measurement`](crate::measurement), the place for a further term of every marker. Markers
 //!    with own standard deviations m_i have m = their root mean square, and the weight w_i = m / m_i; else w_i = 1.
 //! 3. `beam_theory`: b = 0.34 `model_error` (largest displacement); m becomes hypot(m, b), and w_i follows. `model_error` is the scene's, see
 //!    [`Scene::model_error`](crate::scene::Scene). The result is the `marker_noise_mm` of the estimator, which scales priors and decides which minima explain the markers.
 //! 4. [`ResidualTest`](crate::sensing::ResidualTest): r = sqrt(Q / f), with the sum of squares Q of weighted residuals, priors and conditions of
 //!    an object, and f = their number less the number of unknowns. The trusted noise t is m, or r if chi-squared rejects m (p < 0.01). Without a
-//!    stated noise, t = r t_0.975(f) / 1.96 with Student's quantile.
+//!    stated noise, or with a zero one, t = r t_0.975(f) / 1.96 with Student's quantile.
 //! 5. `sensing::force::assessment`: the covariance of the unknowns is t^2 (A^T A)^-1. A has one row for each coordinate (derivative times w_i, times
 //!    the factor below 1 of an outlier), prior and condition of an object. Poses of base and object, leans and errors of the assembly are
 //!    unknowns with priors, and widen the forces here. sigma^2 is the force's diagonal entry, plus 0.75 (variance across / f)^2 for an unknown direction.

@@ -130,7 +130,7 @@ impl ContactOutline {
     }
 
     /// Corners of the outline (mm), and the radius of the disc about each corner (mm; 0 for a polygon). An outline whose corners depend on the direction
-    /// changes all readers: pairs (`surface`, `status`), `overlap`, the length of steps (`pressing`), the camera's baseline (`press::camera`), the side on
+    /// changes all readers: pairs (`surface`, `status`), `overlap`, the length of steps (`pressing`, which reads only the radius), the camera's baseline (`press::camera`), the side on
     /// which an object is (`world`), and the shape of the physics engine (`engine_pressing` of the lattice).
     pub fn corners(&self) -> (&[Vector], f64) {
         (&self.corners, self.disc_mm)

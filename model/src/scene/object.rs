@@ -22,7 +22,7 @@ pub enum Outline {
         /// Side along y before rotation, mm.
         height_mm: f64,
     },
-    /// A polygon; its reference point is the origin of its coordinates.
+    /// A polygon; its reference point is the origin of its coordinates. Only this outline needs a file, which `outline_corners` of `verify/files` reads.
     Polygon {
         /// Name of the CSV file that lists the corners in order; the scene states this name.
         points_csv: String,

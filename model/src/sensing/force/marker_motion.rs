@@ -60,7 +60,8 @@ impl MarkerPoint {
     }
 }
 
-/// Displacement of a marker for a small displacement `by` of its point of the finger, both mm.
+/// Displacement of a marker for a small displacement `by` of its point of the finger, both mm. What turns or enlarges all displacements belongs here and
+/// in [`MarkerPoint::displacement`], nowhere else.
 pub(super) fn marker_displacement(nuisances: &Nuisances, by: Vector) -> Vector {
     nuisances.base.rotation * by
 }

@@ -2,7 +2,9 @@
 //! which it counts as identifiable.
 //!
 //! An unknown is defined in three files: here, in [`values`](super::values) (its value, and how a step changes the value), and in
-//! [`marker_motion`](super::marker_motion) (the displacement that it causes at a marker, beside the derivative of this displacement). All other files
+//! [`marker_motion`](super::marker_motion) (the displacement that it causes at a marker, beside the derivative of this displacement). Its prior becomes a
+//! row in `priors`, and its share of each force's standard deviation follows from the covariance in `assessment`, without further code; its own
+//! estimate is not reported. `pressed` also names `Unknown::Base`, to order the columns of a calibration. All other files
 //! treat a nuisance parameter (an unknown without a contact) alike: the compiler names each `match` that lacks it, and where a `match` ends with `_`,
 //! the last arm is right for it. An unknown whose displacement of a marker depends on the shape has no [`fixed_pattern`](super::marker_motion::fixed_pattern). A search for another
 //! minimum starts from the expected value of each nuisance parameter, except for the base (`minima`).
