@@ -48,6 +48,10 @@ fn intervals_that_are_too_narrow_or_too_wide_fail() {
     let unknown = CoverageRow { contact: ContactKnowledge::Nothing, ..half };
     assert_eq!(passes(unknown.clone()), [true, true, true]);
     assert_eq!(passes(CoverageRow { covered_without_warning: Some(0.9), ..unknown }), [false, true, true]);
+    // A sigma that is twice too large covers almost every error, and is detected among a few hundred answers; few answers decide nothing.
+    let fewer = |covered: f64| CoverageRow { warned: 10, without_warning: 600, ..row(covered, 1.0) };
+    assert_eq!([0.995, 0.985, 0.91, 0.89].map(|covered| passes(fewer(covered))[1]), [false, true, true, false]);
+    assert_eq!(passes(fewer(0.95)), [true, true]);
     assert!(!passes(CoverageRow { samples: 0, refused: 0, ..row(0.95, 1.0) })[0]);
     assert_eq!(passes(CoverageRow { truth: TruthId::Twin, ..row(0.5, 0.5) }), Vec::<bool>::new());
 }
