@@ -58,8 +58,8 @@ use crate::mesh::Mesh;
 use crate::observation::{Observation, ObservationError, ObservedMeasurement};
 use crate::scene::Scene;
 use crate::sensing::{
-    Contact, ContactQuestion, Direction, MeasuredContact, NearForces, SensingError, TouchedObject, UnloadedFinger,
-    Warning,
+    Alternative, Contact, ContactQuestion, Direction, MeasuredContact, NearForces, SensingError, TouchedObject,
+    UnloadedFinger, Warning,
 };
 use crate::statics::StaticsError;
 use crate::validity::{Validity, ValidityWarning};
@@ -288,6 +288,22 @@ impl Sensor {
     /// [`Refusal`] if the observation does not fit the finger, the estimator returns no forces, or a force is not finite.
     pub fn sense(&self, seen: &Observation) -> Result<SensedForces, Refusal> {
         self.sense_near(seen, None)
+    }
+
+    /// The answer in each range of positions that explains an observation, the best first. [`sense`](Sensor::sense) refuses an observation if the forces
+    /// of two ranges differ. With one range, the answer is that of `sense`. Empty if no position is unknown.
+    ///
+    /// # Errors
+    /// [`Refusal`] as for `sense`, for any other reason.
+    pub fn alternatives(&self, seen: &Observation) -> Result<Vec<Alternative>, Refusal> {
+        match self.sense(seen) {
+            Ok(sensed) => Ok(sensed.alternatives(&self.scene().finger)),
+            Err(Refusal::Estimator(EstimatorError::Sensing(SensingError::TwoRanges { mut alternatives, .. }))) => {
+                alternatives.iter_mut().for_each(|alternative| alternative.widen_by(self.force_error()));
+                Ok(alternatives)
+            }
+            Err(refusal) => Err(refusal),
+        }
     }
 
     /// Estimates the forces of one observation like [`sense`](Sensor::sense). `near` contains the forces of an earlier observation. The search starts

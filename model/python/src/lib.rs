@@ -34,7 +34,7 @@ mod _finray {
     #[pymodule_export]
     use super::scene::Scene;
     #[pymodule_export]
-    use super::sensor::{Forces, Sensor};
+    use super::sensor::{Alternative, Forces, Sensor};
     #[pymodule_export]
     use super::solve::{Shape, solve};
     #[pymodule_export]

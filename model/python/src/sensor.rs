@@ -8,6 +8,7 @@ use crate::scene::Scene;
 use finray_files::load_network;
 use finray_model::estimators::network::Networks;
 use finray_model::estimators::{EstimatorError, EstimatorId};
+use finray_model::sensing;
 use finray_model::sensor::{
     ContactSpec, ContactTextError, Refusal, SensedForce, SensedForces, SensorContacts, SensorOptions,
 };
@@ -130,14 +131,68 @@ impl Sensor {
     fn sense(&self, py: Python<'_>, observation: &Observation) -> PyResult<Forces> {
         let (sensor, seen) = (Arc::clone(&self.sensor), observation.seen.clone());
         let (warnings, sensed) = interruptible(py, move |_| {
-            let sensed = sensor.sense(&seen).map_err(|refusal| match refusal {
-                Refusal::Observation(error) => failed(error),
-                refusal => refused(refusal),
-            })?;
+            let sensed = sensor.sense(&seen).map_err(of_refusal)?;
             let warnings = sensed.warnings.iter().map(ToString::to_string).chain(sensor.validity_warnings(&sensed));
             Ok((warnings.collect(), sensed))
         })?;
         Ok(Forces { scene: self.scene.clone(), sensed, warnings })
+    }
+
+    /// All answers for contacts at unknown positions that explain an observation about equally well, the best first. Where `sense` refuses an observation
+    /// because of two ranges of positions with different forces, this method returns the best answer in each range.
+    ///
+    /// Raises FinrayError if the observation does not fit the finger, and Refused if the forces are not identifiable for another reason.
+    fn alternatives(&self, py: Python<'_>, observation: &Observation) -> PyResult<Vec<Alternative>> {
+        let (sensor, seen) = (Arc::clone(&self.sensor), observation.seen.clone());
+        let found = interruptible(py, move |_| sensor.alternatives(&seen).map_err(of_refusal))?;
+        Ok(found.into_iter().map(Alternative::from).collect())
+    }
+}
+
+/// The exception for an observation that does not fit the finger, or for forces that are not identifiable.
+fn of_refusal(refusal: Refusal) -> PyErr {
+    match refusal {
+        Refusal::Observation(error) => failed(error),
+        refusal => refused(refusal),
+    }
+}
+
+/// One of several answers that explain an observation about equally well.
+#[pyclass(frozen, get_all, module = "finray")]
+pub struct Alternative {
+    /// Number of the contact, from 0.
+    contact: usize,
+    /// Best position, mm from the base, and limits of its 95 % interval within this answer.
+    s_mm: f64,
+    s_interval_mm: (f64, f64),
+    /// Direction of the force, degrees from the inward normal of the undeformed plate.
+    angle_deg: f64,
+    /// Force, N, and limits of its 95 % interval within this answer.
+    force_n: f64,
+    interval_n: (f64, f64),
+    /// Excess of the misfit over that of the best answer, in variances of the noise.
+    excess_misfit: f64,
+}
+
+impl From<sensing::Alternative> for Alternative {
+    fn from(answer: sensing::Alternative) -> Alternative {
+        Alternative {
+            contact: answer.contact,
+            s_mm: answer.position_mm,
+            s_interval_mm: answer.position_interval_mm.into(),
+            angle_deg: answer.angle_deg,
+            force_n: answer.force_n,
+            interval_n: answer.interval_n.into(),
+            excess_misfit: answer.excess,
+        }
+    }
+}
+
+#[pymethods]
+impl Alternative {
+    fn __repr__(&self) -> String {
+        let Alternative { s_mm, force_n, interval_n: (low_n, high_n), .. } = self;
+        format!("<finray.Alternative {force_n:.4} N ({low_n:.4} to {high_n:.4} N) at {s_mm:.2} mm>")
     }
 }
 

@@ -58,7 +58,7 @@ def test_classes_describe_the_arguments_of_their_constructors(name):
         assert {part for head in heads for part in head.split(", ")} == names
 
 
-@pytest.mark.parametrize("name", ["Scene", "Shape", "Forces", "Press"])
+@pytest.mark.parametrize("name", ["Scene", "Shape", "Forces", "Alternative", "Press"])
 def test_classes_without_a_constructor_have_none_in_the_stubs(name):
     assert [ast.unparse(argument.annotation) for argument in constructor(name).args.args[1:]] == ["_NoValue"]
     with pytest.raises(TypeError, match="No constructor|cannot create"):

@@ -25,7 +25,7 @@ def assert_same_forces(forces, out, said):
         assert_same(getattr(forces, ours), printed[column])
     warnings = [line.partition(": ")[2] for line in said.splitlines() if line.startswith("warning: ")]
     assert forces.warnings == warnings
-    assert_same(forces.interval_n[:, 0], printed["force_n"] - 1.96 * printed["sigma_n"])
+    assert_same(forces.interval_n, np.column_stack([printed["low_n"], printed["high_n"]]))
 
 
 @pytest.mark.parametrize(
@@ -221,3 +221,15 @@ def test_masked_arrays_without_masked_entries_are_arrays():
     seen = finray.Observation([19, 18], np.ma.array(U, mask=False), positions=np.asfortranarray(U))
     np.testing.assert_array_equal(seen.displacements, U)
     np.testing.assert_array_equal(seen.positions, U)
+
+
+def test_alternatives_are_those_of_the_program(paper, displaced):
+    path, observation = displaced
+    out, _, _ = run("sense", SCENES / "paper.toml", "--displacements", path, "--contact-at", "auto@-20", "--alternatives")
+    printed = table(out)
+    [answer] = finray.Sensor(paper, "auto@-20").alternatives(observation)
+    low_n, high_n = answer.interval_n
+    ours = [answer.contact + 1, answer.s_mm, answer.angle_deg, answer.force_n, low_n, high_n, *answer.s_interval_mm]
+    names = ["contact", "s_mm", "angle_deg", "force_n", "low_n", "high_n", "s_low_mm", "s_high_mm"]
+    for value, name in zip(ours, names):
+        assert_same(np.array([value]), printed[name])

@@ -2,6 +2,7 @@
 
 use crate::finger::NodeId;
 use crate::mesh::LoadError;
+use crate::sensing::Alternative;
 
 /// Reason why forces cannot be estimated from a measurement.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -108,6 +109,8 @@ pub enum SensingError {
         forces_n: [[f64; 2]; 2],
         /// Ends of each range, mm from the base.
         positions_mm: [[f64; 2]; 2],
+        /// The answer in every range, the best first.
+        alternatives: Vec<Alternative>,
     },
     /// A force is hardly known, because the position of its contact is.
     #[error(

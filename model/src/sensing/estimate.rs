@@ -89,6 +89,8 @@ pub struct Estimate {
     pub measured: Option<MeasuredForces>,
     /// Reason why the estimate is less accurate than noise alone implies, if any.
     pub warning: Option<Warning>,
+    /// The answer in each separate range of positions that explains the measurement, the best first. Empty with fewer than two ranges.
+    pub alternatives: Vec<Alternative>,
     /// Root mean square of the weighted residual, mm.
     pub residual_rms_mm: f64,
     /// Singular values of the weighted compliance, mm/N, in descending order.
@@ -102,6 +104,35 @@ pub struct MeasuredForces {
     pub across_n: Vec<f64>,
     /// Covariance, N^2, of all forces along the directions, followed by all forces across the directions.
     pub covariance_n2: DMatrix<f64>,
+}
+
+/// The answer in one of several ranges of positions that explain a measurement about equally well.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Alternative {
+    /// Index of the contact at an unknown position, from 0.
+    pub contact: usize,
+    /// Position with the smallest misfit, mm from the base.
+    pub position_mm: f64,
+    /// 95 % interval of the position within the range, mm from the base.
+    pub position_interval_mm: [f64; 2],
+    /// Direction of the force at this position, degrees from the undeformed inward normal.
+    pub angle_deg: f64,
+    /// Force at this position, N.
+    pub force_n: f64,
+    /// 95 % interval of the force within the range, N. Excludes the error of the mesh, which is the coarsest of the refinement.
+    pub interval_n: [f64; 2],
+    /// Excess of the misfit over the smallest misfit of all ranges, in variances of the noise: 2 ln of the ratio of the likelihoods. At most 9.
+    pub excess: f64,
+}
+
+impl Alternative {
+    /// Widens the interval by a relative error of the force, whose standard deviation is the dimensionless `share`.
+    pub(crate) fn widen_by(&mut self, share: f64) {
+        let (force_n, error_n) = (self.force_n, TWO_SIDED_95 * share * self.force_n);
+        for limit_n in &mut self.interval_n {
+            *limit_n = force_n + (*limit_n - force_n).hypot(error_n).copysign(*limit_n - force_n);
+        }
+    }
 }
 
 impl Estimate {
@@ -139,6 +170,7 @@ impl Estimate {
         if share > 0.0 {
             let errors_n: Vec<f64> = self.forces_n.iter().map(|force_n| share * force_n).collect();
             self.add_common_error(&errors_n);
+            self.alternatives.iter_mut().for_each(|alternative| alternative.widen_by(share));
             if let Some(MeasuredForces { across_n, covariance_n2 }) = &mut self.measured {
                 // The forces across have the same error, and its correlation with the forces along, which are in the covariance already.
                 let count = across_n.len();

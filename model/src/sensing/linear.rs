@@ -220,6 +220,7 @@ impl LinearEstimator {
             sides_n: None,
             method_error_n: vec![0.0; unknowns],
             measured: None,
+            alternatives: Vec::new(),
             trusted_noise_mm,
             warning: test.filter(ResidualTest::contradicts).map(Warning::Residual),
             singular_values: self.singular_values.clone(),

@@ -20,7 +20,7 @@ pub use contact::{
     check_questions,
 };
 pub use error::SensingError;
-pub use estimate::{Estimate, MeasuredForces, MethodError, TWO_SIDED_95, Warning};
+pub use estimate::{Alternative, Estimate, MeasuredForces, MethodError, TWO_SIDED_95, Warning};
 pub use force::{Discretisation, NearForces, NonlinearEstimate, NonlinearEstimator, Refinement, sense_refining};
 pub(crate) use force::{ForceUnknowns, LinearisedAssembly, LoadedShape, Press, PressedFinger, linearise_assembly};
 pub use lean::{Lean, MeasuredNormal, Normal};

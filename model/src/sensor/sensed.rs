@@ -2,7 +2,7 @@
 
 use crate::Vector;
 use crate::finger::Finger;
-use crate::sensing::{Contact, ContactUncertainty, Estimate, MeasuredForces, Warning};
+use crate::sensing::{Alternative, Contact, ContactUncertainty, Estimate, MeasuredForces, Warning};
 use nalgebra::{DMatrix, DVector};
 
 /// Estimated force at a contact.
@@ -32,6 +32,8 @@ pub struct SensedForces {
     pub(super) covariance_n2: DMatrix<f64>,
     /// Forces along and across the direction of each contact. `None` unless the contacts were measured.
     measured: Option<MeasuredForces>,
+    /// The answer in each range of positions. Empty with fewer than two ranges.
+    alternatives: Vec<Alternative>,
 }
 
 impl SensedForce {
@@ -57,8 +59,28 @@ impl SensedForces {
             limits_n: estimate.interval_n(i),
         };
         let forces = contacts.iter().enumerate().map(force).collect();
-        let Estimate { covariance_n2, measured, .. } = estimate;
-        SensedForces { forces, warnings, covariance_n2, measured }
+        let Estimate { covariance_n2, measured, alternatives, .. } = estimate;
+        SensedForces { forces, warnings, covariance_n2, measured, alternatives }
+    }
+
+    /// The answer in each range of positions that explains the markers, the best first. With one range, the sensed force of each contact at an unknown
+    /// position.
+    pub(super) fn alternatives(&self, finger: &Finger) -> Vec<Alternative> {
+        if !self.alternatives.is_empty() {
+            return self.alternatives.clone();
+        }
+        let own = |(contact, sensed): (usize, &SensedForce)| {
+            Some(Alternative {
+                contact,
+                position_mm: sensed.contact.position_mm(finger)?,
+                position_interval_mm: sensed.uncertainty.position_interval_mm?,
+                angle_deg: sensed.contact.angle_deg,
+                force_n: sensed.force_n,
+                interval_n: sensed.interval_n(),
+                excess: 0.0,
+            })
+        };
+        self.forces.iter().enumerate().filter_map(own).collect()
     }
 
     /// Sum of all forces, each along the direction of its contact, and the standard deviation of this sum, both N.

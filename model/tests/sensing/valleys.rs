@@ -7,7 +7,9 @@ use super::random_fingers::random_finger;
 use finray_model::finger::Plate;
 use finray_model::measurement::Measurement;
 use finray_model::observation::{Observation, ObservedMarker};
-use finray_model::sensing::{Contact, ContactQuestion, Direction, NonlinearEstimate, SensingError, sense_refining};
+use finray_model::sensing::{
+    Alternative, Contact, ContactQuestion, Direction, NonlinearEstimate, SensingError, sense_refining,
+};
 use finray_model::sensor::{Sensor, SensorContacts, SensorOptions};
 use finray_model::{Finger, Kinematics, Mesh, NodeId, Scene};
 use finray_tests::{
@@ -90,6 +92,14 @@ impl Hidden {
         }
     }
 
+    /// Whether one of several answers for the only contact holds its force and position.
+    fn is_held_by(&self, alternatives: &[Alternative]) -> bool {
+        let s_mm = self.contacts[0].position_mm(&self.finger).expect("on the plate");
+        let holds = |[from, to]: [f64; 2], value: f64| (from..=to).contains(&value);
+        let is_true = |it: &Alternative| holds(it.interval_n, self.forces_n[0]) && holds(it.position_interval_mm, s_mm);
+        alternatives.iter().any(is_true)
+    }
+
     fn sensed(&self) -> Result<NonlinearEstimate, SensingError> {
         sense_refining(&self.finger, &self.questions, None, &self.measurement, Some(self.noise_mm), None)
     }
@@ -106,6 +116,8 @@ struct Tally {
     /// Number of intervals of forces and of positions that hold the truth.
     held: usize,
     placed: usize,
+    /// Refusals with two ranges of positions, and those of which one answer holds force and position.
+    ranged: [usize; 2],
 }
 
 impl Tally {
@@ -117,6 +129,10 @@ impl Tally {
             Ok(_) => return self.warned += 1,
             Err(error) => {
                 println!("case {number}, {markers} markers: refused: {error}");
+                if let SensingError::TwoRanges { alternatives, .. } = error {
+                    self.ranged[0] += 1;
+                    self.ranged[1] += usize::from(case.is_held_by(alternatives));
+                }
                 return self.refused += 1;
             }
         };
@@ -181,13 +197,15 @@ fn study(seed: u64, cases: usize, contact_count: usize, is_direction_known: bool
     outcomes.iter().enumerate().for_each(|(number, (case, sensed))| tally.add(number, case, sensed));
     println!(
         "{cases} cases of {contact_count}, direction known: {is_direction_known}: {} refused, {} warned, intervals hold {:.4}, 1.96 sigma {:.4}, positions \
-         {:.4}, {} beyond {WRONG_SIGMAS} sigma",
+         {:.4}, {} beyond {WRONG_SIGMAS} sigma, {} of {} refusals with two ranges hold",
         tally.refused,
         tally.warned,
         tally.share(tally.held),
         tally.share(tally.covered()),
         tally.share(tally.placed),
         tally.wrong(),
+        tally.ranged[1],
+        tally.ranged[0],
     );
     tally
 }
@@ -206,6 +224,9 @@ fn assert_right(tally: &Tally, most_refused: f64) {
     // The intervals reach to both sides of a skewed distribution, 1.96 standard deviations reach to the farther limit on both sides.
     assert!((tally.share(tally.held) - 0.95).abs() <= 0.02 + chance, "intervals hold {}", tally.share(tally.held));
     assert!(tally.share(tally.covered()) >= 0.93 - chance, "1.96 sigma cover {}", tally.share(tally.covered()));
+    // Both intervals of the right answer hold with a probability of at least 0.9.
+    let [of_two, ranged] = tally.ranged.map(|count| count as f64);
+    assert!(ranged >= of_two * 0.9 - STANDARD_ERRORS * (of_two * 0.09).sqrt(), "{:?} hold", tally.ranged);
     assert!(tally.share(tally.placed) >= 0.93 - chance, "positions hold {}", tally.share(tally.placed));
 }
 
@@ -222,6 +243,23 @@ fn two_forces_at_unknown_positions_are_not_wrong_in_silence() {
     let tally = study(seed() + 2, case_count(30, 300), 2, true);
     let by_chance = CHANCE * tally.errors.len() as f64;
     assert!(tally.wrong() as f64 <= by_chance + STANDARD_ERRORS * by_chance.sqrt(), "{} are wrong", tally.wrong());
+}
+
+/// A refusal with two ranges once stated no answers.
+#[test]
+fn a_refusal_with_two_ranges_states_the_answer_in_each() {
+    for (number, seed, is_direction_known) in [(39, 7501, true), (886, 7501, true)] {
+        let case = Hidden::drawn(&mut random_stream(seed, number), 1, is_direction_known);
+        let Err(SensingError::TwoRanges { alternatives, .. }) = case.sensed() else { panic!("two ranges") };
+        assert!(alternatives.len() > 1, "{alternatives:?}");
+        assert!(alternatives[0].excess == 0.0 && alternatives.iter().all(|it| it.excess <= 9.0), "{alternatives:?}");
+        assert!(alternatives.windows(2).all(|pair| pair[0].excess <= pair[1].excess), "{alternatives:?}");
+        assert!(case.is_held_by(&alternatives), "{:?} at {:?}: {alternatives:?}", case.forces_n, case.contacts);
+        let within = |[from, to]: [f64; 2], value: f64| from <= value && value <= to;
+        for it in &alternatives {
+            assert!(within(it.interval_n, it.force_n) && within(it.position_interval_mm, it.position_mm), "{it:?}");
+        }
+    }
 }
 
 /// The paper's finger under one force along the undeformed normal, with only some markers in view.

@@ -5,7 +5,9 @@ use crate::commands::prelude::*;
 use finray_files::observations::{Coordinates, ObservationTable};
 use finray_files::read_text;
 use finray_files::views::{self, MeasuredForce};
+use finray_model::estimators::EstimatorError;
 use finray_model::observation::Observation;
+use finray_model::sensing::{Alternative, SensingError};
 use finray_model::sensor::{MissingInScene, Refusal, SensedForce, SensedForces, Sensor, SensorOptions, SensorWarning};
 
 /// Help text below the options.
@@ -37,7 +39,7 @@ pub struct Arguments {
     /// Standard deviation of the noise in one coordinate, mm [default: value in the scene, else in the file, else estimated from the residual]
     #[arg(long, help_heading = "Input", value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
-    /// Upper bound of the friction coefficient; only for contacts with +-SD, whose directions are surface normals
+    /// Upper bound of the friction coefficient; only for contacts with +-SD
     #[arg(long, help_heading = "Question", value_name = "MU", value_parser = not_negative, default_value_t = 0.0)]
     friction: f64,
     /// Name of the image to evaluate, if the file has several images
@@ -46,6 +48,9 @@ pub struct Arguments {
     /// Evaluate every image; write one row per image and contact
     #[arg(long, help_heading = "Input", conflicts_with = "image_name")]
     all_images: bool,
+    /// Write one row for each range of positions that explains the displacements
+    #[arg(long, help_heading = "Output", conflicts_with = "all_images")]
+    alternatives: bool,
     /// Measured forces in the frame in which the scene states the camera's pose, for the direction `measured` (CSV: image,fx_n,fy_n)
     #[arg(long, help_heading = "Question", value_name = "FILE")]
     forces: Option<PathBuf>,
@@ -68,22 +73,48 @@ struct Row {
     angle_deg: Option<f64>,
     force_n: Option<f64>,
     sigma_n: Option<f64>,
-    /// Limits of the 95 % interval of the force, standard deviation and limits of the 95 % interval of the position, and standard deviation of the
-    /// direction. Without an unknown position, the columns are left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    low_n: Option<Option<f64>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    high_n: Option<Option<f64>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    s_sigma_mm: Option<Option<f64>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    s_low_mm: Option<Option<f64>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    s_high_mm: Option<Option<f64>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    angle_sigma_deg: Option<Option<f64>>,
+    /// Limits of the 95 % interval of the force.
+    low_n: Option<f64>,
+    high_n: Option<f64>,
+    /// Standard deviation and limits of the 95 % interval of an estimated position, and standard deviation of an estimated direction.
+    s_sigma_mm: Option<f64>,
+    s_low_mm: Option<f64>,
+    s_high_mm: Option<f64>,
+    angle_sigma_deg: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     refused: Option<String>,
+}
+
+/// Row with `--alternatives`: best position of a range, direction and force there, limits of the 95 % intervals of force and position within the
+/// range, and excess of the misfit over the smallest misfit, in variances of the noise.
+#[derive(Serialize)]
+struct AlternativeRow {
+    contact: usize,
+    s_mm: f64,
+    angle_deg: f64,
+    force_n: f64,
+    low_n: f64,
+    high_n: f64,
+    s_low_mm: f64,
+    s_high_mm: f64,
+    excess_misfit: f64,
+}
+
+impl From<Alternative> for AlternativeRow {
+    fn from(answer: Alternative) -> AlternativeRow {
+        let Alternative { contact, position_mm, position_interval_mm, angle_deg, force_n, interval_n, excess } = answer;
+        AlternativeRow {
+            contact: contact + 1,
+            s_mm: position_mm,
+            angle_deg,
+            force_n,
+            low_n: interval_n[0],
+            high_n: interval_n[1],
+            s_low_mm: position_interval_mm[0],
+            s_high_mm: position_interval_mm[1],
+            excess_misfit: excess,
+        }
+    }
 }
 
 pub fn run(arguments: &Arguments) -> Result<String, Failure> {
@@ -120,6 +151,11 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         // Wrong contacts are reported before the images are evaluated, because such contacts are wrong for every image.
         (None, _) => drop(question.sensor(&Observation::default())?),
     }
+    if arguments.alternatives && !arguments.contacts.ask_position() {
+        return Err(bad_input(
+            "--alternatives: expected a contact at an unknown position, for instance --contact-at auto@auto",
+        ));
+    }
     if arguments.contacts.assume_normal() {
         print_message(
             "note: `auto` has no direction: the force is assumed along the plate's undeformed normal (0 degrees); auto@ANGLE_DEG states a direction, \
@@ -129,7 +165,14 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let text = read_text(&arguments.displacements)?;
     let table = ObservationTable::new(&arguments.displacements, &text, finger, Coordinates::Displacements)?;
     question.forces = arguments.forces.as_ref().map(|path| views::forces(path, &table.images()?)).transpose()?;
-    let done = if arguments.all_images {
+    let done = if arguments.alternatives {
+        let seen = table.observation(arguments.image_name.as_deref())?;
+        let found = question.sensor(&seen)?.alternatives(&seen).map_err(|refusal| failure(refusal, &seen, &table))?;
+        let answers = found.len();
+        let rows: Vec<AlternativeRow> = found.into_iter().map(AlternativeRow::from).collect();
+        write_file(&arguments.out, &csv_text(rows)?)?;
+        format!("{} found", count(answers, "answer"))
+    } else if arguments.all_images {
         let rows = all_images(&question, &table)?;
         let refused = rows.iter().filter(|row| row.refused.as_deref() != Some("")).count();
         let asked = rows.len();
@@ -144,7 +187,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     } else {
         let seen = table.observation(arguments.image_name.as_deref())?;
         let sensor = question.sensor(&seen)?;
-        let sensed = sensed(&sensor, &seen, &table)?;
+        let sensed = sensor.sense(&seen).map_err(|refusal| failure(refusal, &seen, &table))?;
         warn("", &sensed.warnings);
         write_file(&arguments.out, &csv_text(rows(&question, &sensed))?)?;
         let warnings = sensor.validity_warnings(&sensed);
@@ -172,17 +215,6 @@ struct ImageQuestion<'a> {
 }
 
 impl ImageQuestion<'_> {
-    /// The cell of a column that only rows with an estimated position have.
-    fn if_placed(&self, cell: Option<f64>) -> Option<Option<f64>> {
-        self.contacts.ask_position().then_some(cell)
-    }
-
-    /// Row without numbers, for a refused image.
-    fn empty_row(&self) -> Row {
-        let [low_n, high_n, s_sigma_mm, s_low_mm, s_high_mm, angle_sigma_deg] = [self.if_placed(None); 6];
-        Row { low_n, high_n, s_sigma_mm, s_low_mm, s_high_mm, angle_sigma_deg, ..Row::default() }
-    }
-
     fn force(&self, image: &str) -> Option<&MeasuredForce> {
         self.forces.iter().flatten().find(|measured| measured.image == image)
     }
@@ -203,7 +235,7 @@ fn all_images(question: &ImageQuestion, table: &ObservationTable) -> Result<Vec<
         let of_image =
             |row: Row, refused: &str| Row { image: Some(image.to_owned()), refused: Some(refused.to_owned()), ..row };
         let refused = |reason: &str| -> Vec<Row> {
-            (0..question.contacts.count()).map(|_| of_image(question.empty_row(), reason)).collect()
+            (0..question.contacts.count()).map(|_| of_image(Row::default(), reason)).collect()
         };
         if let Some(reason) = table.refused(image) {
             all.extend(refused(reason));
@@ -231,13 +263,16 @@ fn all_images(question: &ImageQuestion, table: &ObservationTable) -> Result<Vec<
     Ok(all)
 }
 
-/// Estimates the forces of one image.
-fn sensed(sensor: &Sensor, seen: &Observation, table: &ObservationTable) -> Result<SensedForces, Failure> {
+/// The refusal of an image. An invalid cell names its line in the file.
+fn failure(refusal: Refusal, seen: &Observation, table: &ObservationTable) -> Failure {
     let image = Some(seen.image.as_str()).filter(|image| !image.is_empty());
-    sensor.sense(seen).map_err(|refusal| match refusal {
+    match refusal {
         Refusal::Observation(error) => table.error(image, &error).into(),
+        Refusal::Estimator(EstimatorError::Sensing(SensingError::TwoRanges { .. })) => {
+            bad_input(format!("{refusal}; --alternatives lists the answer in each range"))
+        }
         refusal => refusal.into(),
-    })
+    }
 }
 
 /// Prints each warning, with `about` before it.
@@ -258,12 +293,12 @@ fn rows(question: &ImageQuestion, sensed: &SensedForces) -> Vec<Row> {
             angle_deg: Some(sensed.contact.angle_deg),
             force_n: Some(sensed.force_n),
             sigma_n: Some(sensed.sigma_n),
-            low_n: question.if_placed(low_n),
-            high_n: question.if_placed(high_n),
-            s_sigma_mm: question.if_placed(sensed.uncertainty.position_sd_mm),
-            s_low_mm: question.if_placed(limits_mm.map(|limits_mm| limits_mm[0])),
-            s_high_mm: question.if_placed(limits_mm.map(|limits_mm| limits_mm[1])),
-            angle_sigma_deg: question.if_placed(sensed.uncertainty.direction_sd_deg),
+            low_n,
+            high_n,
+            s_sigma_mm: sensed.uncertainty.position_sd_mm,
+            s_low_mm: limits_mm.map(|limits_mm| limits_mm[0]),
+            s_high_mm: limits_mm.map(|limits_mm| limits_mm[1]),
+            angle_sigma_deg: sensed.uncertainty.direction_sd_deg,
             refused: None,
             image: None,
         }

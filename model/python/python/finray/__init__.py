@@ -13,6 +13,7 @@ y to the front plate. Angles are measured from the inward normal of the undeform
 """
 
 from ._finray import (
+    Alternative,
     FinrayError,
     Forces,
     Locator,
@@ -30,6 +31,7 @@ from ._finray import (
 )
 
 __all__ = [
+    "Alternative",
     "FinrayError",
     "Forces",
     "Locator",

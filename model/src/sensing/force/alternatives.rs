@@ -39,6 +39,9 @@ fn widen_by_profile(profile: &PositionProfile, estimate: &mut NonlinearEstimate,
         let limits_n = interval(&mixture, 0.95);
         estimate.forces.widen_to(j, spread(&mixture, force_n), limits_n);
     }
+    if profile.ranges.len() > 1 {
+        estimate.forces.alternatives = profile.alternatives();
+    }
     let i = profile.contact;
     let position = PositionProfile::position(&profile.ranges);
     let [from_mm, to_mm] = interval(&position, 0.95);

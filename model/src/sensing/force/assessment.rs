@@ -141,6 +141,7 @@ pub(super) fn assess(
             sides_n: None,
             method_error_n: vec![0.0; problem.questions.len()],
             measured: None,
+            alternatives: Vec::new(),
             trusted_noise_mm,
             warning: test.filter(ResidualTest::contradicts).map(Warning::Residual),
             residual_rms_mm,

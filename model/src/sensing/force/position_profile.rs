@@ -1,7 +1,7 @@
 //! Distribution of forces over an unknown position: mixtures of normal distributions along the valleys of the misfit.
 
 use super::CURVED;
-use crate::sensing::{SensingError, TWO_SIDED_95};
+use crate::sensing::{Alternative, SensingError, TWO_SIDED_95};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// Number of points between neighbouring positions of the profile, by interpolation.
@@ -108,6 +108,28 @@ impl PositionProfile {
         PositionProfile::mixture(ranges, |point, length_mm| (point.s_mm, length_mm / 12.0_f64.sqrt()))
     }
 
+    /// The answer in each range, the best first.
+    pub fn alternatives(&self) -> Vec<Alternative> {
+        let answer = |range: &Vec<ForcesAt>| {
+            let best = range.iter().min_by(|a, b| a.growth.total_cmp(&b.growth))?;
+            let range = std::slice::from_ref(range);
+            Some(Alternative {
+                contact: self.contact,
+                position_mm: best.s_mm,
+                position_interval_mm: interval(&PositionProfile::position(range), 0.95),
+                angle_deg: best.angle_deg,
+                force_n: best.forces_n[self.contact],
+                interval_n: interval(&PositionProfile::force(range, self.contact), 0.95),
+                excess: best.growth,
+            })
+        };
+        let mut answers: Vec<Alternative> = self.ranges.iter().filter_map(answer).collect();
+        answers.sort_by(|a, b| a.excess.total_cmp(&b.excess));
+        let least = answers.first().map_or(0.0, |best| best.excess);
+        answers.iter_mut().for_each(|answer| answer.excess -= least);
+        answers
+    }
+
     /// Refuses two ranges with different forces, a position that may be anywhere, and a force whose interval, because of the position, is wider than the force.
     /// `linear_n` are the linearised standard deviations, and `best_n` the forces of the best minimum, N.
     ///
@@ -124,6 +146,7 @@ impl PositionProfile {
                 contact,
                 forces_n: [intervals_n[0], intervals_n[k]],
                 positions_mm: [ends_mm(&self.ranges[0]), ends_mm(&self.ranges[k])],
+                alternatives: self.alternatives(),
             });
         }
         let force_n = interval(&PositionProfile::force(&self.ranges, i), 0.95);

@@ -254,6 +254,7 @@ impl NetworkEstimator {
             sides_n: None,
             method_error_n,
             measured: None,
+            alternatives: Vec::new(),
             trusted_noise_mm,
             warning,
             residual_rms_mm,

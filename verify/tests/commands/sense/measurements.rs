@@ -6,11 +6,18 @@ use crate::kit::*;
 #[test]
 fn what_solve_writes_sense_reads() {
     let sensed = sense(&linear_shape(&TRUTH), &CONTACTS);
-    assert_eq!(sensed.header, HEADER);
+    assert_eq!(sensed.header[..HEADER.len()], HEADER);
+    let further = ["low_n", "high_n", "s_sigma_mm", "s_low_mm", "s_high_mm", "angle_sigma_deg"];
+    assert_eq!(sensed.header[HEADER.len()..], further);
+    // Positions and directions are stated.
+    assert!(further[2..].iter().all(|column| sensed.texts(column) == ["", "", ""]), "{sensed:?}");
     assert_eq!(sensed.texts("contact"), ["16", "20", "23"]);
     assert_close(&sensed.numbers("s_mm"), &[114.75, 63.75, 25.5], 1e-15);
     assert_eq!(sensed.numbers("angle_deg"), TRUTH.map(|(_, angle, _)| angle));
     assert_close(&sensed.numbers("force_n"), &TRUTH.map(|(_, _, force)| force), SENSED);
+    let [low_n, high_n] = ["low_n", "high_n"].map(|column| sensed.numbers(column));
+    assert_close(&low_n, &TRUTH.map(|(_, _, force)| force), SENSED);
+    assert_close(&high_n, &TRUTH.map(|(_, _, force)| force), SENSED);
     // A perfect fit has no residual, so the estimated noise is zero.
     assert!(sensed.numbers("sigma_n").iter().all(|sigma| (0.0..SENSED).contains(sigma)));
 }

@@ -92,3 +92,20 @@ fn an_unknown_position_without_a_direction_says_which_is_taken() {
     assert_says(&at("auto").err, &["note: `auto` has no direction", "auto@auto"]);
     assert_eq!(at("auto@0").err, "");
 }
+
+/// With one range of positions, `--alternatives` writes the answer of `sense`.
+#[test]
+fn alternatives_need_an_unknown_position() {
+    let shape = finray(&["solve", PAPER, "--load-at", "80:1,0"]).done();
+    let at = |further: &[&str]| {
+        let all = ["sense", PAPER, "--displacements", "-", "--noise-mm", "0.01", "--contact-at"];
+        finray_reading(shape.as_bytes(), &[&all[..], further].concat())
+    };
+    let refused = at(&["80", "--alternatives"]).refused();
+    assert_says(&refused, &["--alternatives: expected a contact at an unknown position"]);
+    let [plain, listed] = [at(&["auto@0"]), at(&["auto@0", "--alternatives"])].map(|answer| Csv::of(&answer.done()));
+    for column in ["s_mm", "angle_deg", "force_n", "low_n", "high_n", "s_low_mm", "s_high_mm"] {
+        assert_eq!(plain.texts(column), listed.texts(column), "{column}");
+    }
+    assert_eq!(listed.texts("excess_misfit"), ["0.0"]);
+}
