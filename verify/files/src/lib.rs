@@ -9,6 +9,7 @@ mod outline;
 mod output;
 mod scene;
 pub mod table;
+mod video;
 
 pub mod displacements;
 pub mod frames;
@@ -29,6 +30,7 @@ pub use output::{
     write_folder, write_from,
 };
 pub use scene::{load_scene, load_scene_and_text, with_values};
+pub use video::DecodedVideo;
 
 use std::io::Read;
 use std::path::{Path, PathBuf};

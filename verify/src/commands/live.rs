@@ -1,19 +1,18 @@
 //! The command `finray live`.
 
-mod input;
 mod newest;
 mod serve;
 
 use super::contacts::Contacts;
+use super::frames::{Content, Format, Source, observed, states};
 use crate::commands::prelude::*;
 use finray_files::frames::LARGEST_SIDE_PX;
 use finray_files::live::{Line, contact_forces};
 use finray_files::recording::{ContactForce, Recording};
 use finray_files::{open_stream, streamed};
 use finray_imaging::locate::Observer;
-use finray_model::observation::Observation;
 use finray_model::sensor::{FingerResult, FingerTracker, FrameState, SensorOptions};
-use input::{Content, Format, Source};
+
 use newest::Newest;
 use serve::Server;
 use std::io::Write;
@@ -38,7 +37,7 @@ pub struct Arguments {
     /// Name and scene of each finger, if frames show several fingers
     #[arg(long, help_heading = "Input", value_name = "NAME=SCENE", value_parser = named_scene, num_args = 1.., conflicts_with = "scene")]
     finger: Vec<(String, PathBuf)>,
-    /// Video (YUV4MPEG2, raw) or marker positions (JSON, CSV)
+    /// Video (YUV4MPEG2, raw; other files through ffmpeg) or marker positions (JSON, CSV)
     #[arg(long, help_heading = "Input", value_name = "FILE", default_value = "-")]
     input: PathBuf,
     /// Images (PNG, JPEG) instead of a stream, in order of time
@@ -150,7 +149,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         })
         .collect::<Result<_, Failure>>()?;
     for (_, scene) in &scenes {
-        source.require_size(camera_size_px(scene))?;
+        source.require_size(scene)?;
     }
     let mut out = open_stream(&arguments.out)?;
     let mut recording = arguments.record.as_deref().map(Recording::create).transpose()?;
@@ -205,13 +204,11 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
             arguments.rest_frames
         ));
     }
-    let [in_contact, free, refused, lost] = counts;
     let frames = count(counts.iter().sum(), "frame");
-    let states = format!("{in_contact} in contact, {free} free, {refused} refused, {lost} without finger");
     let drifts = watched.iter().filter_map(|(finger, _)| finger.drift()).map(|drift| drift.rms_mm);
     let drift = drifts.reduce(f64::max).map_or_else(String::new, |drift_mm| format!("; zero drift {drift_mm:.4} mm"));
     Ok(summary(
-        format!("{frames}: {states}; {dropped} dropped{drift}"),
+        format!("{frames}: {}; {dropped} dropped{drift}", states(counts)),
         [&arguments.out].into_iter().chain(&arguments.record),
     ))
 }
@@ -221,27 +218,6 @@ fn tracker(arguments: &Arguments, networks: &Networks, name: &str, scene: &Scene
     let &Arguments { rest_frames, estimator, noise_mm, .. } = arguments;
     let options = SensorOptions { estimator, networks: networks.clone(), noise_mm, mesh_nodes: None };
     Ok(FingerTracker::new(name, scene.clone(), arguments.contacts.of(scene, 0.0, None)?, options, rest_frames)?)
-}
-
-/// The markers of a finger in a frame; without markers, the state of the frame and the reason for it.
-fn observed(
-    content: &Content,
-    finger: &str,
-    observer: Option<&mut Observer>,
-) -> Result<Observation, (FrameState, String)> {
-    match (content, observer) {
-        (Content::Image(image), Some(observer)) => observer.observe_frame(image),
-        (Content::Video(video), Some(observer)) => observer.observe_frame(video),
-        (Content::Image(_) | Content::Video(_), None) => {
-            Err((FrameState::Refused, "expected positions, found an image".to_owned()))
-        }
-        (Content::Markers(fingers), _) => match fingers.iter().find(|of| of.finger == finger) {
-            Some(of_this) => Ok(of_this.seen.clone()),
-            None if fingers.is_empty() => Ok(Observation::default()),
-            None => Err((FrameState::Lost, "the frame has no markers of this finger".to_owned())),
-        },
-        (Content::Unreadable(reason), _) => Err((FrameState::Refused, reason.clone())),
-    }
 }
 
 /// Reason for refusing a frame of marker positions that has markers of a finger not named on the command line.
@@ -256,9 +232,4 @@ fn unknown_finger(content: &Content, fingers: &[(String, PathBuf)]) -> Option<St
         ),
         names => format!("expected a finger of {}, found {:?}", names.join(", "), unknown.finger),
     })
-}
-
-/// Width and height of the scene's camera, px.
-fn camera_size_px(scene: &Scene) -> Option<[u32; 2]> {
-    scene.camera.map(|camera| camera.lens.size_px())
 }

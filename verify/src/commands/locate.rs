@@ -35,42 +35,126 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<String, Failure> {
-    require_one_standard_input([&arguments.scene].into_iter().chain(&arguments.image).chain(&arguments.rest))?;
-    let names = image_names(&arguments.image)?;
-    let scene = load_scene(&arguments.scene)?;
-    let observer = observer(arguments, &scene)?;
-    if let Some(path) = &arguments.rest {
-        observer.rest_residual_px.and_then(ImageWarning::of_rest).iter().for_each(warn(path));
-    }
-    let found = images_with_their_radii(arguments, &scene, observer);
-    // If every image is refused, there is no table to write, so the command fails with the first refusal.
-    if found.iter().all(Result::is_err) {
-        return Err(found
-            .into_iter()
-            .find_map(Result::err)
-            .unwrap_or_else(|| bad_input("expected at least one image")));
-    }
-    let of_image = |((path, image), found): ((&PathBuf, String), Result<SeenImage, Failure>)| match found {
-        Ok(SeenImage { observation, warnings, .. }) => {
-            // Radii are compared once for all images.
-            warnings.iter().filter(|warning| !matches!(warning, ImageWarning::OtherRadius(_))).for_each(warn(path));
-            Ok(Observation { image, ..observation })
-        }
-        Err(failure) => {
-            let reason = failure.reason().to_owned();
-            print_message(format_args!("warning: image refused: {reason}"));
-            Err(RefusedImage { image, reason })
-        }
-    };
-    let seen: Vec<_> = arguments.image.iter().zip(names).zip(found).map(of_image).collect();
+    let Arguments { scene: path, image, rest, out } = arguments;
+    require_one_standard_input([path].into_iter().chain(image).chain(rest))?;
+    image_names(image)?;
+    let images = Images { scene: path, images: image, rest: rest.as_deref() };
+    let seen = images.located(&load_scene(path)?)?;
+    write_file(out, &observations::to_csv(&seen)?)?;
     let located: Vec<&Observation> = seen.iter().flatten().collect();
-    for (seen, is_turned) in located.iter().zip(ImageWarning::turned(&located)) {
-        is_turned.then_some(&ImageWarning::Turned).into_iter().for_each(warn(Path::new(&seen.image)));
-    }
-    write_file(&arguments.out, &observations::to_csv(&seen)?)?;
     let markers: usize = located.iter().map(|seen| seen.markers.len()).sum();
     let done = format!("{markers} markers located in {} of {}", located.len(), count(seen.len(), "image"));
-    Ok(summary(done, [&arguments.out]))
+    Ok(summary(done, [out]))
+}
+
+/// Image files of a finger.
+pub struct Images<'a> {
+    /// The scene file, named in messages.
+    pub scene: &'a Path,
+    /// The images, in the order in which they were taken.
+    pub images: &'a [PathBuf],
+    /// Image of the unloaded finger.
+    pub rest: Option<&'a Path>,
+}
+
+impl Images<'_> {
+    /// Locates the markers in all images and prints the warnings.
+    ///
+    /// # Errors
+    /// [`Failure`] if the scene cannot locate markers, or if every image is refused.
+    pub fn located(&self, scene: &Scene) -> Result<Vec<Result<Observation, RefusedImage>>, Failure> {
+        let names = image_names(self.images)?;
+        let observer = self.observer(scene)?;
+        if let Some(path) = self.rest {
+            observer.rest_residual_px.and_then(ImageWarning::of_rest).iter().for_each(warn(path));
+        }
+        let found = self.with_their_radii(scene, observer);
+        // If every image is refused, there is no table to write, so the command fails with the first refusal.
+        if found.iter().all(Result::is_err) {
+            let first = found.into_iter().find_map(Result::err);
+            return Err(first.unwrap_or_else(|| bad_input("expected at least one image")));
+        }
+        let of_image = |((path, image), found): ((&PathBuf, String), Result<SeenImage, Failure>)| match found {
+            Ok(SeenImage { observation, warnings, .. }) => {
+                // Radii are compared once for all images.
+                warnings.iter().filter(|warning| !matches!(warning, ImageWarning::OtherRadius(_))).for_each(warn(path));
+                Ok(Observation { image, ..observation })
+            }
+            Err(failure) => {
+                let reason = failure.reason().to_owned();
+                print_message(format_args!("warning: image refused: {reason}"));
+                Err(RefusedImage { image, reason })
+            }
+        };
+        let seen: Vec<_> = self.images.iter().zip(names).zip(found).map(of_image).collect();
+        let located: Vec<&Observation> = seen.iter().flatten().collect();
+        for (seen, is_turned) in located.iter().zip(ImageWarning::turned(&located)) {
+            is_turned.then_some(&ImageWarning::Turned).into_iter().for_each(warn(Path::new(&seen.image)));
+        }
+        Ok(seen)
+    }
+
+    /// Locates the markers in all images. If measured marker radii differ from the scene's, prints a message and searches again with the measured radii.
+    fn with_their_radii(&self, scene: &Scene, observer: Observer) -> SeenImages {
+        let found = self.in_all(observer);
+        let radii: Vec<&SeenRadii> = found.iter().flatten().map(|seen| &seen.radii).collect();
+        let others: Vec<OtherRadius> =
+            scene.markers.iter().flat_map(|markers| OtherRadius::of(markers, scene.base.as_ref(), &radii)).collect();
+        let is_file = |image: &Path| !is_standard_stream(image);
+        if others.is_empty() || !self.images.iter().map(PathBuf::as_path).chain(self.rest).all(is_file) {
+            others.iter().for_each(|other| print_message(format_args!("warning: {other}")));
+            return found;
+        }
+        let mut corrected = scene.clone();
+        others.iter().for_each(|other| other.correct(&mut corrected));
+        let anew = self.observer(&corrected).map(|observer| self.in_all(observer)).unwrap_or_default();
+        let count =
+            |images: &SeenImages| images.iter().flatten().map(|seen| seen.observation.markers.len()).sum::<usize>();
+        if are_alike(&found, &anew) {
+            others.iter().for_each(|other| {
+                print_message(format_args!("note: {other}; with either radius, the same markers are found"))
+            });
+            return found;
+        }
+        let (found, sought) = match count(&anew) >= count(&found) {
+            true => (anew, ", and the markers were located again with this radius"),
+            false => (found, ""),
+        };
+        for other in others {
+            print_message(format_args!(
+                "warning: {other}{sought}: correct this key; if its value is right, check lens, pose, height_mm and the size of the image"
+            ));
+        }
+        found
+    }
+
+    /// Locates the markers of all images in parallel. If markers are tracked, images are searched in order, each starting from the marker positions in
+    /// the previous image.
+    fn in_all(&self, mut observer: Observer) -> SeenImages {
+        if observer.is_tracking() {
+            return self.images.iter().map(|path| observed(&mut observer, path)).collect();
+        }
+        self.images.par_iter().map_init(|| observer.clone(), |observer, path| observed(observer, path)).collect()
+    }
+
+    /// Builds the marker locator for a scene, with the image of the unloaded finger if one is given.
+    pub fn observer<'s>(&self, scene: &'s Scene) -> Result<Observer<'s>, Failure> {
+        let path = self.scene;
+        // Missing tables of the scene are reported before an image is read.
+        camera_of(path, scene)?;
+        let markers = markers_of(path, scene)?;
+        let pose_is_sought = self.rest.is_some() && matches!(markers.look, MarkerLook::Coloured { .. });
+        if !pose_is_sought {
+            camera_and_markers(path, scene)?;
+        }
+        let image = self.rest.map(load_image).transpose()?;
+        Observer::new(scene, image.as_ref().map(|(image, _)| image)).map_err(|error| match (&error, self.rest) {
+            (ObserverError::Rest(_) | ObserverError::GreyRest(_), Some(path)) => {
+                FileError::content(path, &error).into()
+            }
+            _ => bad_input(error),
+        })
+    }
 }
 
 /// Prints a warning of an image.
@@ -86,40 +170,6 @@ struct SeenImage {
 }
 
 type SeenImages = Vec<Result<SeenImage, Failure>>;
-
-/// Locates the markers in all images. If measured marker radii differ from the scene's, prints a message and searches again with the measured radii.
-fn images_with_their_radii(arguments: &Arguments, scene: &Scene, observer: Observer) -> SeenImages {
-    let found = all_images(arguments, observer);
-    let radii: Vec<&SeenRadii> = found.iter().flatten().map(|seen| &seen.radii).collect();
-    let others: Vec<OtherRadius> =
-        scene.markers.iter().flat_map(|markers| OtherRadius::of(markers, scene.base.as_ref(), &radii)).collect();
-    let is_file = |image: &PathBuf| !is_standard_stream(image);
-    if others.is_empty() || !arguments.image.iter().chain(&arguments.rest).all(is_file) {
-        others.iter().for_each(|other| print_message(format_args!("warning: {other}")));
-        return found;
-    }
-    let mut corrected = scene.clone();
-    others.iter().for_each(|other| other.correct(&mut corrected));
-    let anew =
-        self::observer(arguments, &corrected).map(|observer| all_images(arguments, observer)).unwrap_or_default();
-    let count = |images: &SeenImages| images.iter().flatten().map(|seen| seen.observation.markers.len()).sum::<usize>();
-    if are_alike(&found, &anew) {
-        others.iter().for_each(|other| {
-            print_message(format_args!("note: {other}; with either radius, the same markers are found"))
-        });
-        return found;
-    }
-    let (found, sought) = match count(&anew) >= count(&found) {
-        true => (anew, ", and the markers were located again with this radius"),
-        false => (found, ""),
-    };
-    for other in others {
-        print_message(format_args!(
-            "warning: {other}{sought}: correct this key; if its value is right, check lens, pose, height_mm and the size of the image"
-        ));
-    }
-    found
-}
 
 /// The positions of a marker in two searches count as equal up to this distance, in standard deviations of the position.
 const ALIKE_SIGMAS: f64 = 3.0;
@@ -138,32 +188,6 @@ fn are_alike(one: &SeenImages, other: &SeenImages) -> bool {
         (a, b) => a.is_err() == b.is_err(),
     };
     one.len() == other.len() && one.iter().zip(other).all(are_alike)
-}
-
-/// Locates the markers of all images in parallel. If markers are tracked, images are searched in order, each starting from the marker positions in
-/// the previous image.
-fn all_images(arguments: &Arguments, mut observer: Observer) -> SeenImages {
-    if observer.is_tracking() {
-        return arguments.image.iter().map(|path| observed(&mut observer, path)).collect();
-    }
-    arguments.image.par_iter().map_init(|| observer.clone(), |observer, path| observed(observer, path)).collect()
-}
-
-/// Builds the marker locator for a scene, with the image of the unloaded finger if one is given.
-fn observer<'s>(arguments: &Arguments, scene: &'s Scene) -> Result<Observer<'s>, Failure> {
-    let path = &arguments.scene;
-    // Missing tables of the scene are reported before an image is read.
-    camera_of(path, scene)?;
-    let markers = markers_of(path, scene)?;
-    let pose_is_sought = arguments.rest.is_some() && matches!(markers.look, MarkerLook::Coloured { .. });
-    if !pose_is_sought {
-        camera_and_markers(path, scene)?;
-    }
-    let image = arguments.rest.as_deref().map(load_image).transpose()?;
-    Observer::new(scene, image.as_ref().map(|(image, _)| image)).map_err(|error| match (&error, &arguments.rest) {
-        (ObserverError::Rest(_) | ObserverError::GreyRest(_), Some(path)) => FileError::content(path, &error).into(),
-        _ => bad_input(error),
-    })
 }
 
 fn observed(observer: &mut Observer, path: &Path) -> Result<SeenImage, Failure> {

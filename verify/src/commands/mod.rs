@@ -20,6 +20,7 @@ pub mod train;
 pub mod words;
 
 mod contacts;
+mod frames;
 mod grid;
 mod hints;
 mod loads;

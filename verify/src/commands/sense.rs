@@ -1,33 +1,48 @@
 //! The command `finray sense`.
 
 use super::contacts::Contacts;
+use super::frames::{Source, observed, states};
+use super::locate::Images;
 use crate::commands::prelude::*;
-use finray_files::observations::{Coordinates, ObservationTable};
+use clap::ArgGroup;
+use finray_files::observations::{Coordinates, ObservationTable, RefusedImage};
 use finray_files::read_text;
 use finray_files::views::{self, MeasuredForce};
 use finray_model::estimators::EstimatorError;
 use finray_model::observation::Observation;
 use finray_model::sensing::{Alternative, SensingError};
-use finray_model::sensor::{MissingInScene, Refusal, SensedForce, SensedForces, Sensor, SensorOptions, SensorWarning};
+use finray_model::sensor::{
+    FrameState, MissingInScene, Refusal, SensedForce, SensedForces, Sensor, SensorOptions, SensorWarning, StreamSensor,
+};
 
 /// Help text below the options.
 const AFTER_HELP: &str = "\
 Examples:
   finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact 19 --noise-mm 0.067
-  finray sense fixtures/scenes/paper.toml --displacements shape.csv --contact-at auto@normal
-  finray sense calibrated.toml --displacements nodes.csv --all-images --contact-at auto@friction
+  finray sense mine.toml --image press1.jpg press2.jpg --rest rest.jpg --contact-at auto@auto
+  finray sense mine.toml --video phone.mp4 --contact-at auto@friction --out forces.csv
 
 Guide: finray guide sense";
 
-/// Estimate contact forces and their standard deviations from measured displacements.
+/// Estimate contact forces and their standard deviations from displacements, images or a video.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
+#[command(group = ArgGroup::new("finger_seen").required(true).args(["displacements", "image", "video"]))]
 pub struct Arguments {
     /// Scene file (TOML); - for standard input
     scene: PathBuf,
     /// CSV with node,ux_mm,uy_mm, or from `locate`; - for standard input
     #[arg(long, help_heading = "Input", value_name = "FILE")]
-    displacements: PathBuf,
+    displacements: Option<PathBuf>,
+    /// Images (PNG, JPEG), each evaluated alone
+    #[arg(long, help_heading = "Input", value_name = "FILE", num_args = 1..)]
+    image: Vec<PathBuf>,
+    /// Video (YUV4MPEG2; other files through ffmpeg), every frame
+    #[arg(long, help_heading = "Input", value_name = "FILE")]
+    video: Option<PathBuf>,
+    /// Image of the unloaded finger, as for `locate`
+    #[arg(long, help_heading = "Input", value_name = "FILE", conflicts_with = "displacements")]
+    rest: Option<PathBuf>,
     #[command(flatten, next_help_heading = "Question")]
     contacts: Contacts,
     /// Estimator of the forces
@@ -36,38 +51,44 @@ pub struct Arguments {
     /// Network file from `finray train` [default: the shipped network]
     #[arg(long, help_heading = "Estimator", value_name = "FILE")]
     network: Option<PathBuf>,
-    /// Standard deviation of the noise in one coordinate, mm [default: value in the scene, else in the file, else estimated from the residual]
+    /// Noise of a coordinate, mm [default: the scene's, else the file's, else from the residual]
     #[arg(long, help_heading = "Input", value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
     /// Upper bound of the friction coefficient; only for contacts with +-SD
     #[arg(long, help_heading = "Question", value_name = "MU", value_parser = not_negative, default_value_t = 0.0)]
     friction: f64,
     /// Name of the image to evaluate, if the file has several images
-    #[arg(long, help_heading = "Input", value_name = "NAME")]
+    #[arg(long, help_heading = "Input", value_name = "NAME", conflicts_with_all = ["image", "video"])]
     image_name: Option<String>,
     /// Evaluate every image; write one row per image and contact
-    #[arg(long, help_heading = "Input", conflicts_with = "image_name")]
+    #[arg(long, help_heading = "Input", conflicts_with_all = ["image_name", "image", "video"])]
     all_images: bool,
-    /// Write one row for each range of positions that explains the displacements
-    #[arg(long, help_heading = "Output", conflicts_with = "all_images")]
+    /// List the answer in each range of positions
+    #[arg(long, help_heading = "Question", conflicts_with_all = ["all_images", "image", "video"])]
     alternatives: bool,
-    /// Measured forces in the frame in which the scene states the camera's pose, for the direction `measured` (CSV: image,fx_n,fy_n)
-    #[arg(long, help_heading = "Question", value_name = "FILE")]
+    /// Measured forces, for the direction `measured` (CSV: image,fx_n,fy_n)
+    #[arg(long, help_heading = "Question", value_name = "FILE", conflicts_with_all = ["image", "video"])]
     forces: Option<PathBuf>,
     /// Mesh nodes, only for `nonlinear` [default: refined until converged]
     #[arg(long, help_heading = "Estimator", value_name = "N")]
     mesh_nodes: Option<usize>,
     /// Result file; - for standard output
-    #[arg(long, help_heading = "Output", value_name = "FILE", default_value = "-")]
+    #[arg(long, value_name = "FILE", default_value = "-")]
     out: PathBuf,
 }
 
-/// Row of a sensed force. With `--all-images` the row also has the name of the image. For a refused image, the row has the reason for the refusal,
-/// and no numbers.
-#[derive(Serialize, Default)]
+/// Row of a sensed force. Of several images, a row also has the name of its image; of a video, the number and time of its frame; of both, the
+/// state of the finger and the warnings. Without a force, a row has no numbers; if it is refused, the row has the reason.
+#[derive(Serialize, Default, Clone)]
 struct Row {
     #[serde(skip_serializing_if = "Option::is_none")]
     image: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    frame: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    t_s: Option<Option<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    state: Option<FrameState>,
     contact: Option<String>,
     s_mm: Option<f64>,
     angle_deg: Option<f64>,
@@ -81,6 +102,8 @@ struct Row {
     s_low_mm: Option<f64>,
     s_high_mm: Option<f64>,
     angle_sigma_deg: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    warning: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     refused: Option<String>,
 }
@@ -118,7 +141,10 @@ impl From<Alternative> for AlternativeRow {
 }
 
 pub fn run(arguments: &Arguments) -> Result<String, Failure> {
-    require_one_standard_input([&arguments.scene, &arguments.displacements].into_iter().chain(&arguments.forces))?;
+    let Arguments { displacements, image, video, rest, forces, .. } = arguments;
+    let inputs =
+        [&arguments.scene].into_iter().chain(displacements).chain(image).chain(video).chain(rest).chain(forces);
+    require_one_standard_input(inputs)?;
     let scene = load_scene(&arguments.scene)?;
     let finger = &scene.finger;
     hints::of_scene(&arguments.scene, &scene);
@@ -162,8 +188,9 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
              auto@auto estimates it",
         );
     }
-    let text = read_text(&arguments.displacements)?;
-    let table = ObservationTable::new(&arguments.displacements, &text, finger, Coordinates::Displacements)?;
+    let Some(displacements) = displacements else { return frames(arguments, &question) };
+    let text = read_text(displacements)?;
+    let table = ObservationTable::new(displacements, &text, finger, Coordinates::Displacements)?;
     question.forces = arguments.forces.as_ref().map(|path| views::forces(path, &table.images()?)).transpose()?;
     let done = if arguments.alternatives {
         let seen = table.observation(arguments.image_name.as_deref())?;
@@ -194,8 +221,96 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         warnings.iter().for_each(|warning| print_message(format_args!("warning: {warning}")));
         format!("{} sensed{}", count(sensed.forces.len(), "force"), with_model_error(&scene))
     };
-    hints::of_displacements(&arguments.displacements, &text, finger);
+    hints::of_displacements(displacements, &text, finger);
     Ok(summary(done, [&arguments.out]))
+}
+
+/// Senses the forces in image files, or in every frame of a video. Markers are located with the scene that senses.
+fn frames(arguments: &Arguments, question: &ImageQuestion) -> Result<String, Failure> {
+    let &ImageQuestion { scene, contacts, friction, ref options, .. } = question;
+    let sensor = StreamSensor::new(scene.clone(), contacts.of(scene, friction, None)?, options.clone())?;
+    let images = Images { scene: &arguments.scene, images: &arguments.image, rest: arguments.rest.as_deref() };
+    let mut all = Frames { question, sensor, rows: Vec::new(), counts: [0; 4] };
+    let Some(video) = &arguments.video else {
+        for seen in images.located(scene)? {
+            let (image, seen) = match seen {
+                Ok(seen) => (seen.image.clone(), Ok(seen)),
+                Err(RefusedImage { image, reason }) => (image, Err((FrameState::Refused, reason))),
+            };
+            all.add(Row { image: Some(image), ..Row::default() }, seen, None);
+        }
+        return all.finish("image", &arguments.out);
+    };
+    let mut observer = images.observer(scene)?;
+    let mut source = Source::open(video, None, None)?;
+    if !source.shows_pixels() {
+        return Err(FileError::content(video, "expected a video, found positions of markers").into());
+    }
+    source.require_size(scene)?;
+    let progress = progress_bar(0, "frames");
+    progress.unset_length();
+    let (mut spare, mut before) = (None, None);
+    while let Some(frame) = source.next(all.counts.iter().sum(), spare.take())? {
+        let row = Row { frame: Some(frame.info.number), t_s: Some(frame.info.time_s), ..Row::default() };
+        before = all.add(row, observed(&frame.content, "", Some(&mut observer)), before.as_ref());
+        spare = Some(frame);
+        progress.inc(1);
+    }
+    progress.finish_and_clear();
+    all.finish("frame", &arguments.out)
+}
+
+/// Rows of the images or frames that are evaluated so far.
+struct Frames<'a> {
+    question: &'a ImageQuestion<'a>,
+    sensor: StreamSensor,
+    rows: Vec<Row>,
+    /// Number of frames by state.
+    counts: [usize; 4],
+}
+
+impl Frames<'_> {
+    /// Senses the forces of a frame, starting from those of the frame before, and adds its rows to `row`, which names the frame. Returns the forces.
+    fn add(
+        &mut self,
+        row: Row,
+        seen: Result<Observation, (FrameState, String)>,
+        before: Option<&SensedForces>,
+    ) -> Option<SensedForces> {
+        let sensed = seen.and_then(|seen| {
+            self.sensor.sense(&seen, before).map_err(|refusal| (FrameState::Refused, refusal.to_string()))
+        });
+        let (state, sensed, refused) = match sensed {
+            Ok(Some(sensed)) => (FrameState::Contact, Some(sensed), String::new()),
+            Ok(None) => (FrameState::None, None, String::new()),
+            Err((state, reason)) => (state, None, reason),
+        };
+        self.counts[state as usize] += 1;
+        let warnings = sensed.iter().flat_map(|sensed| &sensed.warnings).map(ToString::to_string);
+        let warning = warnings.collect::<Vec<_>>().join("; ");
+        let Row { image, frame, t_s, .. } = row;
+        let named = |row: Row| Row {
+            image: image.clone(),
+            frame,
+            t_s,
+            state: Some(state),
+            warning: Some(warning.clone()),
+            refused: Some(refused.clone()),
+            ..row
+        };
+        match &sensed {
+            Some(sensed) => self.rows.extend(rows(self.question, sensed).into_iter().map(named)),
+            None => self.rows.push(named(Row::default())),
+        }
+        sensed
+    }
+
+    /// Writes the table, and says how many frames (`noun`) have which state.
+    fn finish(self, noun: &str, out: &PathBuf) -> Result<String, Failure> {
+        write_file(out, &csv_text(self.rows)?)?;
+        let frames = count(self.counts.iter().sum(), noun);
+        Ok(summary(format!("{frames}: {}{}", states(self.counts), with_model_error(self.question.scene)), [out]))
+    }
 }
 
 /// The model error that standard deviations include, with its origin; nothing if they include none.
@@ -299,8 +414,7 @@ fn rows(question: &ImageQuestion, sensed: &SensedForces) -> Vec<Row> {
             s_low_mm: limits_mm.map(|limits_mm| limits_mm[0]),
             s_high_mm: limits_mm.map(|limits_mm| limits_mm[1]),
             angle_sigma_deg: sensed.uncertainty.direction_sd_deg,
-            refused: None,
-            image: None,
+            ..Row::default()
         }
     };
     sensed.forces.iter().map(row).collect()

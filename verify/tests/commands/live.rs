@@ -6,6 +6,7 @@ mod memory;
 mod page;
 mod positions;
 mod recording;
+mod sensed;
 mod video;
 
 use crate::kit::*;

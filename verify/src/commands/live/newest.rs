@@ -1,6 +1,6 @@
 //! Hands frames from a reading thread to the evaluation: only the newest frame, or every frame.
 
-use super::input::{Frame, Source};
+use crate::commands::frames::{Frame, Source};
 use crate::commands::{Failure, not_computed};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;

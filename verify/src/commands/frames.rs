@@ -1,10 +1,14 @@
-//! Frames of a stream or of image files.
+//! Frames of a stream, of a video or of image files.
 
 use crate::commands::prelude::*;
+use finray_files::DecodedVideo;
 use finray_files::frames::{FrameError, FrameLayout, FrameReader, VideoFrame};
 use finray_files::live::FrameInfo;
 use finray_files::positions::{FingerObservation, PositionError, PositionFrame, PositionReader};
 use finray_imaging::RgbRows;
+use finray_imaging::locate::Observer;
+use finray_model::observation::Observation;
+use finray_model::sensor::FrameState;
 use image::RgbImage;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
@@ -74,8 +78,8 @@ pub struct Source {
 }
 
 impl Source {
-    /// A stream from a file, or from standard input for `-`. If `format` is `None`, the first byte of the stream decides. `size_px` is the size of
-    /// raw frames.
+    /// A stream from a file, or from standard input for `-`. If `format` is `None`, the first byte of the stream decides; a file of an unknown format is
+    /// decoded as a video. `size_px` is the size of raw frames.
     ///
     /// # Errors
     /// [`Failure`] if the stream cannot be read or its format is unknown.
@@ -101,7 +105,21 @@ impl Source {
             (None, Some(b'{' | b' ' | b'\n' | b'\r')) => Format::Jsonl,
             (None, Some(b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'_' | b'"')) if is_text() => Format::Csv,
             _ => {
-                return Err(wrong(&"expected YUV4MPEG2, JSON lines or CSV; raw frames need --format rgb24 and --size"));
+                let video = if is_standard_stream(path) { None } else { Some(DecodedVideo::open(path)) };
+                let reason = match video {
+                    Some(Ok(video)) => {
+                        source = Box::new(BufReader::with_capacity(AT_ONCE, video));
+                        source.fill_buf().err()
+                    }
+                    Some(Err(reason)) => Some(reason),
+                    None => Some(std::io::Error::other("a video is decoded from a file only")),
+                };
+                if let Some(reason) = reason {
+                    let expected =
+                        "expected YUV4MPEG2, JSON lines, CSV or a video; raw frames need --format rgb24 and --size";
+                    return Err(wrong(&format!("{expected} ({reason})")));
+                }
+                Format::Y4m
             }
         };
         let frames = match (format, size_px) {
@@ -131,10 +149,10 @@ impl Source {
     ///
     /// # Errors
     /// [`Failure::BadInput`] with both sizes.
-    pub fn require_size(&self, camera_px: Option<[u32; 2]>) -> Result<(), Failure> {
+    pub fn require_size(&self, scene: &Scene) -> Result<(), Failure> {
         let Frames::Images(reader) = &self.frames else { return Ok(()) };
         let found = reader.layout().size_px;
-        match camera_px {
+        match scene.camera.map(|camera| camera.lens.size_px()) {
             Some(expected) if expected != found => {
                 let [expected, found] = [expected, found].map(|[width, height]| format!("{width} x {height} px"));
                 let message = format!("expected frames of {expected}, the size of the scene's camera, found {found}");
@@ -191,4 +209,30 @@ impl Source {
             }),
         })
     }
+}
+
+/// The markers of a finger in a frame; without markers, the state of the frame and the reason for it.
+pub fn observed(
+    content: &Content,
+    finger: &str,
+    observer: Option<&mut Observer>,
+) -> Result<Observation, (FrameState, String)> {
+    match (content, observer) {
+        (Content::Image(image), Some(observer)) => observer.observe_frame(image),
+        (Content::Video(video), Some(observer)) => observer.observe_frame(video),
+        (Content::Image(_) | Content::Video(_), None) => {
+            Err((FrameState::Refused, "expected positions, found an image".to_owned()))
+        }
+        (Content::Markers(fingers), _) => match fingers.iter().find(|of| of.finger == finger) {
+            Some(of_this) => Ok(of_this.seen.clone()),
+            None if fingers.is_empty() => Ok(Observation::default()),
+            None => Err((FrameState::Lost, "the frame has no markers of this finger".to_owned())),
+        },
+        (Content::Unreadable(reason), _) => Err((FrameState::Refused, reason.clone())),
+    }
+}
+
+/// Number of frames in each state, in words.
+pub fn states([in_contact, free, refused, lost]: [usize; 4]) -> String {
+    format!("{in_contact} in contact, {free} free, {refused} refused, {lost} without finger")
 }
