@@ -91,7 +91,7 @@ pub(super) struct Disc {
     pub excess_variances: [f64; 2],
     /// Mean squared residual of brightness and of colour about the edge, in squared grey levels.
     pub noise: [f64; PARTS],
-    /// Signs that something covers a part of the disc.
+    /// Signs that something covers a part of the disc; none are measured while the outline is unknown, as it adapts to a cover.
     pub cover: Cover,
 }
 
@@ -348,6 +348,10 @@ impl<'a> Search<'a> {
         let small = (self.edge.blurs[0] / self.edge.radius).powi(2);
         let of_model_px = LEAST_SD_PX.hypot(SMALL_SD_PX * small).hypot(self.ring_sd_px());
         let sd_px = variance_px2.sqrt().hypot(of_model_px).hypot(last.change_px);
+        let cover = match self.is_outline_open {
+            true => Cover::default(),
+            false => cover::cover(&sums.by_sector, missed, residual_sd * residual_sd, of_model_px, self.map.unit_mm),
+        };
         Some(Disc {
             centre,
             pixel: self.view.camera.project(&centre.push(self.view.height_mm)).ok()?,
@@ -355,7 +359,7 @@ impl<'a> Search<'a> {
             outline: Outline { radius_mm: self.edge.radius * self.map.unit_mm, blurs_px: self.edge.blurs },
             excess_variances: excess_variances(&sums.by_sector, inverse, variance_px2),
             noise: sums.noise.map(|noise| noise / sums.count),
-            cover: cover::cover(&sums.by_sector, missed, residual_sd * residual_sd, of_model_px, self.map.unit_mm),
+            cover,
         })
     }
 }
