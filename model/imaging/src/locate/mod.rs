@@ -64,7 +64,7 @@ pub struct Located {
     /// Position of the marker's centre, mm, finger frame.
     pub position: Vector,
     /// Standard deviation of one coordinate of the position, mm. The standard deviation covers image noise, and the errors of shading and edge model
-    /// that occur in rendered images. The standard deviation excludes errors of lens and pose.
+    /// that occur in rendered images, and what may cover a part of the marker. The standard deviation excludes errors of lens and pose.
     pub sd_mm: f64,
 }
 
@@ -189,8 +189,7 @@ impl<'f> Locator<'f> {
             if (centre - last.pixel).norm() > reach - self.radius_px {
                 centre = middle_of_colour(image, &self.colours, side, &centre, reach, &mut buffers.row)?;
             }
-            let disc = view.measure_centre(outline, &centre, &mut buffers)?;
-            common.holds(&disc).then_some((last.node, disc))
+            Some((last.node, view.measure_centre(outline, &centre, &mut buffers)?))
         };
         let found: Vec<(NodeId, Disc)> = self.last.iter().filter_map(near).collect();
         self.buffers = buffers;

@@ -1,6 +1,6 @@
 //! Radii of the markers and of the references on the base, measured in images.
 
-use super::together::median;
+use super::disc::median;
 use finray_model::Scene;
 use finray_model::scene::{Base, Markers};
 use std::fmt;

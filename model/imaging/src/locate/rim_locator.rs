@@ -4,11 +4,12 @@
 //! rims propose positions. The two rims of a pair may be references on the base, or the two ends of a rib. The proposal with the least cost of
 //! assigning the markers to nodes (naming the markers) is chosen.
 
+use super::disc::{Buffers, Cover, Disc, UsualCover, median};
 use super::elsewhere::{Scenery, ribs_near_base};
 use super::error::require_own_junctions;
 use super::naming::{Candidate, Marked, Names, NamingError, name, name_at_cost};
 use super::rim::{GreyView, Rim, RimShape, rims};
-use super::together::{median, wider};
+use super::together::{outline_of, wider, without_faint};
 use super::{LocateError, Located, LocatorError, SeenRadii, radius_at, radius_px, require_size};
 use crate::RgbRows;
 use finray_model::camera::Camera;
@@ -139,9 +140,9 @@ impl<'f> RimLocator<'f> {
             }
             // A fixed base is exactly where the scene's camera pose puts it.
             let base = SeenBase { is_known: true, ..SeenBase::default() };
-            let named = named(&rims, &names?);
+            let (named, _) = self.named(&view, &rims, &names?);
             let radii = SeenRadii { markers_mm: middle_radius_mm(&named), references_mm: Vec::new() };
-            return Ok(SeenFinger { located: located(&named, &base, widening(&named)), base, radii });
+            return Ok(SeenFinger { located: located(&named, &base), base, radii });
         };
         let marks: Vec<Vec<Rim>> = self.marks(&view, base);
         let proposals = match base.references.len() {
@@ -158,13 +159,12 @@ impl<'f> RimLocator<'f> {
         }
         let marked = Marked { finger: self.finger, base_sd_mm: best.sd_mm };
         let names = name(marked, &self.candidates(&rims, &best.base))?;
-        let named = named(&rims, &names);
-        let wider = widening(&named);
+        let (named, wider) = self.named(&view, &rims, &names);
         let radius_mm = |i: usize| Some(marks[i][best.references.get(i).copied().flatten()?].radius_mm);
         let references_mm = (0..marks.len()).map(radius_mm).collect();
         let radii = SeenRadii { markers_mm: middle_radius_mm(&named), references_mm };
         let base = seen_base(base, &marks, best, wider);
-        Ok(SeenFinger { located: located(&named, &base, wider), base, radii })
+        Ok(SeenFinger { located: located(&named, &base), base, radii })
     }
 
     /// For each reference, the rims that may show it. References with the same appearance are searched for only once.
@@ -243,35 +243,49 @@ impl<'f> RimLocator<'f> {
         };
         rims.iter().map(candidate).collect()
     }
-}
 
-/// The rims that are assigned to nodes, except rims that are far less round than the other rims.
-fn named(rims: &[Rim], names: &Names) -> Vec<(NodeId, Rim)> {
-    let mut named: Vec<(NodeId, Rim)> =
-        names.iter().enumerate().filter_map(|(i, name)| Some((NodeId(i + 1), rims[(*name)?]))).collect();
-    let most_mm = LEAST_ROUND * median(named.iter().map(|(_, rim)| rim.rays_sd_mm)).unwrap_or_default();
-    named.retain(|(_, rim)| rim.rays_sd_mm <= most_mm);
-    named
+    /// The rims that are assigned to nodes, except rims that are far less round than the other rims. The rims have one common outline, and standard
+    /// deviations that allow for what may cover them in part. Also returns the factor by which the standard deviations of markers, and of marks on the
+    /// base, exceed the values for independent pixel errors: background that the edge model neglects makes the errors of neighbouring pixels correlated,
+    /// and the markers' residuals show how strongly.
+    fn named(&self, view: &GreyView, rims: &[Rim], names: &Names) -> (Vec<(NodeId, Rim)>, f64) {
+        let mut named: Vec<(NodeId, Rim)> =
+            names.iter().enumerate().filter_map(|(i, name)| Some((NodeId(i + 1), rims[(*name)?]))).collect();
+        let most_mm = LEAST_ROUND * median(named.iter().map(|(_, rim)| rim.rays_sd_mm)).unwrap_or_default();
+        named.retain(|(_, rim)| rim.rays_sd_mm <= most_mm);
+        let discs = |named: &[(NodeId, Rim)]| -> Vec<Disc> { named.iter().filter_map(|(_, rim)| rim.disc).collect() };
+        let (outline, mut buffers) = (outline_of(discs(&named).into_iter()), Buffers::default());
+        let again =
+            |(node, rim): &(NodeId, Rim)| Some((*node, rim.with_outline(view, &self.shape, outline, &mut buffers)?));
+        named = named.iter().filter_map(again).collect();
+        let by_edge = discs(&named);
+        let wider = wider(by_edge.iter().map(|disc| disc.excess_variances));
+        let usual = UsualCover::of(by_edge.iter().map(|disc| disc.cover));
+        let of_rays = |rim: &Rim| Cover { missed: rim.missed, ..Cover::default() };
+        let usual_of_rays = UsualCover::of(named.iter().map(|(_, rim)| of_rays(rim)));
+        let widened = |(node, rim): &(NodeId, Rim)| {
+            let (wider, usual, cover) = match rim.disc {
+                Some(disc) => (wider, &usual, disc.cover),
+                None => (1.0, &usual_of_rays, of_rays(rim)),
+            };
+            let outer_sd_mm = usual.widened_mm(rim.outer_sd_mm * wider, &cover);
+            Some((*node, rim.combined(view, &self.shape, outer_sd_mm, wider)?))
+        };
+        (named.iter().filter_map(widened).collect(), wider)
+    }
 }
 
 fn middle_radius_mm(named: &[(NodeId, Rim)]) -> Option<f64> {
     median(named.iter().map(|(_, rim)| rim.radius_mm))
 }
 
-/// Factor by which standard deviations of the markers, and of the marks on the base, exceed the values for independent pixel errors. Background that
-/// the edge model neglects makes the errors of neighbouring pixels correlated. The markers' residuals show how strongly the errors of neighbouring
-/// pixels are correlated.
-fn widening(named: &[(NodeId, Rim)]) -> f64 {
-    wider(named.iter().filter_map(|(_, rim)| rim.excess_variances))
-}
-
-fn located(named: &[(NodeId, Rim)], base: &SeenBase, wider: f64) -> Vec<Located> {
+/// Located markers, without uncertain ones.
+fn located(named: &[(NodeId, Rim)], base: &SeenBase) -> Vec<Located> {
     let located = |(node, rim): &(NodeId, Rim)| {
         let position = base.pose.inverse_transform_point(&rim.centre.into()).coords;
-        let sd_mm = rim.widened_sd_mm(wider).hypot(base.sd_at(&position));
-        Located { node: *node, pixel: rim.pixel, position, sd_mm }
+        Located { node: *node, pixel: rim.pixel, position, sd_mm: rim.sd_mm.hypot(base.sd_at(&position)) }
     };
-    named.iter().map(located).collect()
+    without_faint(named.iter().map(located).collect())
 }
 
 fn shape_of(markers: &Markers) -> Result<RimShape, LocatorError> {

@@ -1,6 +1,6 @@
 //! Common properties of the markers in an image: outline, blur, noise, and displacement of colour relative to brightness (by compression and lens).
 
-use super::disc::{Buffers, ColourShift, Disc, LARGEST_BLUR, Outline, View};
+use super::disc::{Buffers, ColourShift, Disc, LARGEST_BLUR, Outline, UsualCover, View, median};
 use super::motion::{LARGEST_MOTION, motion_blur_px};
 use super::{LocateError, Located};
 use finray_model::scene::Markers;
@@ -12,9 +12,12 @@ const ROUNDING: f64 = 0.1;
 /// Brightness and colour get different weights if the ratio of their variances exceeds this.
 const UNEVEN: f64 = 3.0;
 
-/// A disc is removed if its mean squared residual exceeds the median of all discs by more than this factor. In rendered images, the factor of whole discs on
-/// any part of the finger is below 2.6; that of one disc with a radius of six pixels was between 5 and 8.
-const LARGEST_NOISE: f64 = 8.0;
+/// A marker is omitted if its standard deviation exceeds the median of all markers by this factor. A mean with such a marker has at most 1 % more
+/// information, so that little depends on the side of the limit on which a marker lies.
+const FAINT: f64 = 10.0;
+/// Contribution of a marker to a mean is limited to this number of medians. Squared residuals of whole markers are at least as scattered as an
+/// exponential distribution, of which 0.1 % is larger; in compressed images, a limit of 5 medians makes standard deviations 5 % too small.
+const LARGEST_SHARE: f64 = 10.0;
 /// A displacement of colour relative to brightness is corrected if it exceeds this number of standard deviations.
 const COLOUR_SIGMAS: f64 = 4.0;
 /// Largest number of rounds. Each round measures the centres and the displacement of colour; each round except the last corrects the displacement.
@@ -32,24 +35,16 @@ pub(super) struct Common {
     pub weights: [f64; 2],
     /// Displacement of colour relative to brightness, px; see [`View`].
     pub colour_shift_px: Vector,
-    /// Median over the discs of the mean squared residual of brightness and of colour, in squared grey levels.
-    noise: [f64; 2],
     /// Standard deviation of the motion blur, px, see [`motion_blur_px`]; `None` without motion blur.
     pub motion_px: Option<f64>,
     /// Standard deviation that motion blur adds to each coordinate, mm.
     pub motion_sd_mm: f64,
 }
 
-impl Common {
-    /// Whether the residuals of a disc are those of a whole disc. Residuals are much larger if the edge of something else was measured as the disc's edge.
-    pub fn holds(&self, disc: &Disc) -> bool {
-        disc.noise.iter().zip(self.noise).all(|(own, common)| *own <= LARGEST_NOISE * (common + ROUNDING))
-    }
-}
-
 /// Measures the centres of the discs again, with one common outline (radius and blurs) for all discs. All markers have the same size and sharpness,
 /// so every marker gets the median radius and blurs of all markers. If colour is noisier than brightness, as after compression, colour gets less
-/// weight. A disc that no longer fits with the common outline is removed: something covers a part of it. `view` must give equal weights to brightness and colour. `radius_px` is the radius of a marker at the middle of the finger, px.
+/// weight. A disc that no longer fits with the common outline is removed. `view` must give equal weights to brightness and colour. `radius_px` is the
+/// radius of a marker at the middle of the finger, px.
 ///
 /// # Errors
 /// [`LocateError::Blurred`] or [`LocateError::Moved`] if the blur is too large for the markers' radius.
@@ -60,7 +55,8 @@ pub(super) fn measure_together(
     named: &mut Vec<(NodeId, Disc)>,
     buffers: &mut Buffers,
 ) -> Result<Common, LocateError> {
-    let noise = [0, 1].map(|part| mean(named, |disc| disc.noise[part]) + ROUNDING);
+    let noise =
+        [0, 1].map(|part| median(named.iter().map(|(_, disc)| disc.noise[part])).unwrap_or_default() + ROUNDING);
     let least = noise[0].min(noise[1]);
     let is_even = noise[0].max(noise[1]) < UNEVEN * least;
     if !is_even {
@@ -73,7 +69,7 @@ pub(super) fn measure_together(
                 *disc = view.measure(markers.radius_mm, &disc.pixel, buffers).unwrap_or(*disc);
             }
         }
-        let outline = outline_of(named);
+        let outline = outline_of(named.iter().map(|(_, disc)| *disc));
         let (blur_px, radius_px) = (outline.blurs_px[0], radius_px * outline.radius_mm / markers.radius_mm);
         if blur_px > LARGEST_BLUR * radius_px {
             return Err(LocateError::Blurred { blur_px, radius_px });
@@ -89,21 +85,19 @@ pub(super) fn measure_together(
             if let Some(blur_px) = motion_px.filter(|motion_px| *motion_px > LARGEST_MOTION * radius_px) {
                 return Err(LocateError::Moved { blur_px, radius_px });
             }
-            let noise = [0, 1].map(|part| median(named.iter().map(|(_, disc)| disc.noise[part])).unwrap_or_default());
             let motion_sd_mm = MOTION_SD * motion_px.unwrap_or(0.0) * outline.radius_mm / radius_px;
-            let common = Common { outline, weights, colour_shift_px, noise, motion_px, motion_sd_mm };
-            named.retain(|(_, disc)| common.holds(disc));
-            return Ok(common);
+            return Ok(Common { outline, weights, colour_shift_px, motion_px, motion_sd_mm });
         }
         view.colour_shift_px += shift;
     }
 }
 
-fn outline_of(named: &[(NodeId, Disc)]) -> Outline {
-    let of_all = |of: &dyn Fn(&Disc) -> f64| median(named.iter().map(|(_, disc)| of(disc))).unwrap_or_default();
+/// Median radius and blurs of discs.
+pub(super) fn outline_of(discs: impl Iterator<Item = Disc> + Clone) -> Outline {
+    let median_of = |of: &dyn Fn(Disc) -> f64| median(discs.clone().map(of)).unwrap_or_default();
     Outline {
-        radius_mm: of_all(&|disc| disc.outline.radius_mm),
-        blurs_px: [0, 1].map(|part| of_all(&|disc| disc.outline.blurs_px[part])),
+        radius_mm: median_of(&|disc| disc.outline.radius_mm),
+        blurs_px: [0, 1].map(|part| median_of(&|disc| disc.outline.blurs_px[part])),
     }
 }
 
@@ -128,23 +122,27 @@ fn measure_centres(
     all
 }
 
-fn mean(named: &[(NodeId, Disc)], of: impl Fn(&Disc) -> f64) -> f64 {
-    named.iter().map(|(_, disc)| of(disc)).sum::<f64>() / named.len() as f64
-}
-
-/// Located markers from their discs. The markers of each plate share a colour, so one factor multiplies the standard deviations of all of them.
+/// Located markers from their discs, without uncertain ones. The markers of each plate share a colour, so one factor multiplies the standard deviations
+/// of all of them.
 pub(super) fn located(named: &[(NodeId, Disc)], on_front: &[NodeId], common: &Common) -> Vec<Located> {
     let [front, back] = [true, false].map(|is_front| {
         let of_plate = named.iter().filter(|(node, _)| on_front.contains(node) == is_front);
         wider(of_plate.map(|(_, disc)| disc.excess_variances))
     });
-    let located = |&(node, disc): &(NodeId, Disc)| Located {
-        node,
-        pixel: disc.pixel,
-        position: disc.centre,
-        sd_mm: (disc.sd_mm * if on_front.contains(&node) { front } else { back }).hypot(common.motion_sd_mm),
+    let usual = UsualCover::of(named.iter().map(|(_, disc)| disc.cover));
+    let located = |&(node, disc): &(NodeId, Disc)| {
+        let wider = if on_front.contains(&node) { front } else { back };
+        let sd_mm = (disc.sd_mm * wider).hypot(common.motion_sd_mm);
+        Located { node, pixel: disc.pixel, position: disc.centre, sd_mm: usual.widened_mm(sd_mm, &disc.cover) }
     };
-    named.iter().map(located).collect()
+    without_faint(named.iter().map(located).collect())
+}
+
+/// The markers without those that are far less certain than the others.
+pub(super) fn without_faint(mut located: Vec<Located>) -> Vec<Located> {
+    let most_mm = FAINT * median(located.iter().map(|marker| marker.sd_mm)).unwrap_or_default();
+    located.retain(|marker| marker.sd_mm <= most_mm);
+    located
 }
 
 /// Factor by which standard deviations exceed the values for independent pixel errors. The residuals of one marker determine the factor poorly; the
@@ -153,16 +151,18 @@ pub(super) fn located(named: &[(NodeId, Disc)], on_front: &[NodeId], common: &Co
 /// The fitted centre absorbs the residuals with one period around the edge. Residuals with longer periods have more power. The power of the residuals
 /// with one period is extrapolated from the powers with two and three periods, along a Gaussian S(n) = a exp(-c n^2) of the number of periods n. The
 /// factor is 1 without markers.
-pub(super) fn wider(excess_variances: impl Iterator<Item = [f64; 2]>) -> f64 {
-    let (count, [two, three]) =
-        excess_variances.fold((0.0, [0.0; 2]), |(count, sums), of| (count + 1.0, [sums[0] + of[0], sums[1] + of[1]]));
-    let of_one_period = two / count * (two / three).max(1.0).powf(3.0 / 5.0);
+pub(super) fn wider(excess_variances: impl Iterator<Item = [f64; 2]> + Clone) -> f64 {
+    let [two, three] = [0, 1].map(|periods| bounded_mean(excess_variances.clone().map(|of| of[periods])));
+    let of_one_period = two * (two / three).max(1.0).powf(3.0 / 5.0);
     of_one_period.max(1.0).sqrt()
 }
 
-/// Median of the numbers; `None` if there are none.
-pub(super) fn median(numbers: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut numbers: Vec<f64> = numbers.collect();
-    let middle = numbers.len() / 2;
-    (middle < numbers.len()).then(|| *numbers.select_nth_unstable_by(middle, f64::total_cmp).1)
+/// Mean of numbers that are at most [`LARGEST_SHARE`] medians, so that one marker that something covers does not widen all others; NaN without numbers.
+fn bounded_mean(numbers: impl Iterator<Item = f64> + Clone) -> f64 {
+    let most = LARGEST_SHARE * median(numbers.clone()).unwrap_or_default();
+    numbers.clone().map(|number| number.min(most)).sum::<f64>() / numbers.count() as f64
 }
+
+#[cfg(test)]
+#[path = "../../tests/units/together.rs"]
+mod tests;

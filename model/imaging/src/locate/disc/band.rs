@@ -95,7 +95,7 @@ impl Band {
             let of_sector = &mut sums.by_sector[sector[i] as usize];
             let trusted = trust[sector[i] as usize];
             let row = [x[i], y[i], px[i]];
-            let (mut steepness2, mut pull) = (0.0, 0.0);
+            let (mut steepness2, mut pull, mut stiff_outwards) = (0.0, 0.0, 0.0);
             let (mut squared, mut contrast2) = (0.0, 0.0);
             for (part, (light, share)) in [(light_y, share_y), (light_c, share_c)].into_iter().enumerate() {
                 let [own, with, other] = light.map(|list| list[i]);
@@ -109,6 +109,7 @@ impl Band {
                 pull += along * steepness;
                 let stiff = weight * own * trusted;
                 steepness2 += stiff * steepness * steepness;
+                stiff_outwards += weight * own * steepness * steepness;
                 if IS_OUTLINE_OPEN {
                     let both = stiff * steepness * widening;
                     for (sum, row) in with_blur[part].iter_mut().zip(row) {
@@ -119,6 +120,7 @@ impl Band {
                 }
                 totals[3 + part] += f64::from(residual2 * trusted);
             }
+            let outwards = [pull * row[2], stiff_outwards * row[2] * row[2]];
             let pull = pull * trusted;
             let products =
                 [row[0] * row[0], row[0] * row[1], row[1] * row[1], row[0] * row[2], row[1] * row[2], row[2] * row[2]];
@@ -138,6 +140,12 @@ impl Band {
             of_sector.contrast2 += contrast2;
             of_sector.pull.x += pulled[0];
             of_sector.pull.y += pulled[1];
+            for (sum, value) in of_sector.outwards.iter_mut().zip(outwards) {
+                *sum += value;
+            }
+            for (sum, product) in of_sector.stiffness.iter_mut().zip(products) {
+                *sum += steepness2 * product;
+            }
         }
         sums.normal = normal_matrix(together, with_blur);
         sums.gradient = SVector::from(pulls);

@@ -11,12 +11,14 @@
 //! Distances are measured in the finger's plane, where the disc is a circle, so that perspective and lens distortion are taken into account.
 
 mod band;
+mod cover;
 mod plane_map;
 mod shades;
 mod sums;
 
 use crate::RgbRows;
 use band::{Band, normal_distribution};
+pub(super) use cover::{Cover, UsualCover, median};
 use finray_model::Vector;
 use finray_model::camera::{Camera, Pixel};
 use nalgebra::{Complex, Matrix2, SMatrix, SVector, Vector2};
@@ -43,9 +45,6 @@ const LEAST_BLUR_PX: f64 = 0.25;
 pub(super) const LARGEST_BLUR: f64 = 0.33;
 /// A disc is rejected if its radius deviates from the expected radius by more than this, relative to the expected radius.
 const RADIUS_TOLERANCE: f64 = 0.25;
-/// A coloured disc is rejected if this share of the pixels inside it shows something else. A circle of the disc's size that lies on the visible part of a
-/// covered disc also holds a part of what covers it.
-const LARGEST_COVER: f64 = 0.01;
 /// A coloured disc is rejected if its residual standard deviation exceeds this share of the contrast.
 const LARGEST_RESIDUAL: f64 = 0.2;
 /// Largest residual standard deviation of a grey disc, as a share of the contrast. The limit is below [`LARGEST_RESIDUAL`], because a grey disc that is
@@ -92,6 +91,8 @@ pub(super) struct Disc {
     pub excess_variances: [f64; 2],
     /// Mean squared residual of brightness and of colour about the edge, in squared grey levels.
     pub noise: [f64; PARTS],
+    /// Signs that something covers a part of the disc; none are measured while the outline is unknown, as it adapts to a cover.
+    pub cover: Cover,
 }
 
 /// Radius and blurs that all discs of an image share.
@@ -246,7 +247,7 @@ impl<'a> Search<'a> {
             self.map.measure_from(&from, pixels);
             shades.gather(pixels, &self.map, &from, self.grey_inner)?;
             band.gather(pixels, &self.map, &from, shades);
-            let mut kept = 0.0;
+            let (mut kept, mut missed) = (0.0, 0.0);
             let mut last = None;
             for step in 0..STEPS {
                 let Buffers { shades, band, sums, .. } = &mut *self.buffers;
@@ -256,6 +257,7 @@ impl<'a> Search<'a> {
                 };
                 sum(shades, sums);
                 if is_near && step == judged_from {
+                    missed = cover::missed(&sums.by_sector, &shades.trust);
                     kept = shades.distrust_unlikely(sums);
                     sum(shades, sums);
                 }
@@ -269,7 +271,7 @@ impl<'a> Search<'a> {
             let last = last?;
             let moved = (self.edge.centre - from.centre).norm().max((self.edge.radius - from.radius).abs());
             if is_near && moved < THERE_PX && last.change_px < SETTLED_PX {
-                return if kept >= KEPT_SECTORS { self.disc(&last) } else { None };
+                return if kept >= KEPT_SECTORS { self.disc(&last, missed) } else { None };
             }
             is_near = moved < NEAR_PX;
         }
@@ -332,15 +334,13 @@ impl<'a> Search<'a> {
         RING_SD_PX * 2.0 * f64::from(beyond_an_edge)
     }
 
-    fn disc(&self, last: &Step) -> Option<Disc> {
+    fn disc(&self, last: &Step, missed: f64) -> Option<Disc> {
         let (sums, inverse) = (&self.buffers.sums, &last.inverse);
         let residual_sd = sums.residual_variance().sqrt();
         let contrast = (sums.weight / sums.count).sqrt();
         let off = (self.edge.radius / self.expected.radius - 1.0).abs();
         let largest_residual = if self.grey_inner.is_some() { LARGEST_GREY_RESIDUAL } else { LARGEST_RESIDUAL };
-        let is_covered = self.grey_inner.is_none() && self.buffers.shades.covered > LARGEST_COVER;
-        if off > RADIUS_TOLERANCE || (is_covered && !self.is_outline_open) || residual_sd > largest_residual * contrast
-        {
+        if off > RADIUS_TOLERANCE || residual_sd > largest_residual * contrast {
             return None;
         }
         let variance_px2 = (inverse[(0, 0)] + inverse[(1, 1)]) / 2.0 * residual_sd * residual_sd;
@@ -348,6 +348,10 @@ impl<'a> Search<'a> {
         let small = (self.edge.blurs[0] / self.edge.radius).powi(2);
         let of_model_px = LEAST_SD_PX.hypot(SMALL_SD_PX * small).hypot(self.ring_sd_px());
         let sd_px = variance_px2.sqrt().hypot(of_model_px).hypot(last.change_px);
+        let cover = match self.is_outline_open {
+            true => Cover::default(),
+            false => cover::cover(&sums.by_sector, missed, residual_sd * residual_sd, of_model_px, self.map.unit_mm),
+        };
         Some(Disc {
             centre,
             pixel: self.view.camera.project(&centre.push(self.view.height_mm)).ok()?,
@@ -355,6 +359,7 @@ impl<'a> Search<'a> {
             outline: Outline { radius_mm: self.edge.radius * self.map.unit_mm, blurs_px: self.edge.blurs },
             excess_variances: excess_variances(&sums.by_sector, inverse, variance_px2),
             noise: sums.noise.map(|noise| noise / sums.count),
+            cover,
         })
     }
 }

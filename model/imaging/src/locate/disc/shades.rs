@@ -31,7 +31,7 @@ const MEDIAN_PIXELS: usize = 48;
 /// The slope of the light is estimated only from at least this number of pixels.
 const SLOPE_PIXELS: usize = 12;
 /// A sector is omitted if its contrast over all components of light is below this, grey levels.
-const LEAST_CONTRAST: f32 = 12.0;
+pub(super) const LEAST_CONTRAST: f32 = 12.0;
 /// A sector does not show the disc's edge if its mean squared residual is too far above the value of even sectors. The largest accepted excess is
 /// this number of standard deviations.
 const UNLIKELY: f32 = 4.0;
@@ -57,8 +57,6 @@ pub(super) struct Shades {
     inner: Vec<u32>,
     /// Buffer for the computation of medians.
     sorted: Vec<f32>,
-    /// Share of the pixels inside the disc that belong to an occluder or to glare, 0..1.
-    pub covered: f64,
 }
 
 /// Light of the background pixels of one sector.
@@ -196,12 +194,11 @@ impl Shades {
         let mut moments = [0.0_f64; 6];
         let mut brightness = [0.0_f64; 3];
         let mut colour = [0.0_f64; 2];
-        let (mut count, mut unlike) = (0, 0);
+        let mut count = 0;
         for &i in self.inner.iter().step_by((self.inner.len() / INSIDE_PIXELS).max(1)) {
             let i = i as usize;
             let light = [pixels.light[0][i], pixels.light[1][i], pixels.light[2][i]];
             if (0..3).any(|k| (light[k] - median[k]).abs() >= ALIKE) {
-                unlike += 1;
                 continue;
             }
             let [x, y] = [f64::from(pixels.at[0][i] - centre[0]), f64::from(pixels.at[1][i] - centre[1])];
@@ -217,8 +214,6 @@ impl Shades {
             }
             count += 1;
         }
-        // A few pixels may be defects of the sensor, dust or noise at the edge of a small disc.
-        self.covered = if unlike > 3 { unlike as f64 / (count + unlike) as f64 } else { 0.0 };
         // Few pixels determine a median, but not a slope.
         if count < SLOPE_PIXELS {
             self.inside = [Vector3::from(median), Vector3::zeros(), Vector3::zeros()];

@@ -42,4 +42,8 @@ pub(super) struct SectorSums {
     pub contrast2: f32,
     /// Contribution of the sector to the gradient by the centre's coordinates.
     pub pull: Vector2<f32>,
+    /// Contribution of the sector to the normal matrix of the centre: xx, xy, yy.
+    pub stiffness: [f32; 3],
+    /// Contributions to gradient and normal matrix of an edge that the sector's pixels alone move outwards, whatever the trust in the sector.
+    pub outwards: [f32; 2],
 }

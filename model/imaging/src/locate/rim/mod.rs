@@ -10,7 +10,7 @@
 
 mod votes;
 
-use super::disc::{Buffers, Disc, View};
+use super::disc::{Buffers, Disc, Outline, View};
 use crate::RgbRows;
 use finray_model::Vector;
 use finray_model::camera::{Camera, Pixel};
@@ -66,14 +66,53 @@ pub(super) struct Rim {
     pub sd_mm: f64,
     /// Standard deviation of one coordinate of the centre as found by rays, mm. A rim that is less round has a larger value.
     pub rays_sd_mm: f64,
-    /// For a centre found by the edge model: the variances of [`Disc::excess_variances`]. `None` for a centre found by rays.
-    pub excess_variances: Option<[f64; 2]>,
+    /// Share of the rays that do not find the rim, 0..1.
+    pub missed: f64,
+    /// Centre of the outer rim alone, mm.
+    outer: Vector,
+    /// Standard deviation of one coordinate of `outer`, mm.
+    pub outer_sd_mm: f64,
+    /// The outer rim by the edge model; `None` for a rim found by rays.
+    pub disc: Option<Disc>,
+    /// Centre of a ring's inner edge, mm, and its variance, mm^2.
+    inner: Option<(Vector, f64)>,
 }
 
 impl Rim {
     /// Standard deviation of one coordinate of the centre, mm. For a centre found by the edge model, the value is multiplied by `wider`.
     pub fn widened_sd_mm(&self, wider: f64) -> f64 {
-        if self.excess_variances.is_some() { self.sd_mm * wider } else { self.sd_mm }
+        if self.disc.is_some() { self.sd_mm * wider } else { self.sd_mm }
+    }
+
+    /// Measures the centre of the outer rim again, with the outline that all rims of an image share. `None` if the edge model found the rim, but does not
+    /// fit with that outline. The standard deviation is at least that with an unknown outline: where only one side of a rim has an even background, an
+    /// error of the outline moves the centre.
+    pub fn with_outline(
+        self,
+        view: &GreyView,
+        shape: &RimShape,
+        outline: Outline,
+        buffers: &mut Buffers,
+    ) -> Option<Rim> {
+        let Some(disc) = self.disc else { return Some(self) };
+        let disc = edge_view(view, shape).measure_centre(outline, &disc.pixel, buffers)?;
+        Some(Rim { outer: disc.centre, outer_sd_mm: disc.sd_mm.max(self.outer_sd_mm), disc: Some(disc), ..self })
+    }
+
+    /// The rim with the weighted mean of the outer and the inner edge as its centre. `outer_sd_mm` is the standard deviation of the outer centre, mm, and
+    /// `wider` the factor on that of the inner one. If these centres contradict each other, the variance of the outer one is raised until they agree.
+    pub fn combined(self, view: &GreyView, shape: &RimShape, outer_sd_mm: f64, wider: f64) -> Option<Rim> {
+        let (centre, sd_mm) = match self.inner.filter(|_| outer_sd_mm.is_finite()) {
+            None => (self.outer, outer_sd_mm),
+            Some((inner, inner_variance)) => {
+                let (away, inner_variance) = (inner - self.outer, inner_variance * wider * wider);
+                let outer_variance = (outer_sd_mm * outer_sd_mm).max(away.norm_squared() / 2.0 - inner_variance);
+                let share = outer_variance / (outer_variance + inner_variance);
+                (self.outer + away * share, (share * inner_variance).sqrt())
+            }
+        };
+        let pixel = view.camera.project(&centre.push(shape.height_mm)).ok()?;
+        Some(Rim { centre, pixel, sd_mm, ..self })
     }
 }
 
@@ -145,9 +184,18 @@ fn measured(view: &GreyView, shape: &RimShape, about: &Pixel, buffers: &mut Buff
     let pixel = view.camera.project(&circle.centre.push(shape.height_mm)).ok()?;
     let sd_mm = circle.sd_mm.max(LEAST_SD_PX * mm_a_px);
     let Circle { centre, radius_mm, .. } = circle;
-    let by_rays = Rim { centre, pixel, radius_mm, sd_mm, rays_sd_mm: sd_mm, excess_variances: None };
-    let rim = by_edge(view, shape, &by_rays, buffers).unwrap_or(by_rays);
-    Some(with_inner_edge(view, shape, rim).unwrap_or(rim))
+    // If the edge model does not fit, the rays give the centre.
+    let disc = edge_view(view, shape).measure(radius_mm, &pixel, buffers);
+    let (outer, outer_sd_mm) = disc.map_or((centre, sd_mm), |disc| (disc.centre, disc.sd_mm));
+    let radius_mm = disc.map_or(radius_mm, |disc| disc.outline.radius_mm);
+    let missed = 1.0 - circle.share;
+    let inner = inner_edge(view, shape, outer);
+    Rim { centre, pixel, radius_mm, sd_mm, rays_sd_mm: sd_mm, missed, outer, outer_sd_mm, disc, inner }.combined(
+        view,
+        shape,
+        outer_sd_mm,
+        1.0,
+    )
 }
 
 /// Returns the circle (mm, in the finger frame at the scene's camera pose) through the edges that rays from near `centre` find. Also returns the
@@ -175,10 +223,9 @@ fn circle(view: &GreyView, shape: &RimShape, mut centre: Vector) -> Option<(Circ
     last.filter(is_rim)
 }
 
-/// The rim of a ring; its centre is the weighted mean of the centres of the outer and the inner edge. `None` for a disc, or if the inner edge is not
-/// a circle. Strips behind a ring shift its outer edge but not its inner edge. If the centres of the outer and the inner edge contradict each other,
-/// the variance of the outer centre is raised until they agree.
-fn with_inner_edge(view: &GreyView, shape: &RimShape, rim: Rim) -> Option<Rim> {
+/// Centre of the inner edge of a ring, mm, and its variance, mm^2. `None` for a disc, or if the inner edge is not a circle. Strips behind a ring shift its
+/// outer edge but not its inner edge.
+fn inner_edge(view: &GreyView, shape: &RimShape, about: Vector) -> Option<(Vector, f64)> {
     let shade = match shape.shade {
         Shade::Bright => Shade::Dark,
         Shade::Dark => Shade::Bright,
@@ -187,31 +234,20 @@ fn with_inner_edge(view: &GreyView, shape: &RimShape, rim: Rim) -> Option<Rim> {
     if inner.radius_mm <= 0.0 {
         return None;
     }
-    let (circle, mm_a_px) = circle(view, &inner, rim.centre)?;
-    let inner_variance = circle.sd_mm.max(LEAST_SD_PX * mm_a_px).powi(2);
-    let away = circle.centre - rim.centre;
-    let outer_variance = (rim.sd_mm * rim.sd_mm).max(away.norm_squared() / 2.0 - inner_variance);
-    let weights = [outer_variance, inner_variance].map(f64::recip);
-    let variance = 1.0 / (weights[0] + weights[1]);
-    let centre = rim.centre + away * weights[1] * variance;
-    let pixel = view.camera.project(&centre.push(shape.height_mm)).ok()?;
-    Some(Rim { centre, pixel, sd_mm: variance.sqrt(), ..rim })
+    let (circle, mm_a_px) = circle(view, &inner, about)?;
+    Some((circle.centre, circle.sd_mm.max(LEAST_SD_PX * mm_a_px).powi(2)))
 }
 
-/// Measures a rim by the model of a blurred edge. Returns `None` if the model does not fit.
-fn by_edge(view: &GreyView, shape: &RimShape, by_rays: &Rim, buffers: &mut Buffers) -> Option<Rim> {
-    let view = View {
+/// The image with the settings for the model of a blurred edge.
+fn edge_view<'a>(view: &'a GreyView, shape: &RimShape) -> View<'a> {
+    View {
         image: view.image,
         camera: view.camera,
         height_mm: shape.height_mm,
         grey_inner_mm: Some(shape.inner_radius_mm),
         weights: BRIGHTNESS_ALONE,
         colour_shift_px: Vector::zeros(),
-    };
-    let Disc { centre, pixel, sd_mm, outline, excess_variances, .. } =
-        view.measure(by_rays.radius_mm, &by_rays.pixel, buffers)?;
-    let radius_mm = outline.radius_mm;
-    Some(Rim { centre, pixel, radius_mm, sd_mm, excess_variances: Some(excess_variances), ..*by_rays })
+    }
 }
 
 /// Finds the position of the largest change of light along each ray.
