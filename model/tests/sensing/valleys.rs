@@ -26,9 +26,6 @@ const ELEMENTS: usize = 600;
 /// A result without a warning counts as wrong beyond this number of standard deviations; by chance, one of 16 000 normal errors is.
 const WRONG_SIGMAS: f64 = 4.0;
 const CHANCE: f64 = 6.3e-5;
-/// Share of answers from a minimum beside that of the true position. The second minimum behind a ridge of the misfit is not always found: 2 of 863
-/// answers of the full study were wrong.
-const BEHIND_A_RIDGE: f64 = 0.004;
 /// Every finger has at least this number of markers in view.
 const LEAST_MARKERS: usize = 4;
 
@@ -217,7 +214,7 @@ fn seed() -> u64 {
 
 fn assert_right(tally: &Tally, most_refused: f64) {
     let by_chance = CHANCE * tally.errors.len() as f64;
-    let most_wrong = by_chance + STANDARD_ERRORS * by_chance.sqrt() + BEHIND_A_RIDGE * tally.errors.len() as f64;
+    let most_wrong = by_chance + STANDARD_ERRORS * by_chance.sqrt();
     assert!(tally.wrong() as f64 <= most_wrong, "{} are wrong", tally.wrong());
     assert!(tally.refused as f64 <= most_refused * tally.cases as f64, "{} are refused", tally.refused);
     let chance = STANDARD_ERRORS * share_error(0.95, tally.errors.len());
@@ -258,6 +255,25 @@ fn a_refusal_with_two_ranges_states_the_answer_in_each() {
         let within = |[from, to]: [f64; 2], value: f64| from <= value && value <= to;
         for it in &alternatives {
             assert!(within(it.interval_n, it.force_n) && within(it.position_interval_mm, it.position_mm), "{it:?}");
+        }
+    }
+}
+
+/// Cases whose second minimum lies behind a ridge of the misfit, or whose force is skewed. The answers were once 7.15 +- 0.12 N for 7.63 N, 0.25 +- 0.09 N
+/// for 0.76 N, 175.4 +- 2.1 N for 488 N, 2.71 +- 0.08 N for 3.10 N, 298.4 +- 1.1 N for 1017 N, and 6.6 +- 0.8 N for 10.2 N.
+#[test]
+fn a_minimum_behind_a_ridge_or_a_skewed_force_is_not_wrong_in_silence() {
+    for (number, is_direction_known) in
+        [(896, true), (312, true), (769, false), (800, false), (807, false), (963, false)]
+    {
+        let case =
+            Hidden::drawn(&mut random_stream(7501 + u64::from(!is_direction_known), number), 1, is_direction_known);
+        match case.sensed() {
+            Ok(found) => {
+                let error = (found.forces.forces_n[0] - case.forces_n[0]) / found.forces.sigmas_n[0];
+                assert!(error.abs() < WRONG_SIGMAS, "case {number}: {error} sigma");
+            }
+            Err(error) => assert!(matches!(error, SensingError::TwoRanges { .. }), "case {number}: {error}"),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Other forces that explain a measurement as well as an estimate does: they refuse the estimate or widen its standard deviations.
 
 use super::estimate::{Alternatives, NonlinearEstimate};
-use super::position_profile::{PositionProfile, at, interval, spread};
+use super::position_profile::{PositionProfile, at, interval, spread, tail_sd};
 use super::{AS_GOOD, CURVED};
 use crate::finger::Finger;
 use crate::frame::FrameMotion;
@@ -37,7 +37,8 @@ fn widen_by_profile(profile: &PositionProfile, estimate: &mut NonlinearEstimate,
         let mut mixture = PositionProfile::force(&profile.ranges, j);
         mixture.iter_mut().for_each(|(_, mean_n, _)| *mean_n += shift_n);
         let limits_n = interval(&mixture, 0.95);
-        estimate.forces.widen_to(j, spread(&mixture, force_n), limits_n);
+        let tail_n = if profile.is_weak { tail_sd(&mixture, force_n) } else { 0.0 };
+        estimate.forces.widen_to(j, spread(&mixture, force_n).max(tail_n), limits_n);
     }
     if profile.ranges.len() > 1 {
         estimate.forces.alternatives = profile.alternatives();

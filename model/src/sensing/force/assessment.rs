@@ -46,22 +46,25 @@ fn found_lean(
     })
 }
 
-/// Refuses unknown positions and directions whose standard deviation is too large. Those of a measured contact are at least as certain as measured.
-/// `sigma` returns the standard deviation of each unknown in its unit.
-fn require_determined(
+/// Refuses unknown positions and directions whose standard deviation is too large. Those of a measured contact are at least as certain as measured. With
+/// `profiled`, a profile has decided on the position.
+///
+/// # Errors
+/// [`SensingError::Undetermined`] for the first position or direction.
+pub(super) fn require_determined(
     problem: &ForceProblem,
-    forces_n: &[f64],
-    sigma: impl Fn(usize) -> f64,
+    estimate: &NonlinearEstimate,
+    profiled: bool,
 ) -> Result<(), SensingError> {
-    for (j, unknown) in problem.unknowns.iter().enumerate() {
+    for unknown in problem.unknowns.iter() {
         let Some(limit) = unknown.limit(&problem.questions, problem.finger()) else { continue };
         let IdentifiableLimit { what, contact, sigma: largest, unit } = limit;
+        let ContactUncertainty { position_sd_mm, direction_sd_deg, .. } = estimate.uncertainties[contact];
         let sigma = match unknown {
-            // The unknown is a force across the direction, the limit an angle.
-            Unknown::Across(i) => (sigma(j) / forces_n[*i].abs()).to_degrees(),
-            _ => sigma(j),
+            Unknown::Across(_) => direction_sd_deg,
+            _ => position_sd_mm.filter(|_| !profiled),
         };
-        if sigma > largest {
+        if let Some(sigma) = sigma.filter(|sigma| *sigma > largest) {
             return Err(SensingError::Undetermined { what, contact: contact + 1, sigma, unit });
         }
     }
@@ -111,7 +114,6 @@ pub(super) fn assess(
             .map_or(0.0, |j| 0.75 * (linear(j, j) / state.forces_n[i]).powi(2))
     };
     let covariance = |i: usize, j: usize| linear(i, j) + if i == j { by_direction(i) } else { 0.0 };
-    require_determined(problem, &state.forces_n, |j| linear(j, j).sqrt())?;
     let mut uncertainties = vec![ContactUncertainty::default(); problem.questions.len()];
     for (j, unknown) in problem.unknowns.iter().enumerate() {
         match *unknown {
@@ -159,6 +161,10 @@ pub(super) fn assess(
     };
     if (0..problem.questions.len()).any(|i| problem.is_normal_measured(i)) {
         resolve(problem, state, measurement, &mut estimate)?;
+    }
+    // A profile over the position decides on a weakly known position.
+    if !problem.is_weak(measurement) {
+        require_determined(problem, &estimate, false)?;
     }
     Ok(estimate)
 }

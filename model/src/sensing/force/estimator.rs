@@ -1,7 +1,7 @@
 //! The nonlinear estimator, and the course of one estimate: find the minima, assess the best, compare it with others, widen its intervals.
 
 use super::alternatives::{check_against_nothing, check_other_forces, check_rivals, check_unconfirmed, widen_by};
-use super::assessment::assess;
+use super::assessment::{assess, require_determined};
 use super::correction::{correct, correct_below_noise};
 use super::estimate::{Alternatives, NonlinearEstimate};
 use super::leaning::widen_by_leans;
@@ -10,7 +10,8 @@ use super::linearised::Seen;
 use super::marker_motion::Posed;
 use super::minima::{KeptScan, MANY_COORDINATES, Minima, find_minima, minimum_near};
 use super::object_start::{require_touch, without_object};
-use super::position::profile_over_position;
+use super::position::{Profiled, profile_over_position};
+use super::position_profile::PositionProfile;
 use super::problem::{ForceProblem, State};
 use super::search_history::SearchHistory;
 use super::states::{Found, carry_over, state_near, state_under};
@@ -196,12 +197,26 @@ fn estimate_forces(
         Some(best) if near_is_chosen => Minima::only(best),
         at_hand => find_minima(problem, at_hand, scan, seen)?,
     };
-    let Minima { best, mut all, rivals, starts, mut others, scanned } = minima;
+    estimate_best(problem, minima, near_is_chosen, seen)
+}
+
+/// Estimates the forces of the best minimum, and compares it with all others. `is_chosen` states whether it was chosen on a coarser mesh.
+///
+/// # Errors
+/// [`SensingError`] if the unknowns are not identifiable, or no equilibrium explains the measurement.
+fn estimate_best(
+    problem: &mut ForceProblem,
+    minima: Minima,
+    is_chosen: bool,
+    seen: Seen,
+) -> Result<(NonlinearEstimate, State), SensingError> {
+    let measurement = seen.measurement;
+    let coordinates = measurement.coordinate_count();
+    let Minima { best, mut all, mut rivals, starts, mut others, scanned } = minima;
     let Found { mut state, steps, near } = best;
     let least_misfit = problem.misfit(&state, measurement);
     let mut estimate = assess(problem, &mut state, seen, steps)?;
     check_against_nothing(&estimate, least_misfit, state.linearised.misfit_at_rest(measurement))?;
-    require_linear_range(problem, &state, measurement, &estimate.forces.sigmas_n)?;
     let is_confirmed = near || !scanned.is_empty();
     check_unconfirmed(&estimate, coordinates, &starts)?;
     for (_, forces_n) in all.iter_mut().chain(&mut others) {
@@ -210,10 +225,31 @@ fn estimate_forces(
     }
     let unplaced = problem.unplaced().len();
     // The profile compares minima at different positions. A minimum that was chosen on a coarser mesh has its profile from that mesh.
-    let profile = match near_is_chosen {
+    let profile = match is_chosen {
         true => None,
-        false => profile_over_position(problem, &state, &rivals, seen, &estimate)?,
+        false => match profile_over_position(problem, &state, &rivals, seen, &estimate)? {
+            Profiled::Nothing => None,
+            Profiled::Profile(profile) => Some(profile),
+            Profiled::Better(start) => {
+                let start = carry_over(problem, *start, seen)?;
+                let best = minimum_near(problem, start, seen, &mut SearchHistory::default())?;
+                let best = best.filter(|it| problem.misfit(&it.state, measurement) < least_misfit);
+                let best = best.ok_or(SensingError::Unconfirmed)?;
+                rivals.push(state);
+                let minima = Minima { best, all, rivals, starts, others: Vec::new(), scanned };
+                return estimate_best(problem, minima, is_chosen, seen);
+            }
+        },
     };
+    // The profile decides on a weakly known position, on this mesh or on a coarser one.
+    let is_weak = problem.is_weak(measurement);
+    let is_profiled = is_weak && (profile.is_some() || is_chosen);
+    require_determined(problem, &estimate, is_profiled)?;
+    if !(is_weak && is_chosen) {
+        let at_position = profile.as_ref().filter(|_| is_weak).and_then(PositionProfile::best);
+        let sigmas_n = at_position.map_or(&estimate.forces.sigmas_n, |best| &best.sigmas_n);
+        require_linear_range(problem, &state, measurement, sigmas_n)?;
+    }
     if profile.is_none() {
         check_rivals(&estimate, least_misfit, &all, is_confirmed, coordinates)?;
     }

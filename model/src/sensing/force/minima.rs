@@ -4,13 +4,15 @@
 //! there may be several minima, the search also starts from multiples of the forces that fit the linear finger. For forces at known contacts, the
 //! search also starts from every minimum among all equilibria of the finger under forces at these contacts ([`scan`](super::scan)). The scan follows
 //! curves of equilibria and may miss minima between these curves. For unknown positions, the search also starts from the rivals of the best minimum in a
-//! [`profile`](super::profile) over the positions.
+//! [`profile`](super::profile) over the positions. While markers are hidden, it also starts from the best contacts at known positions along the plate: another
+//! minimum may have a shape so unlike the best that the finger linearised at the best does not show it.
 
 use super::assessment::assess;
 use super::correction::correct;
 use super::largest_explained_rms_mm;
 use super::linearised::Seen;
 use super::object_start::without_object;
+use super::position::minimum_at;
 use super::problem::{ForceProblem, State};
 use super::profile::{Rival, Rivals, find_rivals};
 use super::scan::{Scan, ScannedPoint, least, scan};
@@ -18,8 +20,9 @@ use super::search::search;
 use super::search_history::SearchHistory;
 use super::start::{StartingPoint, start_at, starting_points};
 use super::states::{Found, carry_over, state_under};
+use crate::finger::Plate;
 use crate::frame::FrameMotion;
-use crate::sensing::{ContactQuestion, Direction, SensingError};
+use crate::sensing::{ContactPosition, ContactQuestion, Direction, SensingError};
 
 /// A minimum may be wrong if its residual exceeds both this share of the displacements and `POOR_FIT_SIGMAS` standard deviations of the noise. If a
 /// minimum may be wrong, the search also starts from multiples of the forces that fit the linear finger, and the best minimum is used.
@@ -38,6 +41,12 @@ const VERY_MANY: usize = 2;
 const MOST_UNPLACED: usize = 3;
 /// At most this number of minima, each better than the one before, are compared with their rivals.
 const MOST_PROFILES: usize = 4;
+
+/// Positions, as shares of the front plate's length, at which a search along the plate starts. Near the base, where forces grow with the inverse square of
+/// the position, they are denser.
+const PLATE_POSITIONS: [f64; 11] = [0.04, 0.055, 0.076, 0.105, 0.145, 0.2, 0.276, 0.38, 0.525, 0.725, 1.0];
+/// At most this number of minima along the plate are followed.
+const MOST_PLATE_MINIMA: usize = 3;
 
 /// The minimum with the smallest misfit, and the other results of the searches.
 pub(super) struct Minima {
@@ -131,6 +140,9 @@ pub(super) fn find_minima(
     if search.seeks_rivals(is_at_hand) {
         search.search_from_rivals();
     }
+    if search.problem.is_weak(measurement) {
+        search.search_along_plate(explained_mm2);
+    }
     let GlobalSearch { best, failure, all, rivals, starts, others, .. } = search;
     let best = best.ok_or_else(|| failure.unwrap_or(SensingError::NoContact))?;
     Ok(Minima { best, all, rivals, starts, others, scanned })
@@ -219,6 +231,57 @@ impl GlobalSearch<'_, '_> {
             if !self.best.as_ref().is_some_and(|found| self.misfit(found) < misfit_mm2) {
                 return;
             }
+        }
+    }
+
+    /// Places the contact at several positions along the plate, outwards from the best minimum, and starts a search from each position whose misfit is
+    /// smaller than that of its neighbours. A misfit far above `explained_mm2` needs no accuracy.
+    fn search_along_plate(&mut self, explained_mm2: Option<f64>) {
+        let [contact] = self.problem.unplaced()[..] else { return };
+        let length_mm = self.problem.finger().plate_length_mm(Plate::Front);
+        let mut questions = self.problem.questions.clone();
+        questions[contact].position = Some(ContactPosition::at(length_mm));
+        let Ok(mut placed) = self.problem.with_questions(&questions) else { return };
+        if placed.expect(self.seen).is_err() {
+            return;
+        }
+        let best = self.best.as_ref().map(|best| best.state.clone());
+        let share = |state: &State| state.contacts[contact].position_mm(self.problem.finger()).map(|s| s / length_mm);
+        let nearest = best.as_ref().and_then(share).map_or(PLATE_POSITIONS.len() - 1, |share| {
+            PLATE_POSITIONS.partition_point(|at| *at < share).min(PLATE_POSITIONS.len() - 1)
+        });
+        let mut along: [Option<(f64, State)>; PLATE_POSITIONS.len()] = Default::default();
+        for (i, before) in (0..=nearest).rev().map(|i| (i, i + 1)).chain((nearest + 1..along.len()).map(|i| (i, i - 1)))
+        {
+            let before = along.get(before).and_then(|it| it.as_ref().map(|(_, state)| state)).or(best.as_ref());
+            let s_mm = PLATE_POSITIONS[i] * length_mm;
+            let history = SearchHistory::default().explaining_up_to(explained_mm2);
+            let warm = before.and_then(|near| {
+                let moved = share(near).map_or(1.0, |share| share / PLATE_POSITIONS[i]);
+                let mut forces_n = near.forces_n.clone();
+                forces_n[contact] *= moved;
+                minimum_at(&mut placed, (contact, s_mm), near, &forces_n, self.seen, history.clone()).ok()
+            });
+            let found = warm.or_else(|| {
+                placed.questions[contact].position = Some(ContactPosition::at(s_mm));
+                let start = StartingPoint::Times(1.0);
+                let found = search_from(&mut placed, self.seen, start, &mut Vec::new(), &mut history.clone());
+                found.ok().flatten().map(|found| found.state)
+            });
+            // Contacts push.
+            let found = found.filter(|state| state.forces_n.iter().all(|force_n| *force_n >= 0.0));
+            along[i] = found.map(|state| (placed.misfit(&state, self.seen.measurement), state));
+        }
+        let misfit_mm2 = |i: Option<usize>| i.and_then(|i| along.get(i)?.as_ref()).map_or(f64::INFINITY, |it| it.0);
+        let is_least = |&i: &usize| misfit_mm2(Some(i)) <= misfit_mm2(i.checked_sub(1)).min(misfit_mm2(Some(i + 1)));
+        let mut least: Vec<usize> = (0..along.len()).filter(|&i| along[i].is_some()).filter(is_least).collect();
+        least.sort_by(|a, b| misfit_mm2(Some(*a)).total_cmp(&misfit_mm2(Some(*b))));
+        least.truncate(MOST_PLATE_MINIMA);
+        for (_, state) in least.into_iter().filter_map(|i| along[i].clone()) {
+            let Ok(start) = carry_over(self.problem, state, self.seen) else { continue };
+            self.history.begin();
+            let found = minimum_near(self.problem, start, self.seen, &mut self.history);
+            self.take(found);
         }
     }
 

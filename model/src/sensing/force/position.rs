@@ -15,12 +15,23 @@ use super::search_history::SearchHistory;
 use super::states::{carry_over, state_under};
 use super::unknowns::Unknown;
 use crate::finger::Plate;
-use crate::sensing::{Contact, ContactPosition, SensingError};
+use crate::sensing::{ContactPosition, SensingError};
 
 /// The dependence of forces on a position counts as linear if the position's standard deviation is at most this share of the distance to the nearer
 /// end of the plate, and at most the share `SHARP` of the plate's length. Forces depend on the position roughly with its inverse square.
 const UNCERTAIN_POSITION: f64 = 0.1;
 const SHARP: f64 = 0.02;
+/// While markers are hidden, the finger is also solved at three standard deviations of the position on either side. The misfit must grow as on a linear
+/// finger within the share `STRAIGHT`, and forces may bend away from a straight line by at most `BENT` of their standard deviations.
+const STRAIGHT: f64 = 0.3;
+const BENT: f64 = 0.5;
+/// A force is refused if its interval is wider than this multiple of the force because of its position. While markers are hidden, the interval is compared
+/// with that at a known position, and may be wider: it then excludes neither zero nor twice the force. Otherwise, it is compared with the linearised
+/// interval: an error that all markers share may hide the position of a force far smaller than the estimate.
+const WIDEST: f64 = 1.0;
+const WIDEST_HIDDEN: f64 = 2.0;
+/// The profile has found a better minimum if the misfit falls by more than this number of noise variances. Less is an error of the search.
+const BETTER: f64 = 0.1;
 /// First step between positions, in standard deviations of the position.
 const FIRST_STEP_SDS: f64 = 0.5;
 /// Smallest and largest step, as a share of the plate's length, and largest number of steps on either side of a minimum.
@@ -45,10 +56,21 @@ struct Valley<'s, 'm> {
     seen: Seen<'s>,
     least_mm2: f64,
     noise_mm: f64,
+    /// Growth of the misfit and state of the best point that is better than the minimum.
+    better: Option<(f64, State)>,
 }
 
-/// The profile over the only unknown position. `rivals` are other minima. `None` if the position is so certain that forces depend linearly on it, or
-/// the finger does not explain the measurement.
+/// What a profile over the only unknown position shows.
+pub(super) enum Profiled {
+    /// Forces depend linearly on the position, or the finger does not explain the measurement.
+    Nothing,
+    /// Positions and forces that explain the measurement.
+    Profile(PositionProfile),
+    /// A state near a better minimum.
+    Better(Box<State>),
+}
+
+/// The profile over the only unknown position. `rivals` are other minima.
 ///
 /// # Errors
 /// [`SensingError`] if the markers do not confine position and force, or two ranges of positions with different forces explain the measurement.
@@ -58,8 +80,8 @@ pub(super) fn profile_over_position(
     rivals: &[State],
     seen: Seen,
     estimate: &NonlinearEstimate,
-) -> Result<Option<PositionProfile>, SensingError> {
-    let [contact] = problem.unplaced()[..] else { return Ok(None) };
+) -> Result<Profiled, SensingError> {
+    let [contact] = problem.unplaced()[..] else { return Ok(Profiled::Nothing) };
     let noise_mm = estimate.forces.trusted_noise_mm;
     let length_mm = problem.finger().plate_length_mm(Plate::Front);
     let position_mm = |state: &State| state.contacts[contact].position_mm(problem.finger()).unwrap_or(f64::NAN);
@@ -71,28 +93,65 @@ pub(super) fn profile_over_position(
         growth <= BEYOND && is_elsewhere && position_mm(rival) >= MARGIN * length_mm
     };
     let rivals: Vec<&State> = rivals.iter().filter(is_rival).collect();
-    let is_linear = rivals.is_empty() && is_sharp(problem, state, estimate);
+    let is_sharp = rivals.is_empty() && is_sharp(problem, state, estimate);
+    let is_linear = is_sharp && !problem.is_weak(seen.measurement);
     // A finger that differs from the scene makes the noise, and every valley, wide; the estimate then carries a warning.
     let is_warned = estimate.forces.warning.is_some();
     if is_linear || is_warned || problem.object.is_some() || !(noise_mm > 0.0 && noise_mm.is_finite()) {
-        return Ok(None);
+        return Ok(Profiled::Nothing);
     }
     let mut questions = problem.questions.clone();
     questions[contact].position = Some(ContactPosition::at(length_mm));
     let mut placed = problem.with_questions(&questions)?;
     placed.expect(seen)?;
-    let mut valley = Valley { placed, contact, seen, least_mm2, noise_mm };
-    let mut profile = PositionProfile { contact, ranges: Vec::new() };
+    let mut valley = Valley { placed, contact, seen, least_mm2, noise_mm, better: None };
+    if is_sharp && valley.is_straight(state, sd_mm, &estimate.forces.sigmas_n) {
+        return Ok(Profiled::Nothing);
+    }
+    let is_weak = problem.is_weak(seen.measurement);
+    let mut profile = PositionProfile { contact, is_weak, ranges: Vec::new() };
     for start in [state].into_iter().chain(rivals) {
         if !profile.contains(position_mm(start), &start.forces_n) {
-            profile.ranges.extend(valley.ranges(start, sd_mm)?);
+            match valley.ranges(start, sd_mm) {
+                // The finger has no equilibrium beside a position that is certain.
+                Err(_) if is_sharp => return Ok(Profiled::Nothing),
+                ranges => profile.ranges.extend(ranges?),
+            }
         }
     }
-    if profile.ranges.is_empty() {
-        return Ok(None);
+    if let Some((_, state)) = valley.better.filter(|_| is_weak) {
+        return Ok(Profiled::Better(Box::new(state)));
     }
-    profile.require_determined(&estimate.forces.sigmas_n, &state.forces_n)?;
-    Ok(Some(profile))
+    if profile.ranges.is_empty() {
+        return Ok(Profiled::Nothing);
+    }
+    let at_position_n = profile.best().map(|best| best.sigmas_n[contact]).filter(|_| is_weak);
+    let (certain_n, widest) =
+        at_position_n.map_or((estimate.forces.sigmas_n[contact], WIDEST), |sd_n| (sd_n, WIDEST_HIDDEN));
+    profile.require_determined(certain_n, widest)?;
+    Ok(Profiled::Profile(profile))
+}
+
+/// State of the minimum with one contact (by index) at a position, mm, for a problem in which this position is known. The search starts from `forces_n`
+/// near the state `near`. The history is empty, so the search cannot end because it meets the path of an earlier search.
+///
+/// # Errors
+/// [`SensingError`] if the search fails.
+pub(super) fn minimum_at(
+    placed: &mut ForceProblem,
+    (contact, s_mm): (usize, f64),
+    near: &State,
+    forces_n: &[f64],
+    seen: Seen,
+    mut history: SearchHistory,
+) -> Result<State, SensingError> {
+    let position = ContactPosition::at(s_mm);
+    placed.questions[contact].position = Some(position);
+    let mut contacts = near.contacts.clone();
+    contacts[contact].position = position;
+    let state = state_under(placed, &contacts, forces_n, Some(near)).ok_or(SensingError::NoContact)?;
+    let start = carry_over(placed, State { nuisances: near.nuisances.clone(), ..state }, seen)?;
+    Ok(minimum_near(placed, start, seen, &mut history)?.ok_or(SensingError::NoContact)?.state)
 }
 
 /// Whether forces depend linearly on all unknown positions, according to the linearised standard deviations of these positions.
@@ -107,6 +166,17 @@ fn is_sharp(problem: &ForceProblem, state: &State, estimate: &NonlinearEstimate)
 }
 
 impl Valley<'_, '_> {
+    /// Whether misfit and forces about a minimum depend on the position as on a linear finger.
+    fn is_straight(&mut self, state: &State, sd_mm: f64, sigmas_n: &[f64]) -> bool {
+        let s_mm = state.contacts[self.contact].position_mm(self.placed.finger()).unwrap_or(f64::NAN);
+        let sds = BEYOND.sqrt();
+        let ends = [-sds, sds].map(|sds| self.at(state, state.forces_n.clone(), s_mm + sds * sd_mm));
+        let [Ok((_, below)), Ok((_, above))] = ends else { return false };
+        let grows = |point: &ForcesAt| (point.growth / BEYOND - 1.0).abs() <= STRAIGHT;
+        let bend_n = |j: usize| (0.5 * (below.forces_n[j] + above.forces_n[j]) - state.forces_n[j]).abs();
+        grows(&below) && grows(&above) && (0..sigmas_n.len()).all(|j| bend_n(j) <= BENT * sigmas_n[j])
+    }
+
     /// Connected ranges of positions that explain the measurement, about a minimum and behind ridges on either side. `sd_mm` is the linearised standard
     /// deviation of the position. Empty if the search fails at the minimum itself.
     ///
@@ -189,15 +259,8 @@ impl Valley<'_, '_> {
     /// State and forces of the minimum with the contact at a position. The search starts from `forces_n` near the state `near`.
     fn at(&mut self, near: &State, forces_n: Vec<f64>, s_mm: f64) -> Result<(State, ForcesAt), SensingError> {
         let (i, placed) = (self.contact, &mut self.placed);
-        let position = ContactPosition::at(s_mm);
-        placed.questions[i].position = Some(position);
-        let mut contacts = near.contacts.clone();
-        contacts[i] = Contact { position, ..contacts[i] };
-        let state = state_under(placed, &contacts, &forces_n, Some(near)).ok_or(SensingError::NoContact)?;
-        let start = carry_over(placed, State { nuisances: near.nuisances.clone(), ..state }, self.seen)?;
-        // The history is empty, so the search cannot end because it meets the path of an earlier search.
-        let found = minimum_near(placed, start, self.seen, &mut SearchHistory::default())?;
-        let mut state = found.ok_or(SensingError::NoContact)?.state;
+        let history = SearchHistory::default();
+        let mut state = minimum_at(placed, (i, s_mm), near, &forces_n, self.seen, history)?;
         placed.rescale(&mut state);
         let parts = state.linearised.singular_parts(self.seen.measurement)?;
         let sd = |j: usize| state.linearised.scales[j] * parts.covariance(j, j).sqrt() * self.noise_mm;
@@ -211,6 +274,9 @@ impl Valley<'_, '_> {
             forces_n: state.forces_n.clone(),
             growth,
         };
+        if point.growth < self.better.as_ref().map_or(-BETTER, |(growth, _)| *growth) {
+            self.better = Some((point.growth, state.clone()));
+        }
         Ok((state, point))
     }
 }

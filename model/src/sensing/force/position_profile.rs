@@ -8,6 +8,9 @@ use statrs::distribution::{ContinuousCDF, Normal};
 const BETWEEN: usize = 8;
 /// Ranges of positions are alternatives if the central intervals of this probability of their forces do not overlap.
 const APART: f64 = 0.998;
+/// Probability of a wide interval, and half the width of this interval of a normal distribution, in standard deviations.
+const WIDE: f64 = 0.999;
+const TWO_SIDED_WIDE: f64 = 3.29;
 
 /// Forces that explain a measurement best with the contact at one position.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,6 +76,8 @@ pub(super) fn interval(mixture: &[Component], probability: f64) -> [f64; 2] {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct PositionProfile {
     pub contact: usize,
+    /// Whether hidden markers may leave the position weakly determined.
+    pub is_weak: bool,
     pub ranges: Vec<Vec<ForcesAt>>,
 }
 
@@ -130,12 +135,18 @@ impl PositionProfile {
         answers
     }
 
-    /// Refuses two ranges with different forces, a position that may be anywhere, and a force whose interval, because of the position, is wider than the force.
-    /// `linear_n` are the linearised standard deviations, and `best_n` the forces of the best minimum, N.
+    /// Point with the smallest misfit.
+    pub fn best(&self) -> Option<&ForcesAt> {
+        self.ranges.iter().flatten().min_by(|a, b| a.growth.total_cmp(&b.growth))
+    }
+
+    /// Refuses two ranges with different forces, and a force whose interval is wider than `widest` times the force because its position is uncertain: it
+    /// is then also more than [`CURVED`] times as wide as the interval of the standard deviation `certain_n`, N. A weak force is answered if the noise
+    /// alone makes it uncertain.
     ///
     /// # Errors
     /// [`SensingError`] that names the ranges.
-    pub fn require_determined(&self, linear_n: &[f64], best_n: &[f64]) -> Result<(), SensingError> {
+    pub fn require_determined(&self, certain_n: f64, widest: f64) -> Result<(), SensingError> {
         let (i, contact) = (self.contact, self.contact + 1);
         let intervals_n: Vec<[f64; 2]> =
             (0..self.ranges.len()).map(|k| interval(&PositionProfile::force(&self.ranges[k..=k], i), APART)).collect();
@@ -151,8 +162,9 @@ impl PositionProfile {
         }
         let force_n = interval(&PositionProfile::force(&self.ranges, i), 0.95);
         let position_mm = interval(&PositionProfile::position(&self.ranges), 0.95);
-        let is_by_position = force_n[1] - force_n[0] > 2.0 * CURVED * TWO_SIDED_95 * linear_n[i];
-        if is_by_position && force_n[1] - force_n[0] > best_n[i].abs() {
+        let Some(best) = self.best() else { return Ok(()) };
+        let widest_n = (widest * best.forces_n[i].abs()).max(2.0 * CURVED * TWO_SIDED_95 * certain_n);
+        if force_n[1] - force_n[0] > widest_n {
             return Err(SensingError::WideRange { contact, force_n, position_mm });
         }
         Ok(())
@@ -164,6 +176,12 @@ pub(super) fn spread(mixture: &[Component], from: f64) -> f64 {
     let whole: f64 = mixture.iter().map(|(weight, ..)| weight).sum();
     let square = |(weight, mean, sd): &Component| weight * ((mean - from).powi(2) + sd * sd);
     (mixture.iter().map(square).sum::<f64>() / whole).sqrt()
+}
+
+/// Standard deviation of the normal distribution about a value that has the longer tail of the mixture. A skewed mixture has a longer tail than a normal
+/// distribution of the same [`spread`].
+pub(super) fn tail_sd(mixture: &[Component], from: f64) -> f64 {
+    interval(mixture, WIDE).into_iter().fold(0.0, |sd: f64, limit| sd.max((limit - from).abs() / TWO_SIDED_WIDE))
 }
 
 /// The forces of a range at a position, by interpolation.
