@@ -32,16 +32,16 @@ pub struct Arguments {
     /// Scene file (TOML); - for standard input
     scene: PathBuf,
     /// CSV with node,ux_mm,uy_mm, or from `locate`; - for standard input
-    #[arg(long, help_heading = "Input", value_name = "FILE")]
+    #[arg(long, help_heading = "Input and output", value_name = "FILE")]
     displacements: Option<PathBuf>,
     /// Images (PNG, JPEG), each evaluated alone
-    #[arg(long, help_heading = "Input", value_name = "FILE", num_args = 1..)]
+    #[arg(long, help_heading = "Input and output", value_name = "FILE", num_args = 1..)]
     image: Vec<PathBuf>,
     /// Video (YUV4MPEG2; other files through ffmpeg), every frame
-    #[arg(long, help_heading = "Input", value_name = "FILE")]
+    #[arg(long, help_heading = "Input and output", value_name = "FILE")]
     video: Option<PathBuf>,
     /// Image of the unloaded finger, as for `locate`
-    #[arg(long, help_heading = "Input", value_name = "FILE", conflicts_with = "displacements")]
+    #[arg(long, help_heading = "Input and output", value_name = "FILE", conflicts_with = "displacements")]
     rest: Option<PathBuf>,
     #[command(flatten, next_help_heading = "Question")]
     contacts: Contacts,
@@ -51,20 +51,20 @@ pub struct Arguments {
     /// Network file from `finray train` [default: the shipped network]
     #[arg(long, help_heading = "Estimator", value_name = "FILE")]
     network: Option<PathBuf>,
-    /// Noise of a coordinate, mm [default: the scene's, else the file's, else from the residual]
-    #[arg(long, help_heading = "Input", value_name = "S", value_parser = not_negative)]
+    /// Noise of a coordinate, mm [default: scene, else file, else residual]
+    #[arg(long, help_heading = "Input and output", value_name = "S", value_parser = not_negative)]
     noise_mm: Option<f64>,
     /// Upper bound of the friction coefficient; only for contacts with +-SD
     #[arg(long, help_heading = "Question", value_name = "MU", value_parser = not_negative, default_value_t = 0.0)]
     friction: f64,
     /// Name of the image to evaluate, if the file has several images
-    #[arg(long, help_heading = "Input", value_name = "NAME", conflicts_with_all = ["image", "video"])]
+    #[arg(long, help_heading = "Input and output", value_name = "NAME", conflicts_with_all = ["image", "video"])]
     image_name: Option<String>,
     /// Evaluate every image; write one row per image and contact
-    #[arg(long, help_heading = "Input", conflicts_with_all = ["image_name", "image", "video"])]
+    #[arg(long, help_heading = "Input and output", conflicts_with_all = ["image_name", "image", "video"])]
     all_images: bool,
     /// List the answer in each range of positions
-    #[arg(long, help_heading = "Question", conflicts_with_all = ["all_images", "image", "video"])]
+    #[arg(long, help_heading = "Estimator", conflicts_with_all = ["all_images", "image", "video"])]
     alternatives: bool,
     /// Measured forces, for the direction `measured` (CSV: image,fx_n,fy_n)
     #[arg(long, help_heading = "Question", value_name = "FILE", conflicts_with_all = ["image", "video"])]
@@ -73,7 +73,7 @@ pub struct Arguments {
     #[arg(long, help_heading = "Estimator", value_name = "N")]
     mesh_nodes: Option<usize>,
     /// Result file; - for standard output
-    #[arg(long, value_name = "FILE", default_value = "-")]
+    #[arg(long, help_heading = "Input and output", value_name = "FILE", default_value = "-")]
     out: PathBuf,
 }
 

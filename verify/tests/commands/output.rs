@@ -35,7 +35,9 @@ fn a_file_gets_what_standard_output_gets() {
         let out = folder.put("out.csv", "an older and longer result\n".repeat(10_000));
         assert_eq!(run(&command, &["--out", &out]).done(), "");
         assert_eq!(folder.read("out.csv"), text);
-        assert!(text.ends_with('\n') && Csv::of(&text).rows.iter().flatten().all(|cell| !cell.is_empty()));
+        // Further columns of `sense` are empty for a stated contact.
+        let cells = Csv::of(&text).rows.into_iter().flat_map(|row| row.into_iter().take(3)).collect::<Vec<_>>();
+        assert!(text.ends_with('\n') && cells.iter().all(|cell| !cell.is_empty()));
     }
     assert_eq!(folder.names(), ["measured.csv", "out.csv", "out.svg", "weights.csv"]);
 }
