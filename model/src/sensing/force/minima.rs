@@ -12,7 +12,6 @@ use super::correction::correct;
 use super::largest_explained_rms_mm;
 use super::linearised::Seen;
 use super::object_start::without_object;
-use super::position::minimum_at;
 use super::problem::{ForceProblem, State};
 use super::profile::{Rival, Rivals, find_rivals};
 use super::scan::{Scan, ScannedPoint, least, scan};
@@ -387,4 +386,26 @@ fn search_without_object(problem: &mut ForceProblem, seen: Seen, start: Starting
     let (mut starts, mut history) = (Vec::new(), SearchHistory::default());
     let found = search_from(&mut plain, seen, start, &mut starts, &mut history)?;
     carry_over(problem, found.ok_or(SensingError::NoContact)?.state, seen)
+}
+
+/// State of the minimum with one contact (by index) at a position, mm, for a problem in which this position is known. The search starts from `forces_n`
+/// near the state `near`. With an empty history, it cannot end because it meets the path of an earlier search.
+///
+/// # Errors
+/// [`SensingError`] if the search fails.
+pub(super) fn minimum_at(
+    placed: &mut ForceProblem,
+    (contact, s_mm): (usize, f64),
+    near: &State,
+    forces_n: &[f64],
+    seen: Seen,
+    mut history: SearchHistory,
+) -> Result<State, SensingError> {
+    let position = ContactPosition::at(s_mm);
+    placed.questions[contact].position = Some(position);
+    let mut contacts = near.contacts.clone();
+    contacts[contact].position = position;
+    let state = state_under(placed, &contacts, forces_n, Some(near)).ok_or(SensingError::NoContact)?;
+    let start = carry_over(placed, State { nuisances: near.nuisances.clone(), ..state }, seen)?;
+    Ok(minimum_near(placed, start, seen, &mut history)?.ok_or(SensingError::NoContact)?.state)
 }

@@ -8,11 +8,10 @@
 use super::AS_GOOD;
 use super::estimate::NonlinearEstimate;
 use super::linearised::Seen;
-use super::minima::minimum_near;
+use super::minima::minimum_at;
 use super::position_profile::{ForcesAt, PositionProfile};
 use super::problem::{ForceProblem, State};
 use super::search_history::SearchHistory;
-use super::states::{carry_over, state_under};
 use super::unknowns::Unknown;
 use crate::finger::Plate;
 use crate::sensing::{ContactPosition, SensingError};
@@ -130,28 +129,6 @@ pub(super) fn profile_over_position(
         at_position_n.map_or((estimate.forces.sigmas_n[contact], WIDEST), |sd_n| (sd_n, WIDEST_HIDDEN));
     profile.require_determined(certain_n, widest)?;
     Ok(Profiled::Profile(profile))
-}
-
-/// State of the minimum with one contact (by index) at a position, mm, for a problem in which this position is known. The search starts from `forces_n`
-/// near the state `near`. The history is empty, so the search cannot end because it meets the path of an earlier search.
-///
-/// # Errors
-/// [`SensingError`] if the search fails.
-pub(super) fn minimum_at(
-    placed: &mut ForceProblem,
-    (contact, s_mm): (usize, f64),
-    near: &State,
-    forces_n: &[f64],
-    seen: Seen,
-    mut history: SearchHistory,
-) -> Result<State, SensingError> {
-    let position = ContactPosition::at(s_mm);
-    placed.questions[contact].position = Some(position);
-    let mut contacts = near.contacts.clone();
-    contacts[contact].position = position;
-    let state = state_under(placed, &contacts, forces_n, Some(near)).ok_or(SensingError::NoContact)?;
-    let start = carry_over(placed, State { nuisances: near.nuisances.clone(), ..state }, seen)?;
-    Ok(minimum_near(placed, start, seen, &mut history)?.ok_or(SensingError::NoContact)?.state)
 }
 
 /// Whether forces depend linearly on all unknown positions, according to the linearised standard deviations of these positions.
