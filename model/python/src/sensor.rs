@@ -162,13 +162,15 @@ fn of_refusal(refusal: Refusal) -> PyErr {
 pub struct Alternative {
     /// Number of the contact, from 0.
     contact: usize,
-    /// Best position, mm from the base, and limits of its 95 % interval within this answer.
+    /// Best position, mm from the base.
     s_mm: f64,
+    /// Limits of the 95 % interval of the position within this answer, mm from the base.
     s_interval_mm: (f64, f64),
     /// Direction of the force, degrees from the inward normal of the undeformed plate.
     angle_deg: f64,
-    /// Force, N, and limits of its 95 % interval within this answer.
+    /// Force, N.
     force_n: f64,
+    /// Limits of the 95 % interval of the force within this answer, N.
     interval_n: (f64, f64),
     /// Excess of the misfit over that of the best answer, in variances of the noise.
     excess_misfit: f64,

@@ -1,8 +1,12 @@
 //! `sense` on image files and videos: the forces of `locate` and `sense` in two steps, frame by frame.
 
 use super::CAMERA;
-use super::video::{images, yuv4mpeg2};
+use super::video::{images, whole, yuv4mpeg2};
 use crate::kit::*;
+use finray_files::DecodedVideo;
+use finray_files::frames::{FrameReader, VideoFrame};
+use image::RgbImage;
+use std::io::BufReader;
 use std::path::Path;
 use std::process::Command;
 
@@ -12,7 +16,7 @@ const COLUMNS: [&str; 5] = ["s_mm", "angle_deg", "force_n", "sigma_n", "contact"
 
 /// The images as files.
 fn files(folder: &Folder) -> Vec<String> {
-    let named = |(i, image): (usize, image::RgbImage)| {
+    let named = |(i, image): (usize, RgbImage)| {
         let path = folder.path(&format!("{i}.png"));
         image.save(&path).expect("an image");
         path
@@ -86,11 +90,35 @@ fn ffmpeg(arguments: &[&str]) -> bool {
     }
 }
 
+/// Largest difference of a channel, averaged over the inside of the back plate's markers, between an image and its decoded frame. Chroma that pixels
+/// share accounts for 5 levels; colours decoded with the other matrix differ by 15.
+const COLOUR: f64 = 8.0;
+
+/// Difference between the channels of an image and those of the first frame of a video, averaged over the pixels with the colour of the back plate's
+/// markers.
+fn colour_error(image: &RgbImage, path: &str) -> [f64; 3] {
+    let video = DecodedVideo::open(Path::new(path)).expect("ffmpeg");
+    let mut reader = FrameReader::yuv4mpeg2(BufReader::new(video)).expect("a stream");
+    let mut frame = VideoFrame::new(reader.layout());
+    assert!(reader.read(&mut frame).expect("a frame"));
+    let decoded = whole(&frame);
+    let is_red =
+        |pixel: &image::Rgb<u8>| pixel.0.iter().zip([198, 52, 44]).all(|(found, red)| found.abs_diff(red) < 14);
+    let inside: Vec<_> = image.pixels().zip(decoded.pixels()).filter(|(pixel, _)| is_red(pixel)).collect();
+    assert!(inside.len() > 1000, "{} pixels", inside.len());
+    [0, 1, 2].map(|k| {
+        let difference =
+            |(image, decoded): &(&image::Rgb<u8>, &image::Rgb<u8>)| f64::from(decoded.0[k]) - f64::from(image.0[k]);
+        inside.iter().map(difference).sum::<f64>() / inside.len() as f64
+    })
+}
+
 /// Videos of other formats are decoded by `ffmpeg`, with colours of either matrix.
 #[test]
 fn ffmpeg_decodes_other_videos() {
     let folder = Folder::new();
-    let source = folder.put("video.y4m", yuv4mpeg2(&images(&folder, &FORCES_N), "444", [1, 1], false));
+    let images = images(&folder, &FORCES_N);
+    let source = folder.put("video.y4m", yuv4mpeg2(&images, "444", [1, 1], false));
     for (matrix, filter) in [("bt601", "null"), ("bt709", "scale=out_color_matrix=bt709")] {
         let tag = if matrix == "bt601" { "smpte170m" } else { matrix };
         let path = folder.path(&format!("-{matrix}: phone.mp4"));
@@ -98,6 +126,8 @@ fn ffmpeg_decodes_other_videos() {
         if !ffmpeg(&[&coded[..], &[&format!("file:{path}")]].concat()) {
             return;
         }
+        let error = colour_error(&images[0], &path);
+        assert!(error.iter().all(|channel| channel.abs() < COLOUR), "{matrix}: {error:?}");
         // Errors of compression exceed the noise that `locate` states for each marker.
         assert_frames(&path, &["--noise-mm", "0.01"], 0.02);
     }
