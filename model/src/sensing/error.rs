@@ -107,8 +107,8 @@ pub enum SensingError {
         contact: usize,
         /// Smallest and largest force in each range, N.
         forces_n: [[f64; 2]; 2],
-        /// Ends of each range, mm from the base.
-        positions_mm: [[f64; 2]; 2],
+        /// Ends of each range, mm from the base. In a box, so that results that may hold this error stay small.
+        positions_mm: Box<[[f64; 2]; 2]>,
         /// The answer in every range, the best first.
         alternatives: Vec<Alternative>,
     },

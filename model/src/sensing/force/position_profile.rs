@@ -156,7 +156,7 @@ impl PositionProfile {
             return Err(SensingError::TwoRanges {
                 contact,
                 forces_n: [intervals_n[0], intervals_n[k]],
-                positions_mm: [ends_mm(&self.ranges[0]), ends_mm(&self.ranges[k])],
+                positions_mm: Box::new([ends_mm(&self.ranges[0]), ends_mm(&self.ranges[k])]),
                 alternatives: self.alternatives(),
             });
         }
