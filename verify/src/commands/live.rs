@@ -37,7 +37,7 @@ pub struct Arguments {
     /// Name and scene of each finger, if frames show several fingers
     #[arg(long, help_heading = "Input", value_name = "NAME=SCENE", value_parser = named_scene, num_args = 1.., conflicts_with = "scene")]
     finger: Vec<(String, PathBuf)>,
-    /// Video (YUV4MPEG2, raw, or by ffmpeg) or positions (JSON, CSV)
+    /// Video (YUV4MPEG2, raw, ffmpeg) or positions (JSON, CSV)
     #[arg(long, help_heading = "Input", value_name = "FILE", default_value = "-")]
     input: PathBuf,
     /// Images (PNG, JPEG) instead of a stream, in order of time
