@@ -24,7 +24,8 @@
 //!    unknowns with priors, and widen the forces here. sigma^2 is the force's diagonal entry, plus 0.75 (variance across / f)^2 for an unknown direction.
 //! 6. Widening by what the linearisation does not see (`sensing::force::estimator`), with the growth g of Q / t^2 towards other forces:
 //!    - one unknown position: if the position is poorly determined, the forces over all positions are a mixture with weights exp(-g / 2), and the interval
-//!      follows from its quantiles (`position`, `position_profile`). Otherwise other minima add exp(-g / 2) (change of the force)^2, and other positions
+//!      follows from its quantiles (`position`, `position_profile`). While markers are hidden and few are seen, sigma is at least the farther 99.9 %
+//!      limit of the mixture divided by the quantile of a normal distribution. Otherwise other minima add exp(-g / 2) (change of the force)^2, and other positions
 //!      raise sigma^2 to (change)^2 / max(1, g) where that exceeds 1.5^2 sigma^2 (`alternatives`);
 //!    - few coordinates and known contacts: sigma^2 along each axis of the covariance times 9 / g at three standard deviations (`linear_range`);
 //!    - friction: the mean square change of the force at leans of +-sqrt(3) standard deviations, beyond its linear part (`leaning`);

@@ -1,6 +1,6 @@
 //! Video files of any format, decoded by the program `ffmpeg`.
 
-use std::io::{self, BufReader, ErrorKind, Read};
+use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 use std::process::{Child, ChildStdout, Command, Stdio};
 use std::thread::{self, JoinHandle};
@@ -9,16 +9,13 @@ use std::thread::{self, JoinHandle};
 /// frames of a variable rate so that the rate of the stream holds, and converts colours to those of ITU-R BT.601 with a limited range, which
 /// [`FrameReader`](crate::frames::FrameReader) expects.
 ///
-/// The end of the stream is an error if `ffmpeg` failed.
+/// Reads are not buffered. The end of the stream is an error if `ffmpeg` failed.
 pub struct DecodedVideo {
     decoder: Child,
-    stream: BufReader<ChildStdout>,
+    stream: ChildStdout,
     /// Reads the messages of `ffmpeg` and returns the last line.
     messages: Option<JoinHandle<String>>,
 }
-
-/// Bytes read at once.
-const AT_ONCE: usize = 1 << 16;
 
 impl DecodedVideo {
     /// Starts to decode a file.
@@ -56,7 +53,7 @@ impl DecodedVideo {
             text.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or("no message").to_owned()
         };
         let messages = Some(thread::Builder::new().spawn(last_line)?);
-        Ok(DecodedVideo { decoder, stream: BufReader::with_capacity(AT_ONCE, stream), messages })
+        Ok(DecodedVideo { decoder, stream, messages })
     }
 }
 

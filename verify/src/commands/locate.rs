@@ -37,7 +37,6 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let Arguments { scene: path, image, rest, out } = arguments;
     require_one_standard_input([path].into_iter().chain(image).chain(rest))?;
-    image_names(image)?;
     let images = Images { scene: path, images: image, rest: rest.as_deref() };
     let seen = images.located(&load_scene(path)?)?;
     write_file(out, &observations::to_csv(&seen)?)?;
