@@ -24,7 +24,8 @@ pub enum FingerKind {
     FilletedBase,
     /// One piece with fillets that meet on a rib.
     MeetingFillets,
-    /// One piece with a rib whose junction is nearer than three plate thicknesses to the base.
+    /// One piece with a rib near the base: the plate's first member is shorter than three thicknesses or, with inclined ribs, free of corners and
+    /// fillets over less than two thicknesses.
     RibNearBase,
     /// One piece with ribs at less than 35 degrees from a plate.
     InclinedRibs,
@@ -36,7 +37,7 @@ pub enum FingerKind {
 
 impl FingerKind {
     /// Relative standard deviation of a sensed force due to the errors of beam theory, dimensionless: root mean square errors on 400 random solids,
-    /// rounded up. 200 others judge them; only the value of [`FingerKind::ZigzagRibs`] includes these (`fixtures/solids/README.md`). Zero for [`FingerKind::Beams`], which describe no solid.
+    /// rounded up. 350 others judge them; only the value of [`FingerKind::ZigzagRibs`] includes these (`fixtures/solids/README.md`). Zero for [`FingerKind::Beams`], which describe no solid.
     pub const fn model_error(self) -> f64 {
         match self {
             FingerKind::Beams => 0.0,

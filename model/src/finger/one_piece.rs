@@ -20,8 +20,10 @@ const YIELD_OF_PLATE: f64 = 0.1;
 /// Arm of a plate at a clamp that holds its whole section, relative to the plate's thickness: the arm at Poisson's ratio 0.4, and its slope in
 /// Poisson's ratio. A clamp also prevents the change of thickness, which stiffens a plate the more the larger Poisson's ratio is.
 const CLAMP: [f64; 2] = [0.021, 0.29];
-/// Length of a plate's first member, in thicknesses, below which a finger is one of [`FingerKind::RibNearBase`].
+/// A finger is one of [`FingerKind::RibNearBase`] if a plate's first member is shorter than this, in thicknesses, or, with inclined ribs, if the part
+/// of this member between its corners and fillets is shorter than `FREE_AT_BASE` thicknesses.
 const NEAR_BASE: f64 = 3.0;
+const FREE_AT_BASE: f64 = 2.0;
 /// Largest angle between two members that form a corner, rad. Beyond, as between the two sides of a plate, the outer faces are in line.
 const LARGEST_CORNER: f64 = 3.05;
 /// Panels of the quadrature between two kinks of fillets.
@@ -372,9 +374,16 @@ impl OnePiece {
         let largest_mm = corners().map(|corner| corner.radius_mm).fold(0.0, f64::max);
         let fillets_meet =
             |piece: &Piece| largest_mm > 0.0 && piece.plate.is_none() && piece.taken_mm(1.0) >= piece.length_mm;
+        for piece in pieces.iter_mut().filter(|piece| piece.plate.is_some() && finger.is_clamped(piece.nodes[0])) {
+            piece.add_corners_of_base(finger, fillets.base_mm);
+        }
+        let has_single_inclined_ribs = finger.has_inclined_ribs() && !finger.has_shared_junctions();
         let is_near_base = |piece: &Piece| {
             let from_base = piece.plate.is_some() && piece.length_mm > 0.0 && finger.is_clamped(piece.nodes[0]);
-            from_base && piece.length_mm < NEAR_BASE * piece.thickness_mm[0]
+            let is_shorter = |length_mm: f64, thicknesses: f64| length_mm < thicknesses * piece.thickness_mm[0];
+            let free_mm = piece.length_mm - piece.taken_mm(1.0);
+            let is_hardly_free = has_single_inclined_ribs && is_shorter(free_mm, FREE_AT_BASE);
+            from_base && (is_shorter(piece.length_mm, NEAR_BASE) || is_hardly_free)
         };
         let kind = match (finger.has_shared_junctions(), finger.has_inclined_ribs()) {
             _ if pieces.iter().any(is_near_base) => FingerKind::RibNearBase,
@@ -385,9 +394,6 @@ impl OnePiece {
             _ if fillets.base_mm > 0.0 => FingerKind::FilletedBase,
             _ => FingerKind::OnePiece,
         };
-        for piece in pieces.iter_mut().filter(|piece| piece.plate.is_some() && finger.is_clamped(piece.nodes[0])) {
-            piece.add_corners_of_base(finger, fillets.base_mm);
-        }
         check_room(finger, fillets, &pieces)?;
         merge_before_tip(finger, &mut pieces);
         let members = |plate| {
