@@ -5,20 +5,22 @@
 
 use super::random_fingers::random_finger;
 use finray_model::finger::Plate;
-use finray_model::measurement::Measurement;
+use finray_model::measurement::{BaseUncertainty, Marker, Measurement};
 use finray_model::observation::{Observation, ObservedMarker};
 use finray_model::sensing::{
-    Alternative, Contact, ContactQuestion, Direction, NonlinearEstimate, SensingError, sense_refining,
+    Alternative, Contact, ContactQuestion, Direction, Lean, NonlinearEstimate, Normal, SensingError, sense_refining,
 };
 use finray_model::sensor::{Sensor, SensorContacts, SensorOptions};
-use finray_model::{Finger, Kinematics, Mesh, NodeId, Scene};
+use finray_model::{Finger, Kinematics, Mesh, NodeId, Scene, Vector};
 use finray_tests::{
     CAMERA_NOISE_MM, STANDARD_ERRORS, TWO_SIDED_95, at_position, case_count, noisy, paper, random_stream, seen,
     share_error,
 };
+use nalgebra::Rotation2;
 use rand::RngExt;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 /// Number of elements of the mesh of the true shape, which is finer than the meshes that sense.
@@ -26,8 +28,21 @@ const ELEMENTS: usize = 600;
 /// A result without a warning counts as wrong beyond this number of standard deviations; by chance, one of 16 000 normal errors is.
 const WRONG_SIGMAS: f64 = 4.0;
 const CHANCE: f64 = 6.3e-5;
+/// Standard deviation of the lean between force and normal, degrees: friction between 0 and about 0.6.
+const FRICTION_SD_DEG: f64 = 9.0;
 /// Every finger has at least this number of markers in view.
 const LEAST_MARKERS: usize = 4;
+
+/// What is known of a force at an unknown position.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Knows {
+    Direction,
+    Nothing,
+    /// The direction up to a lean with a prior.
+    Friction,
+    /// The direction; the pose of the base has a prior.
+    DirectionOnBase,
+}
 
 /// Forces on a finger at positions that the estimator does not know. Some markers are hidden.
 struct Hidden {
@@ -52,9 +67,19 @@ fn hide(clean: &Measurement, count: usize, rng: &mut ChaCha8Rng) -> Measurement 
     clean.clone().without(&nodes)
 }
 
+/// The measurement of a finger on a base that has moved and turned.
+fn moved(finger: &Finger, seen: &Measurement, by: Vector, turn_rad: f64) -> Measurement {
+    let turn = Rotation2::new(turn_rad);
+    let marker = |marker: &Marker| {
+        let at = finger.marker_position(marker.node) + marker.displacement;
+        Marker { displacement: turn * at + by - finger.marker_position(marker.node), ..*marker }
+    };
+    Measurement::new(finger, seen.markers().iter().map(marker)).expect("markers of the finger")
+}
+
 impl Hidden {
     /// Draws until a finger has an equilibrium under its forces, which deflect it by 0.3 to 16 % of its length.
-    fn drawn(rng: &mut ChaCha8Rng, contact_count: usize, is_direction_known: bool) -> Hidden {
+    fn drawn(rng: &mut ChaCha8Rng, contact_count: usize, knows: Knows) -> Hidden {
         loop {
             let finger = random_finger(rng);
             let length_mm = finger.plate_length_mm(Plate::Front);
@@ -79,10 +104,21 @@ impl Hidden {
             let least = LEAST_MARKERS as f64;
             let count = (least * (most / least).powf(rng.random_range(0.0..1.0))).round() as usize;
             let noise_mm = 10.0_f64.powf(rng.random_range(-1.7..-1.0));
-            let measurement = noisy(&hide(&clean, count, rng), noise_mm, rng);
-            let direction = |contact: &Contact| match is_direction_known {
-                true => Direction::Angle(contact.angle_deg),
-                false => Direction::Auto,
+            let mut measurement = noisy(&hide(&clean, count, rng), noise_mm, rng);
+            let mut normal = || -> f64 { StandardNormal.sample(rng) };
+            if knows == Knows::DirectionOnBase {
+                let base = BaseUncertainty { sd_mm: 0.2, sd_rad: 0.003, ..BaseUncertainty::default() };
+                let (by, turn) = (Vector::new(normal(), normal()) * base.sd_mm, base.sd_rad * normal());
+                measurement = moved(&finger, &measurement, by, turn).with_base(base);
+            }
+            let mut direction = |contact: &Contact| match knows {
+                Knows::Direction | Knows::DirectionOnBase => Direction::Angle(contact.angle_deg),
+                Knows::Nothing => Direction::Auto,
+                Knows::Friction => {
+                    let angle_deg = contact.angle_deg - FRICTION_SD_DEG * normal();
+                    let lean = Lean { angle_deg, sd_deg: FRICTION_SD_DEG, from: Normal::Undeformed, ..Lean::NONE };
+                    Direction::Leaning(lean)
+                }
             };
             let questions = contacts.iter().map(|contact| ContactQuestion::new(None, direction(contact))).collect();
             return Hidden { finger, contacts, forces_n, questions, measurement, noise_mm };
@@ -181,11 +217,11 @@ impl Tally {
 }
 
 /// Senses random cases of a stream of random numbers.
-fn study(seed: u64, cases: usize, contact_count: usize, is_direction_known: bool) -> Tally {
+fn study(seed: u64, cases: usize, contact_count: usize, knows: Knows) -> Tally {
     let outcomes: Vec<_> = (0..cases)
         .into_par_iter()
         .map(|i| {
-            let case = Hidden::drawn(&mut random_stream(seed, i as u64), contact_count, is_direction_known);
+            let case = Hidden::drawn(&mut random_stream(seed, i as u64), contact_count, knows);
             let sensed = case.sensed();
             (case, sensed)
         })
@@ -193,7 +229,7 @@ fn study(seed: u64, cases: usize, contact_count: usize, is_direction_known: bool
     let mut tally = Tally::default();
     outcomes.iter().enumerate().for_each(|(number, (case, sensed))| tally.add(number, case, sensed));
     println!(
-        "{cases} cases of {contact_count}, direction known: {is_direction_known}: {} refused, {} warned, intervals hold {:.4}, 1.96 sigma {:.4}, positions \
+        "{cases} cases of {contact_count}, {knows:?}: {} refused, {} warned, intervals hold {:.4}, 1.96 sigma {:.4}, positions \
          {:.4}, {} beyond {WRONG_SIGMAS} sigma, {} of {} refusals with two ranges hold",
         tally.refused,
         tally.warned,
@@ -230,14 +266,16 @@ fn assert_right(tally: &Tally, most_refused: f64) {
 #[test]
 fn forces_at_unknown_positions_are_covered_while_markers_are_hidden() {
     let cases = case_count(60, 1000);
-    let [known, unknown] = [true, false].map(|is_known| study(seed() + u64::from(!is_known), cases, 1, is_known));
-    assert_right(&known, 0.2);
-    assert_right(&unknown, 0.5);
+    let known = [(Knows::Direction, 0.2), (Knows::Nothing, 0.5), (Knows::Friction, 0.4), (Knows::DirectionOnBase, 0.4)];
+    let tallies = known.map(|(knows, most_refused)| {
+        (study(seed() + u64::from(knows != Knows::Direction), cases, 1, knows), most_refused)
+    });
+    tallies.iter().for_each(|(tally, most_refused)| assert_right(tally, *most_refused));
 }
 
 #[test]
 fn two_forces_at_unknown_positions_are_not_wrong_in_silence() {
-    let tally = study(seed() + 2, case_count(30, 300), 2, true);
+    let tally = study(seed() + 2, case_count(30, 300), 2, Knows::Direction);
     let by_chance = CHANCE * tally.errors.len() as f64;
     assert!(tally.wrong() as f64 <= by_chance + STANDARD_ERRORS * by_chance.sqrt(), "{} are wrong", tally.wrong());
 }
@@ -245,8 +283,8 @@ fn two_forces_at_unknown_positions_are_not_wrong_in_silence() {
 /// A refusal with two ranges once stated no answers.
 #[test]
 fn a_refusal_with_two_ranges_states_the_answer_in_each() {
-    for (number, seed, is_direction_known) in [(39, 7501, true), (886, 7501, true)] {
-        let case = Hidden::drawn(&mut random_stream(seed, number), 1, is_direction_known);
+    for (number, seed) in [(39, 7501), (886, 7501)] {
+        let case = Hidden::drawn(&mut random_stream(seed, number), 1, Knows::Direction);
         let Err(SensingError::TwoRanges { alternatives, .. }) = case.sensed() else { panic!("two ranges") };
         assert!(alternatives.len() > 1, "{alternatives:?}");
         assert!(alternatives[0].excess == 0.0 && alternatives.iter().all(|it| it.excess <= 9.0), "{alternatives:?}");
@@ -263,11 +301,10 @@ fn a_refusal_with_two_ranges_states_the_answer_in_each() {
 /// for 0.76 N, 175.4 +- 2.1 N for 488 N, 2.71 +- 0.08 N for 3.10 N, 298.4 +- 1.1 N for 1017 N, and 6.6 +- 0.8 N for 10.2 N.
 #[test]
 fn a_minimum_behind_a_ridge_or_a_skewed_force_is_not_wrong_in_silence() {
-    for (number, is_direction_known) in
-        [(896, true), (312, true), (769, false), (800, false), (807, false), (963, false)]
+    let (known, unknown) = (Knows::Direction, Knows::Nothing);
+    for (number, knows) in [(896, known), (312, known), (769, unknown), (800, unknown), (807, unknown), (963, unknown)]
     {
-        let case =
-            Hidden::drawn(&mut random_stream(7501 + u64::from(!is_direction_known), number), 1, is_direction_known);
+        let case = Hidden::drawn(&mut random_stream(7501 + u64::from(knows != known), number), 1, knows);
         match case.sensed() {
             Ok(found) => {
                 let error = (found.forces.forces_n[0] - case.forces_n[0]) / found.forces.sigmas_n[0];

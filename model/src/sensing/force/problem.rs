@@ -254,9 +254,10 @@ impl<'m> ForceProblem<'m> {
         (0..self.questions.len()).filter(|&i| self.questions[i].position.is_none()).collect()
     }
 
-    /// Whether hidden markers may leave the only unknown position weakly determined: few coordinates are measured, and no object and no prior confines it.
+    /// Whether hidden markers may leave the only unknown position weakly determined: few coordinates are measured, and no object
+    /// confines it.
     pub fn is_weak(&self, measurement: &Measurement) -> bool {
-        let is_alone = self.object.is_none() && self.unplaced().len() == 1 && self.priors.count() == 0;
+        let is_alone = self.object.is_none() && self.unplaced().len() == 1;
         let hides_markers = measurement.markers().len() < self.finger().marked_nodes().len();
         is_alone && hides_markers && measurement.coordinate_count() < FEW_COORDINATES
     }
