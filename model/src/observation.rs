@@ -219,7 +219,7 @@ impl Observation {
 }
 
 /// Options for the conversion of an observation, for sensing and for calibration. The problem of a calibration (`sensing::force::pressed`) has the
-/// unknowns force, position, direction and base only: `for_sensing` adds what states others.
+/// unknowns force, position, direction and base only. Uncertainties of other unknowns are added in `for_sensing`, not in `Reading::of`.
 struct Reading {
     /// Factor on the standard deviations of the markers, and calibration error.
     errors: MarkerErrors,

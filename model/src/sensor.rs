@@ -4,33 +4,36 @@
 //! warnings, or refuses it with a reason. An observation comes from an image, a table or a simulation.
 //!
 //! # From the noise of a marker to the interval of a force
-//! The chain for the estimator `nonlinear`, with every formula, in the order of the computation. Squares add: `hypot(a, b)` = sqrt(a^2 + b^2).
-//! 0. `sigma_mm` of a marker in an image (`finray_imaging::locate`): `Search::disc` of coloured markers or `rim::measured` of grey ones (residuals of the
-//!    pixels, least values for blur and size), times the `wider` of its plate and with motion blur (`together::located`, `rim_locator::located`), and
-//!    hypot with the image of the unloaded finger (`Observer::marker`). `marker_sigma_mm` is the same without the error of a base that is seen in the
-//!    image. With rest frames, [`RestPositions::displaced`] adds the error of their mean.
+//! The chain for the estimator `nonlinear`, in the order of the computation, from step 1 with every formula. Squares add: `hypot(a, b)` = sqrt(a^2 + b^2).
+//! 0. `sigma_mm` of a marker in an image (`finray_imaging::locate`). Coloured markers: `Search::disc` (residuals of the pixels, hypot least values for blur
+//!    and size), times the `wider` of its plate, hypot motion blur (`together`), widened where something covers its rim (`UsualCover::widened_mm`). Grey
+//!    markers: `RimLocator::named` (one `wider` for all, cover) and `Rim::combined` (both edges), hypot the base that is seen in the image. Then hypot the
+//!    image of the unloaded finger (`Observer::marker`). `marker_sigma_mm` is the same without the error of the base.
 //! 1. Stated noise x of one coordinate, mm: [`SensorOptions::noise_mm`] (`--noise-mm`), else `noise_mm` of `[camera]`, for all markers. Without
-//!    it, each marker has the standard deviation of the observation (`sigma_mm` of a table).
+//!    it, each marker has the standard deviation of the observation: `sigma_mm`, or `marker_sigma_mm` if the base is estimated. With n rest frames, a stated
+//!    noise is multiplied by sqrt(1 + 1/n); [`RestPositions::displaced`] adds the error of their mean to unstated noise, or their scatter states the noise.
 //! 2. [`Observation::for_sensing`]: m = hypot(`noise_factor` x, `model_error_mm`) with the two keys of `[markers]` (1 and 0 without them), in
 //!    `MarkerErrors::sd_mm` of [`measurement`](crate::measurement), the place for a further term of every marker. Markers
 //!    with own standard deviations m_i have m = their root mean square, and the weight w_i = m / m_i; else w_i = 1.
 //! 3. `beam_theory`: b = 0.34 `model_error` (largest displacement); m becomes hypot(m, b), and w_i follows. `model_error` is the scene's, see
 //!    [`Scene::model_error`](crate::scene::Scene). The result is the `marker_noise_mm` of the estimator, which scales priors and decides which minima explain the markers.
-//! 4. [`ResidualTest`](crate::sensing::ResidualTest): r = sqrt(Q / f), with the sum of squares Q of weighted residuals, priors and conditions of
-//!    an object, and f = their number less the number of unknowns. The trusted noise t is m, or r if chi-squared rejects m (p < 0.01). Without a
-//!    stated noise, or with a zero one, t = r t_0.975(f) / 1.96 with Student's quantile.
-//! 5. `sensing::force::assessment`: the covariance of the unknowns is t^2 (A^T A)^-1. A has one row for each coordinate (derivative times w_i, times
-//!    the factor below 1 of an outlier), prior and condition of an object. Poses of base and object, leans and errors of the assembly are
-//!    unknowns with priors, and widen the forces here. sigma^2 is the force's diagonal entry, plus 0.75 (variance across / f)^2 for an unknown direction.
+//! 4. [`ResidualTest`](crate::sensing::ResidualTest): r = sqrt(Q / n), with the sum of squares Q of weighted residuals, priors and conditions of
+//!    an object, and n = their number less the number of unknowns. A residual d beyond 4.5 m is multiplied by 4.5 m / d, with its derivatives
+//!    (`sensing::force::linearised`). The trusted noise t is m, or r if chi-squared rejects m (p < 0.01). Without a
+//!    stated noise, or with a zero one, t = r t_0.975(n) / 1.96 with Student's quantile.
+//! 5. `sensing::force::assessment`: the covariance of the unknowns is t^2 (A^T A)^-1. A has one row for each coordinate (derivative times w_i), prior and
+//!    condition of an object. Poses of base and object, leans and errors of the assembly are
+//!    unknowns with priors, and widen the forces here. sigma^2 is the force's diagonal entry, plus 0.75 (variance across / F)^2 for an unknown direction of a force F.
 //! 6. Widening by what the linearisation does not see (`sensing::force::estimator`), with the growth g of Q / t^2 towards other forces:
-//!    - one unknown position: if the position is poorly determined, the forces over all positions are a mixture with weights exp(-g / 2), and the interval
-//!      follows from its quantiles (`position`, `position_profile`). While markers are hidden and few are seen, sigma is at least the farther 99.9 %
-//!      limit of the mixture divided by the quantile of a normal distribution. Otherwise other minima add exp(-g / 2) (change of the force)^2, and other positions
-//!      raise sigma^2 to (change)^2 / max(1, g) where that exceeds 1.5^2 sigma^2 (`alternatives`);
+//!    - one unknown position: if the position is poorly determined, the forces over all positions are a mixture with weights (length of plate) exp(-g / 2),
+//!      and the interval follows from its quantiles, at least the linearised interval (`position`, `position_profile`). While markers are hidden and fewer than
+//!      20 are seen, sigma is at least the distance of the farther 99.9 % limit of the mixture, divided by 3.29. Otherwise the other minimum that widens most adds
+//!      exp(-g / 2) (change of the force)^2, and other positions with g <= 9 raise sigma^2 to (change)^2 / max(1, g) where that exceeds 1.5^2 sigma^2
+//!      (`alternatives`);
 //!    - few coordinates and known contacts: sigma^2 along each axis of the covariance times 9 / g at three standard deviations (`linear_range`);
 //!    - friction: the mean square change of the force at leans of +-sqrt(3) standard deviations, beyond its linear part (`leaning`);
 //!    - mesh: a third of the last change by refinement, or all of it if the mesh has not converged (`refine`).
-//! 7. [`Estimate`](crate::sensing::Estimate): a misfit with p < 1e-7 multiplies sigma by sqrt(m^2 + 2.5^2 f (r^2 - m^2)) / r. Then sigma becomes
+//! 7. [`Estimate`](crate::sensing::Estimate): a misfit with p < 1e-7 multiplies sigma by sqrt(m^2 + 2.5^2 n (r^2 - m^2)) / r; frames of a stream are refused at p < 1e-4 ([`StreamSensor`]). Then sigma becomes
 //!    hypot(sigma, `force_error` F, `model_error` F) for a force F, with `force_error` of `[contact]`.
 //! 8. [`SensedForce::interval_n`]: F -+ 1.96 sigma, or the quantiles of the mixture, widened as sigma is.
 
@@ -334,7 +337,7 @@ impl Sensor {
     }
 
     /// Estimates the forces of displacements in the finger frame, like [`sense_near`](Sensor::sense_near). `marker_noise_mm` is the standard
-    /// deviation of one coordinate of weight 1, mm, including all errors of the markers; `None` if it is unknown. The scene's object and assembly
+    /// deviation of one coordinate of weight 1, mm, before the error of beam theory; `None` if it is unknown. The scene's object and assembly
     /// errors, whose place depends on an image, are left out.
     ///
     /// # Errors

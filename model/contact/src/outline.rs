@@ -36,13 +36,14 @@ pub enum OutlineError {
 
 /// Largest admissible distance of a corner from the object's reference point, mm.
 const FARTHEST_MM: f64 = 1e4;
-/// Number of corners of a drawn disc.
+/// Number of corners of a disc in drawings only.
 const DRAWN_CORNERS: usize = 90;
 /// Tolerance of the relative difference between the area of an outline and the total area of its triangles. Only an outline that crosses itself
 /// exceeds this tolerance.
 const AREA_TOLERANCE: f64 = 1e-9;
 
-/// Outline of an object in its own frame, mm: corners, with a radius about each.
+/// Outline of an object in its own frame, mm: either one corner with a radius (a disc), or three or more corners with radius 0 (a polygon). Polygons with
+/// rounded corners are not supported, because sides ignore the radius.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactOutline {
     /// Corners, counter-clockwise, mm; for a disc, only its centre.

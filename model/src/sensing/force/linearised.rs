@@ -11,7 +11,7 @@ use crate::sensing::{LARGEST_SPAN, SensingError};
 use nalgebra::DMatrix;
 use std::sync::Arc;
 
-/// A marker is down-weighted if its residual exceeds this many standard deviations (Cauchy's weight).
+/// A marker is down-weighted if its residual exceeds this many standard deviations.
 const OUTLIER_SIGMAS: f64 = 4.5;
 /// Ratio of the median of a Rayleigh distribution to the standard deviation of one coordinate.
 const RAYLEIGH_MEDIAN: f64 = 1.177_410_022_515_474_6;

@@ -139,9 +139,9 @@ impl MarkerRates<'_, '_> {
     }
 
     fn by_turn_of_base(&mut self, points: &[MarkerPoint], rates: &mut [Vector]) -> Result<(), LoadError> {
-        let base = self.nuisances.base;
         for (rate, point) in rates.iter_mut().zip(points) {
-            *rate = quarter_turn(base.rotation * (point.rest + self.motion.displacements[point.node]));
+            let at = point.rest + self.motion.displacements[point.node];
+            *rate = marker_displacement(self.nuisances, quarter_turn(at));
         }
         // In the frame of the rotated base, a force of known direction rotates opposite to the base.
         for (force, _) in self.forces.iter().zip(self.questions).filter(|(_, q)| q.direction.stated_deg().is_some()) {

@@ -7,7 +7,9 @@
 //! estimate is not reported. `pressed` also names `Unknown::Base`, to order the columns of a calibration. All other files
 //! treat a nuisance parameter (an unknown without a contact) alike: the compiler names each `match` that lacks it, and where a `match` ends with `_`,
 //! the last arm is right for it. An unknown whose displacement of a marker depends on the shape has no [`fixed_pattern`](super::marker_motion::fixed_pattern). A search for another
-//! minimum starts from the expected value of each nuisance parameter, except for the base (`minima`).
+//! minimum starts from the expected value of each nuisance parameter, except for the base (`minima`). Any prior makes the search seek rivals on the linear
+//! finger less exactly (`priors.count()` in `profile` and `minima`). A constant of the image that a displacement needs belongs into the variant: `expect` then
+//! forgets earlier states.
 
 use crate::finger::{Finger, Plate};
 use crate::measurement::{BaseUncertainty, Measurement};
