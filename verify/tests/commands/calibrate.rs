@@ -157,7 +157,7 @@ fn clamped_nodes_may_carry_noise() {
 fn options_of_images_are_refused_beside_measurements() {
     let folder = Folder::new();
     let weights = folder.put("weights.csv", measured(PAPER));
-    for option in ["--fit", "--forces", "--calibrated", "--images"] {
+    for option in ["--fit", "--forces", "--images"] {
         let message = finray(&["calibrate", PAPER, "--measurements", &weights, option, "modulus"]).refused();
         assert_says(&message, &["--measurements", option, "cannot be used with"]);
     }

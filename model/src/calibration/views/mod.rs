@@ -68,6 +68,8 @@ pub struct FoundQuantity {
     pub sought: Sought,
     /// Value in the quantity's unit. For a modulus, `value` is the dimensionless factor on the scene's modulus.
     pub value: f64,
+    /// Change from the scene's value, in the unit of the prior's standard deviation: the logarithm of a factor.
+    pub change: f64,
     /// Standard deviation in the unit of `value`. Half of a 95 % interval is 1.96 times this value, also if few measured forces leave their scatter
     /// uncertain.
     pub sigma: f64,
@@ -333,5 +335,5 @@ fn found_view(
 fn found_quantity(problem: &Problem, sought: &Sought, change: f64, sigma: f64) -> FoundQuantity {
     let is_modulus = sought.quantity.is_modulus();
     let value = if is_modulus { change.exp() } else { problem.stated(sought.quantity) + change };
-    FoundQuantity { sought: *sought, value, sigma: sigma * if is_modulus { value } else { 1.0 } }
+    FoundQuantity { sought: *sought, value, change, sigma: sigma * if is_modulus { value } else { 1.0 } }
 }

@@ -146,9 +146,9 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<String, F
     require_one_standard_input([&arguments.scene].into_iter().chain(&arguments.located).chain(&arguments.forces))?;
     let (scene, text) = load_scene_and_text(&arguments.scene)?;
     let fit = parse(fit, &scene)?;
-    // A calibrated modulus absorbs the state of the side faces.
+    // A calibrated modulus replaces its uncertainty and absorbs the state of the side faces.
     let absorbed = seeks(&fit, Quantity::is_modulus);
-    let is_absorbed = |warning: &SceneWarning| absorbed && matches!(warning, SceneWarning::SideFaces { .. });
+    let is_absorbed = |warning: &SceneWarning| absorbed && warning.is_of_stiffness();
     hints::of_scene_without(&arguments.scene, &scene, is_absorbed);
     let LocatedViews { views: seen, refused, .. } = views::load(located, arguments.forces.as_deref(), &scene)?;
     hints::of_refused(&refused);
@@ -169,7 +169,7 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<String, F
     };
     let found = calibration::calibrate_rig(&scene, &seen, &fit, lean).map_err(failure)?;
     let RigEstimate { views: estimate, compliance, .. } = &found;
-    notes::print(&found);
+    notes::print(&found, &scene);
     if measured == 0 && arguments.calibrated.is_some() {
         print_message(
             "warning: no force was measured: forces sensed with this calibration share a large error; one measured force (--forces) removes most of \

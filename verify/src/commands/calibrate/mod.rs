@@ -7,9 +7,9 @@ mod zones;
 
 use crate::commands::parse::kinematics;
 use crate::commands::prelude::*;
-use finray_files::measurements;
+use finray_files::{load_scene_and_text, measurements, with_values};
 use finray_model::Kinematics;
-use finray_model::calibration::{CalibrationError, OutlyingMarker};
+use finray_model::calibration::{CalibrationError, OutlyingMarker, SceneValues};
 use finray_model::finger::FingerDescription;
 use finray_model::scene::SceneWarning;
 use finray_model::sensing::{ResidualTest, Warning};
@@ -43,7 +43,7 @@ pub struct Arguments {
     /// Scene file (TOML); - for standard input
     scene: PathBuf,
     /// Displacements under known loads: case,load_node,fx_n,fy_n,node,ux_mm,uy_mm
-    #[arg(long, help_heading = "From weights", value_name = "FILE", conflicts_with_all = ["fit", "forces", "calibrated", "images"])]
+    #[arg(long, help_heading = "From weights", value_name = "FILE", conflicts_with_all = ["fit", "forces", "images"])]
     measurements: Option<PathBuf>,
     /// Markers in images of the pressed finger (file from `finray locate`)
     #[arg(long, help_heading = "From images", value_name = "FILE", conflicts_with_all = ["measurements", "zones", "kinematics", "noise_mm"], requires = "fit")]
@@ -55,7 +55,7 @@ pub struct Arguments {
     #[arg(long, help_heading = "From images", value_name = "FILE", requires = "located")]
     forces: Option<PathBuf>,
     /// Write the calibrated scene (TOML) to FILE
-    #[arg(long, help_heading = "From images", value_name = "FILE", requires = "located")]
+    #[arg(long, value_name = "FILE")]
     calibrated: Option<PathBuf>,
     /// Write the results of each image (CSV) to FILE
     #[arg(long, help_heading = "From images", value_name = "FILE", requires = "located")]
@@ -104,23 +104,39 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         ));
     };
     require_one_standard_input([&arguments.scene, measured])?;
-    let scene = load_scene(&arguments.scene)?;
-    // A calibrated modulus absorbs the state of the side faces.
-    hints::of_scene_without(&arguments.scene, &scene, |warning| matches!(warning, SceneWarning::SideFaces { .. }));
-    let Scene { finger, .. } = scene;
+    let (scene, text) = load_scene_and_text(&arguments.scene)?;
+    // A calibrated modulus replaces its uncertainty and absorbs the state of the side faces.
+    hints::of_scene_without(&arguments.scene, &scene, SceneWarning::is_of_stiffness);
     let noise_mm = arguments.noise_mm.or(scene.noise_mm);
-    let cases = measurements::load(measured, &finger, noise_mm)?;
-    match &arguments.zones {
-        None => modulus::run(arguments, &finger, &cases, noise_mm),
-        Some(groups) => zones::run(arguments, groups, &finger, &cases, noise_mm),
+    let cases = measurements::load(measured, &scene.finger, noise_mm)?;
+    let WeightFit { mut files, values, done } = match &arguments.zones {
+        None => modulus::run(arguments, &scene, &cases, noise_mm)?,
+        Some(groups) => zones::run(arguments, groups, &scene, &cases, noise_mm)?,
+    };
+    if let Some(path) = &arguments.calibrated {
+        files.push((path.clone(), with_values(&text, &values).map_err(bad_input)?));
     }
+    write_all_or_nothing(&files)?;
+    Ok(summary(done, files.iter().map(|(path, _)| path)))
+}
+
+/// Result of a calibration from weights.
+struct WeightFit {
+    /// Path and text of each table.
+    files: Vec<(PathBuf, String)>,
+    /// Values of the calibrated scene, by key; `None` removes a key.
+    values: SceneValues,
+    /// What was done, for the summary.
+    done: String,
 }
 
 /// Largest plausible modulus factor; the smallest plausible factor is its reciprocal. A factor outside this range suggests a wrong unit.
 const LARGEST_FACTOR: f64 = 10.0;
 
-/// Warns of a modulus factor far from 1: a wrong unit or node numbering is then more likely than a material with this factor.
-fn warn_of_modulus(factor: f64) {
+/// Warns of a modulus factor far from 1: a wrong unit or node numbering is then more likely than a material with this factor. Also warns of a factor that
+/// contradicts `sd`, the relative standard deviation of the stiffness that the scene states.
+fn warn_of_modulus(factor: f64, sd: f64) {
+    notes::warn_of_change("modulus_factor", factor, factor.ln(), sd);
     if !(1.0 / LARGEST_FACTOR..=LARGEST_FACTOR).contains(&factor) {
         print_message(format_args!(
             "warning: modulus_factor is {factor:.3e}, far from 1: check units (N, mm, MPa), thicknesses and node numbers"

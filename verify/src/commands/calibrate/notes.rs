@@ -6,18 +6,37 @@ use finray_model::calibration::{self, FoundView, FrictionEstimate, LeftOutObject
 /// A note is printed if a parameter's posterior standard deviation exceeds this share of its prior standard deviation: the images then add little.
 const HARDLY_BETTER: f64 = 0.8;
 
+/// A parameter that ends farther from the scene's value than this many standard deviations of its prior is doubted.
+const DOUBTFUL: f64 = 2.0;
+
 /// Prints the notes about priors, base and friction.
-pub fn print(found: &RigEstimate) {
-    print_priors(&found.views);
+pub fn print(found: &RigEstimate, scene: &Scene) {
+    print_priors(&found.views, scene.stiffness_error.share());
     print_base(found);
     if let Some(friction) = &found.friction {
         print_friction(friction);
     }
 }
 
-/// Names the parameters with a prior, and those whose prior the images hardly improve.
-fn print_priors(estimate: &ViewEstimate) {
+/// Warns of a parameter that is far from the scene's value, as measured by the standard deviation of its prior. `change` and `prior_sd` are in the
+/// same unit; nothing is known of a parameter without a prior.
+pub fn warn_of_change(parameter: &str, value: f64, change: f64, prior_sd: f64) {
+    if prior_sd > 0.0 && change.abs() > DOUBTFUL * prior_sd {
+        print_message(format_args!(
+            "warning: {parameter} is {value:.4}, {:.1} standard deviations ({prior_sd}) from the scene's value: check loads, units, thicknesses and \
+             depth, or state a larger standard deviation",
+            change.abs() / prior_sd
+        ));
+    }
+}
+
+/// Names the parameters with a prior, those whose prior the images hardly improve, and those that contradict their prior. `stiffness_sd` is the relative
+/// standard deviation that the scene states for the stiffness.
+fn print_priors(estimate: &ViewEstimate, stiffness_sd: f64) {
     for found in &estimate.quantities {
+        let of_scene = if found.sought.quantity.is_modulus() { stiffness_sd } else { 0.0 };
+        let prior_sd = found.sought.prior_sd.unwrap_or(of_scene);
+        warn_of_change(&found.sought.quantity.to_string(), found.value, found.change, prior_sd);
         let Some(prior_sd) = found.sought.prior_sd else { continue };
         let quantity = found.sought.quantity;
         match found.sigma > HARDLY_BETTER * prior_sd {
