@@ -5,11 +5,13 @@
 mod factors;
 mod modulus;
 mod robust;
+mod scene_values;
 mod views;
 
 pub use factors::{FactorEstimate, FactorModel, UnknownFactor, factors};
 pub use modulus::{ModulusEstimate, corotational_modulus};
 pub use robust::{OutlyingMarker, RobustFactors, robust_factors};
+pub use scene_values::{SceneValues, modulus_values};
 pub use views::*;
 
 use crate::Kinematics;

@@ -6,11 +6,13 @@ mod one_piece;
 mod placement;
 mod sections;
 mod side_faces;
+mod stiffness_error;
 
 pub use description::*;
 pub use model_error::{FingerKind, ModelError};
 pub(crate) use sections::SectionFactors;
 pub use side_faces::{SIDE_FACE_ERROR, SideFaces};
+pub use stiffness_error::StiffnessError;
 
 use crate::Vector;
 use one_piece::OnePiece;

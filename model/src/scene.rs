@@ -19,7 +19,7 @@ pub use warning::SceneWarning;
 
 use crate::finger::{
     Fillets, Finger, FingerDescription, Joints, MarkerPoints, ModelError, Part, Plate, RibDescription, RibPositions,
-    RigidEnds, SideFaces, Strip, Zone,
+    RigidEnds, SideFaces, StiffnessError, Strip, Zone,
 };
 use crate::gripper::Gripper;
 use crate::keys::{
@@ -42,6 +42,8 @@ pub struct Scene {
     pub strain_limits: StrainLimits,
     /// Relative standard deviation of a sensed force due to the errors of beam theory and of the model of free side faces, with its origin.
     pub model_error: ModelError,
+    /// Relative standard deviation that all sensed forces share, because the moduli and the depth are uncertain.
+    pub stiffness_error: StiffnessError,
     /// Standard deviation of one measured marker coordinate, mm; `None` if the scene does not state it.
     pub noise_mm: Option<f64>,
     /// Factor on the stated noise of the markers, and error of the finger model at a marker.
@@ -77,11 +79,12 @@ pub struct SceneError {
 }
 
 impl Scene {
-    /// A scene of a finger alone: without camera, markers, objects and stated errors.
+    /// A scene of a finger alone: without camera, markers, objects and stated errors. Its moduli count as exact.
     pub fn of_finger(finger: Finger) -> Scene {
         Scene {
             name: String::new(),
             model_error: ModelError::of(&finger, None),
+            stiffness_error: StiffnessError::default(),
             finger,
             strain_limits: StrainLimits::default(),
             noise_mm: None,
@@ -101,10 +104,16 @@ impl Scene {
     /// The scene under the assumptions of a simulation: forces act on the bare plate, the base is known, and no errors of markers, base or assembly are
     /// stated.
     pub fn as_simulated(&self) -> Scene {
-        let Scene { name, strain_limits, model_error, camera, markers, object, gripper, grasp, .. } = self.clone();
+        let Scene { name, camera, markers, object, gripper, grasp, .. } = self.clone();
         let contact = ContactDescription { rod_radius_mm: self.contact.rod_radius_mm, ..ContactDescription::default() };
-        let finger = Scene::of_finger(self.finger.clone());
-        Scene { name, strain_limits, model_error, camera, markers, contact, object, gripper, grasp, ..finger }
+        let finger = Scene { strain_limits: self.strain_limits, ..self.of_same_finger() };
+        Scene { name, camera, markers, contact, object, gripper, grasp, ..finger }
+    }
+
+    /// A scene of this finger alone, with the stated errors of its model and stiffness.
+    pub fn of_same_finger(&self) -> Scene {
+        let &Scene { model_error, stiffness_error, .. } = self;
+        Scene { model_error, stiffness_error, ..Scene::of_finger(self.finger.clone()) }
     }
 
     /// Reads a scene from TOML. Rejects unknown and missing keys, wrong types, values out of range and impossible geometry.
@@ -120,6 +129,8 @@ impl Scene {
         let description = read_finger(&table, markers.on)?;
         let strain_limits = read_strain_limits(&table)?;
         let model_error = table.optional(&FINGER.model_error)?;
+        let modulus_error = table.optional(&FINGER.youngs_modulus_sigma)?;
+        let depth_sd_mm = table.get(&FINGER.depth_sigma_mm)?;
         let finger = Finger::new(description).map_err(|impossible| SceneError {
             line: document.line_of(&impossible.key),
             message: impossible.to_string(),
@@ -148,6 +159,7 @@ impl Scene {
             name,
             strain_limits,
             model_error: ModelError::of(&finger, model_error),
+            stiffness_error: StiffnessError::of(&finger, modulus_error, depth_sd_mm),
             finger,
             noise_mm,
             marker_errors: markers.errors,

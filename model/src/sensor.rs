@@ -34,7 +34,8 @@
 //!    - friction: the mean square change of the force at leans of +-sqrt(3) standard deviations, beyond its linear part (`leaning`);
 //!    - mesh: a third of the last change by refinement, or all of it if the mesh has not converged (`refine`).
 //! 7. [`Estimate`](crate::sensing::Estimate): a misfit with p < 1e-7 multiplies sigma by sqrt(m^2 + 2.5^2 n (r^2 - m^2)) / r; frames of a stream are refused at p < 1e-4 ([`StreamSensor`]). Then sigma becomes
-//!    hypot(sigma, `force_error` F, `model_error` F) for a force F, with `force_error` of `[contact]`.
+//!    hypot(sigma, `force_error` F, `model_error` F, `stiffness_error` F) for a force F, with `force_error` of `[contact]`, and the `stiffness_error` of
+//!    uncertain moduli and depth, see [`Scene::stiffness_error`](crate::scene::Scene). These errors are common to all contacts, so that they add in a sum.
 //! 8. [`SensedForce::interval_n`]: F -+ 1.96 sigma, or the quantiles of the mixture, widened as sigma is.
 
 mod beam_theory;
@@ -388,9 +389,10 @@ impl Sensor {
         }
     }
 
-    /// Relative standard deviation of a force due to scatter between images and the errors of beam theory.
+    /// Relative standard deviation of all forces of an observation: scatter between images, errors of beam theory, and uncertain stiffness.
     fn force_error(&self) -> f64 {
-        self.scene().contact.force_error.hypot(self.scene().model_error.share())
+        let Scene { contact, model_error, stiffness_error, .. } = self.scene();
+        contact.force_error.hypot(model_error.share()).hypot(stiffness_error.share())
     }
 
     fn answer(&self, question: &Question) -> Result<SensedForces, Refusal> {

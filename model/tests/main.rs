@@ -32,6 +32,7 @@ mod sensing {
     mod random_fingers;
     mod residual_test;
     mod stated_sigma;
+    mod stiffness;
     mod surface;
     mod valleys;
 }

@@ -53,6 +53,11 @@ impl FingerKind {
             FingerKind::FilletedZigzag => 0.025,
         }
     }
+
+    /// Whether the beams describe a solid.
+    pub(super) fn is_solid(self) -> bool {
+        self != FingerKind::Beams
+    }
 }
 
 impl fmt::Display for FingerKind {

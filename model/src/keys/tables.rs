@@ -126,6 +126,13 @@ tables! {
         "Relative standard deviation of a sensed force due to the errors of beam theory. Every stated sigma_n includes this deviation, also in maps \
          and sweeps; their errors do not, because these follow from the true finger. `finray guide accuracy` states values. \
          Default: with fillets, and with stated arms beside poissons_ratio and shear_correction, the value for fingers of the same kind; otherwise 0.";
+    youngs_modulus_sigma: Number(Quantity("share", ""), Within(0.0, 1.0)), Optional,
+        "Relative standard deviation of a factor on all moduli; 0 for moduli that were measured on this finger. It scales all forces by one factor: \
+         every sigma_n and every mean error of maps and sweeps includes it. \
+         Default: 0.1 for a finger of plastic or rubber (a modulus below 10 000 MPa) that states fillets, or arms beside poissons_ratio and \
+         shear_correction; otherwise 0. `finray calibrate` writes this key.";
+    depth_sigma_mm: Number(LENGTH, NOT_NEGATIVE), Or(0.0),
+        "Standard deviation of depth_mm, which scales all forces as youngs_modulus_sigma does. `finray calibrate` removes this key if it estimates a modulus.";
 }
 
 tables! {

@@ -27,6 +27,11 @@ pub enum SceneWarning {
         /// Ratio of the compliance with free side faces to that in plane strain, less 1; for a force on the middle of the front plate.
         softer: f64,
     },
+    /// The scene does not state how well the modulus is known, so that the default of a plastic holds.
+    AssumedModulus {
+        /// Relative standard deviation of the moduli, dimensionless.
+        sd: f64,
+    },
 }
 
 impl Scene {
@@ -47,6 +52,11 @@ impl Scene {
             .into_iter()
             .filter_map(of_modulus)
             .chain(softer.map(|softer| SceneWarning::SideFaces { softer }))
+            .chain(
+                self.stiffness_error
+                    .is_assumed
+                    .then_some(SceneWarning::AssumedModulus { sd: self.stiffness_error.modulus }),
+            )
             .collect()
     }
 }
@@ -67,6 +77,18 @@ fn softer_with_free_faces(finger: &Finger) -> Option<f64> {
     Some(compliance(&free).ok()? / compliance(finger).ok()? - 1.0)
 }
 
+impl SceneWarning {
+    /// Whether the reason concerns only sensed forces.
+    pub fn is_of_sensing(&self) -> bool {
+        matches!(self, SceneWarning::AssumedModulus { .. })
+    }
+
+    /// Whether a calibration of the moduli removes the reason.
+    pub fn is_of_stiffness(&self) -> bool {
+        matches!(self, SceneWarning::SideFaces { .. } | SceneWarning::AssumedModulus { .. })
+    }
+}
+
 impl fmt::Display for SceneWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -81,6 +103,13 @@ impl fmt::Display for SceneWarning {
                  state \"free\", or \"fixed\" if they are held or if the moduli were calibrated with this scene",
                 FINGER.side_faces.path(),
                 100.0 * softer
+            ),
+            SceneWarning::AssumedModulus { sd } => write!(
+                f,
+                "{} is not stated: intervals of forces allow for {:.0} % (standard deviation), as for any printed or moulded finger; \
+                 `finray calibrate --weight` measures the modulus with one hung weight; state 0 if it was measured on this finger",
+                FINGER.youngs_modulus_sigma.path(),
+                100.0 * sd
             ),
         }
     }

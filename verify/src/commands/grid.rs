@@ -66,13 +66,13 @@ pub fn run(
     noise_mm: &[f64],
 ) -> Result<String, Failure> {
     let (networks, digest) = networks_of(arguments.network.as_deref(), estimator_ids)?;
-    let (scene, text) = scene_or_papers(arguments.scene.as_deref())?;
+    let (scene, text) = scene_or_papers(arguments.scene.as_deref(), |_| false)?;
     let finger = &scene.finger;
     let truth_meshes = truth_ids.iter().map(|id| id.mesh(finger)).collect::<Result<Vec<_>, _>>()?;
     let truths = truth_ids.iter().zip(&truth_meshes).map(|(id, mesh)| id.on(mesh, &scene));
     let truths = truths.collect::<Result<Vec<_>, _>>()?;
-    // The true fingers have no other errors of the scene than the errors of beam theory.
-    let mut sensed = Scene { model_error: scene.model_error, ..Scene::of_finger(finger.clone()) };
+    // The true fingers have no other errors of the scene than those of beam theory and stiffness.
+    let mut sensed = scene.of_same_finger();
     sensed.contact.lean = scene.contact.lean;
     let sensed = PreparedScene::from(sensed);
     let situation = Situation { contact: arguments.knowledge(), hidden: arguments.hidden };

@@ -8,20 +8,24 @@ use finray_model::camera::{Camera, Lens, Pose};
 use finray_model::estimators::EstimatorId;
 use finray_model::estimators::network::Networks;
 use finray_model::keys::{CAMERA, MARKERS, SceneTable};
-use finray_model::scene::Markers;
+use finray_model::scene::{Markers, SceneWarning};
 use std::path::Path;
 
-/// The scene of a file with its text; without a path, the paper's finger. Prints the warnings about the scene.
+/// The scene of a file with its text; without a path, the paper's finger. Prints the warnings about the scene, except those that do not matter to the
+/// command.
 ///
 /// # Errors
 /// [`Failure`] if the file cannot be read or is not a valid scene.
-pub fn scene_or_papers(path: Option<&Path>) -> Result<(Scene, String), Failure> {
+pub fn scene_or_papers(
+    path: Option<&Path>,
+    no_matter: impl Fn(&SceneWarning) -> bool,
+) -> Result<(Scene, String), Failure> {
     let Some(path) = path else {
         let scene = Scene::from_toml(PAPER_SCENE).map_err(not_computed)?;
         return Ok((scene, PAPER_SCENE.to_owned()));
     };
     let (scene, text) = load_scene_and_text(path)?;
-    hints::of_scene(path, &scene);
+    hints::of_scene_without(path, &scene, no_matter);
     Ok((scene, text))
 }
 

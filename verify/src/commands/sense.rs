@@ -313,10 +313,13 @@ impl Frames<'_> {
     }
 }
 
-/// The model error that standard deviations include, with its origin; nothing if they include none.
+/// The errors of the finger that standard deviations include, with their origins; nothing if they include none.
 fn with_model_error(scene: &Scene) -> String {
-    let error = scene.model_error;
-    if error.share() > 0.0 { format!("; sigma_n includes a model error of {error}") } else { String::new() }
+    let Scene { model_error, stiffness_error, .. } = scene;
+    let model = (model_error.share() > 0.0).then(|| format!("a model error of {model_error}"));
+    let stiffness = (stiffness_error.share() > 0.0).then(|| format!("a stiffness error of {stiffness_error}"));
+    let included: Vec<String> = model.into_iter().chain(stiffness).collect();
+    if included.is_empty() { String::new() } else { format!("; sigma_n includes {}", included.join(" and ")) }
 }
 
 /// Contacts, friction and estimator for all images, with the measured force of each image.

@@ -6,6 +6,7 @@ use crate::commands::prelude::*;
 use finray_files::displacements;
 use finray_model::Kinematics;
 use finray_model::checked_shape::CheckedShape;
+use finray_model::scene::SceneWarning;
 
 /// Help text below the options.
 const AFTER_HELP: &str = "\
@@ -33,7 +34,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<String, Failure> {
-    let (scene, _) = scene_or_papers(arguments.scene.as_deref())?;
+    let (scene, _) = scene_or_papers(arguments.scene.as_deref(), SceneWarning::is_of_sensing)?;
     if arguments.loads.is_empty() {
         return Err(bad_input("expected at least one --load NODE:FX,FY or --load-at S_MM:FORCE,ANGLE_DEG"));
     }

@@ -2,6 +2,7 @@
 
 use super::contacts::Contacts;
 use crate::commands::prelude::*;
+use finray_model::scene::SceneWarning;
 use finray_model::sensing::network::{Network, Scaling, TestError};
 use finray_model::sensing::{Contact, ContactQuestion};
 use finray_model::sensor::SensorContacts;
@@ -80,7 +81,7 @@ fn own_beams(name: &str) -> Result<TruthId, String> {
 pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     require_writable(&arguments.out)?;
     let scene = load_scene(&arguments.scene)?;
-    hints::of_scene(&arguments.scene, &scene);
+    hints::of_scene_without(&arguments.scene, &scene, SceneWarning::is_of_sensing);
     let finger = &scene.finger;
     let contacts: Option<Vec<Contact>> = match arguments.contacts.of(&scene, 0.0, None)? {
         SensorContacts::Asked(questions) => questions.iter().map(ContactQuestion::known).collect(),

@@ -157,7 +157,7 @@ fn clamped_nodes_may_carry_noise() {
 fn options_of_images_are_refused_beside_measurements() {
     let folder = Folder::new();
     let weights = folder.put("weights.csv", measured(PAPER));
-    for option in ["--fit", "--forces", "--calibrated", "--images"] {
+    for option in ["--fit", "--forces", "--images"] {
         let message = finray(&["calibrate", PAPER, "--measurements", &weights, option, "modulus"]).refused();
         assert_says(&message, &["--measurements", option, "cannot be used with"]);
     }
@@ -165,8 +165,8 @@ fn options_of_images_are_refused_beside_measurements() {
         let located = [&["calibrate", PAPER, "--located", "located.csv", "--fit", "modulus"], option].concat();
         assert_says(&finray(&located).refused(), &["--located", "cannot be used with"]);
     }
-    // Without measurements and without located images, the message names both ways to calibrate.
-    assert_says(&finray(&["calibrate", PAPER]).refused(), &["--measurements", "--located", "--fit"]);
+    // Without any input, the message names all ways to calibrate.
+    assert_says(&finray(&["calibrate", PAPER]).refused(), &["--weight", "--measurements", "--located", "--fit"]);
 }
 
 /// A modulus a hundred times as large as in the scene indicates a wrong unit.

@@ -1,13 +1,13 @@
 //! Calibrates finger, rig, friction and base compliance of a scene, and lists the resulting values of the scene file.
 
 use super::{
-    BaseCompliance, FrictionEstimate, FrictionQuestion, LocatedView, Quantity, Sought, View, ViewEstimate, ViewModel,
-    compliance_of, friction_of, refined_views, views,
+    BaseCompliance, ForceError, FrictionEstimate, FrictionQuestion, LocatedView, Quantity, Sought, View, ViewEstimate,
+    ViewModel, compliance_of, friction_of, refined_views, views,
 };
-use crate::calibration::CalibrationError;
+use crate::calibration::{CalibrationError, SceneValues, modulus_values};
 use crate::estimators::ELEMENTS;
-use crate::finger::{BracketLengths, FingerDescription, RibPositions};
-use crate::keys::{ASSEMBLY, BACK, BASE, CAMERA, CONTACT, FINGER, FRONT, MARKERS, REFERENCE, RIBS};
+use crate::finger::{BracketLengths, RibPositions};
+use crate::keys::{ASSEMBLY, BASE, CAMERA, CONTACT, MARKERS, REFERENCE, RIBS};
 use crate::measurement::BaseUncertainty;
 use crate::sensing::{Lean, Pad, UnloadedError};
 use crate::{Scene, Vector};
@@ -50,7 +50,11 @@ pub struct RigEstimate {
     pub friction: Option<FrictionEstimate>,
     /// Rotation of the base under force. `None` if the rotation of the base under force was not sought.
     pub compliance: Option<BaseCompliance>,
-    /// Relative standard deviation of a force in a new image, including the variation from object to object, dimensionless. `None` if it is unknown.
+    /// Relative standard deviation of a factor on all moduli, dimensionless: the part of the error of a force in a new image that a fitted `modulus`
+    /// leaves, and zero if the moduli of single plates are fitted. `None` if no modulus is sought.
+    pub modulus_sd: Option<f64>,
+    /// Relative standard deviation of a force in a new image beyond `modulus_sd`, including the variation from object to object, dimensionless.
+    /// `None` if it is unknown.
     pub force_error: Option<f64>,
     /// Whether the base was sought with the prior [`UNSTATED_BASE`], because the scene states no uncertainty of the base.
     pub is_base_unstated: bool,
@@ -66,6 +70,7 @@ impl ViewModel {
             lean,
             pad: scene.contact.pad,
             preload_nmm: scene.assembly.as_ref().map_or(0.0, |assembly| assembly.preload_nmm),
+            model_error: scene.model_error.share(),
         }
     }
 
@@ -94,8 +99,15 @@ pub fn calibrate_rig(
     };
     let all: Vec<View> = seen.iter().map(view).collect();
     let model = ViewModel::of_scene(scene, lean);
-    let found = refined_views(&scene.finger, &all, &question.sought, &model)?;
-    check_side(scene, &all, &question.sought, &model, &found)?;
+    // What the scene states of the stiffness is the prior of a factor on all moduli.
+    let stated_sd = Some(scene.stiffness_error.share()).filter(|sd| *sd > 0.0);
+    let with_prior = |sought: &Sought| match sought.quantity {
+        Quantity::Modulus => Sought { prior_sd: sought.prior_sd.or(stated_sd), ..*sought },
+        _ => *sought,
+    };
+    let sought: Vec<Sought> = question.sought.iter().map(with_prior).collect();
+    let found = refined_views(&scene.finger, &all, &sought, &model)?;
+    check_side(scene, &all, &sought, &model, &found)?;
     let measured = || seen.iter().zip(&found.views).filter(|(seen, _)| seen.view.force.is_some());
     let leans: Vec<_> = measured()
         .map(|(seen, view)| {
@@ -111,11 +123,17 @@ pub fn calibrate_rig(
     };
     let compliance = question.base_compliance.then(|| compliance_of(&turns())).transpose()?;
     let between_objects = question.force_error_between_objects;
-    let force_error = match found.force_error {
-        None => Some(between_objects).filter(|share| *share > 0.0),
-        Some(error) => Some(error.of_new.hypot(between_objects)),
+    let [modulus_sd, force_error] = match found.force_error {
+        None => [None, Some(between_objects).filter(|share| *share > 0.0)],
+        Some(ForceError { of_new, .. }) => {
+            let modulus = found.quantities.iter().find(|found| found.sought.quantity == Quantity::Modulus);
+            // The error of a new force includes that of the modulus, which has a key of its own.
+            let of_modulus = modulus.map_or(0.0, |found| (found.sigma / found.value).min(of_new));
+            let rest = (of_new.powi(2) - of_modulus.powi(2)).max(0.0).sqrt();
+            [Some(of_modulus), Some(rest.hypot(between_objects))]
+        }
     };
-    Ok(RigEstimate { views: found, friction, compliance, force_error, is_base_unstated })
+    Ok(RigEstimate { views: found, friction, compliance, modulus_sd, force_error, is_base_unstated })
 }
 
 /// Refuses measured forces that scatter far less after mirroring about the normal, because one of their components then has the wrong sign.
@@ -149,7 +167,7 @@ impl Lean {
 
 impl RigEstimate {
     /// Values of the calibrated scene by key. The calibrated values replace the values of the scene; `None` removes the key.
-    pub fn scene_values(&self, scene: &Scene) -> Vec<(String, Option<Value>)> {
+    pub fn scene_values(&self, scene: &Scene) -> SceneValues {
         let mut values = self.finger_values();
         let mut put = |key: String, value: Value| values.push((key, Some(value)));
         let errors = self.views.new_marker_errors;
@@ -157,11 +175,6 @@ impl RigEstimate {
         put(MARKERS.model_error_mm.path(), Value::from(errors.calibration_error_mm));
         if let Some(share) = self.force_error {
             put(CONTACT.force_error_share.path(), Value::from(share));
-        }
-        // Calibrated moduli hold for the side faces with which they were computed.
-        let FingerDescription { side_faces, poissons_ratio, .. } = scene.finger.description();
-        if self.sought(Quantity::is_modulus) && side_faces.is_none() && *poissons_ratio > 0.0 {
-            put(FINGER.side_faces.path(), Value::from("fixed"));
         }
         if self.is_base_unstated {
             put(BASE.sigma_mm.path(), Value::from(UNSTATED_BASE.sd_mm));
@@ -215,18 +228,12 @@ impl RigEstimate {
     }
 
     /// Calibrated values of finger and markers.
-    fn finger_values(&self) -> Vec<(String, Option<Value>)> {
+    fn finger_values(&self) -> SceneValues {
         let description = self.views.finger.description();
         let pairs = |of: &[[f64; 2]]| Value::from(of.iter().map(|pair| pair.to_vec()).collect::<Vec<_>>());
-        let mut values: Vec<(String, Option<Value>)> = Vec::new();
+        let moduli = self.modulus_sd.map(|modulus_sd| modulus_values(&self.views.finger, 1.0, modulus_sd));
+        let mut values: SceneValues = moduli.unwrap_or_default();
         let mut put = |key: String, value: Value| values.push((key, Some(value)));
-        if self.sought(Quantity::is_modulus) {
-            put(FRONT.youngs_modulus_mpa.path(), Value::from(description.front.youngs_modulus_mpa));
-            put(BACK.youngs_modulus_mpa.path(), Value::from(description.back.youngs_modulus_mpa));
-        }
-        if let Some(strip) = description.ribs.strip.filter(|_| self.sought(|quantity| *quantity == Quantity::Modulus)) {
-            put(RIBS.youngs_modulus_mpa.path(), Value::from(strip.youngs_modulus_mpa));
-        }
         if self.sought(|quantity| matches!(quantity, Quantity::Bracket(_) | Quantity::OwnBracket(..))) {
             let lengths = match &description.ribs.bracket_mm {
                 BracketLengths::Alike(lengths_mm) => Value::from(lengths_mm.to_vec()),
@@ -253,7 +260,7 @@ impl RigEstimate {
 
     /// Positions of the base references or, without references, the camera's pose, in the frame of the calibrated finger. Empty if the base was not
     /// sought.
-    fn base_values(&self, scene: &Scene) -> Vec<(String, Option<Value>)> {
+    fn base_values(&self, scene: &Scene) -> SceneValues {
         if !self.sought(|quantity| *quantity == Quantity::BaseX) {
             return Vec::new();
         }

@@ -1,18 +1,19 @@
 //! `finray calibrate --measurements` without `--zones`: one factor on all moduli.
 
-use super::{Arguments, ELEMENTS, failure, modulus_rows, warn_of_contradictions, warn_of_modulus};
+use super::{Arguments, ELEMENTS, WeightFit, failure, modulus_rows, warn_of_contradictions, warn_of_modulus};
 use crate::commands::prelude::*;
 use finray_model::Kinematics;
-use finray_model::calibration::{self, CalibrationCase};
+use finray_model::calibration::{self, CalibrationCase, modulus_values};
 
 /// Estimates one factor on all moduli: by fitting the co-rotational finger, or by the paper's eq. (11) for the linear finger. Prints a warning if the
 /// kinematics that were not chosen fit the measured displacements better, and their factor differs by more than sigma.
 pub fn run(
     arguments: &Arguments,
-    finger: &Finger,
+    scene: &Scene,
     cases: &[CalibrationCase],
     noise_mm: Option<f64>,
-) -> Result<String, Failure> {
+) -> Result<WeightFit, Failure> {
+    let finger = &scene.finger;
     let linear = calibration::youngs_modulus(finger, cases);
     let corotational = calibration::corotational_modulus(finger, cases, ELEMENTS, noise_mm);
     let found = if arguments.kinematics == Kinematics::Linear { &linear } else { &corotational };
@@ -23,7 +24,7 @@ pub fn run(
             "not identifiable: the modulus overflows; check the units of loads (N) and displacements (mm)",
         ));
     }
-    warn_of_modulus(factor);
+    warn_of_modulus(factor, scene.stiffness_error.share());
     warn_of_contradictions(&found.outliers, found.contradiction);
     if let (Ok(linear), Ok(corotational)) = (&linear, &corotational) {
         let distances_mm = [linear.mean_distance_mm, corotational.mean_distance_mm];
@@ -50,6 +51,9 @@ pub fn run(
             _ => {}
         }
     }
-    write_file(&arguments.out, &csv_text(modulus_rows(finger, factor, sigma))?)?;
-    Ok(summary(format!("modulus estimated from {}", count(cases.len(), "case")), [&arguments.out]))
+    Ok(WeightFit {
+        files: vec![(arguments.out.clone(), csv_text(modulus_rows(finger, factor, sigma))?)],
+        values: modulus_values(finger, factor, sigma / factor),
+        done: format!("modulus estimated from {}", count(cases.len(), "case")),
+    })
 }

@@ -6,6 +6,9 @@ use finray_model::calibration::{self, FoundView, FrictionEstimate, LeftOutObject
 /// A note is printed if a parameter's posterior standard deviation exceeds this share of its prior standard deviation: the images then add little.
 const HARDLY_BETTER: f64 = 0.8;
 
+/// A parameter that ends farther from the scene's value than this many standard deviations of its prior is doubted.
+const DOUBTFUL: f64 = 2.0;
+
 /// Prints the notes about priors, base and friction.
 pub fn print(found: &RigEstimate) {
     print_priors(&found.views);
@@ -15,11 +18,24 @@ pub fn print(found: &RigEstimate) {
     }
 }
 
-/// Names the parameters with a prior, and those whose prior the images hardly improve.
+/// Warns of a parameter that is far from the scene's value, as measured by the standard deviation of its prior. `change` and `prior_sd` are in the
+/// same unit; nothing is known of a parameter without a prior.
+pub fn warn_of_change(parameter: &str, value: f64, change: f64, prior_sd: f64) {
+    if prior_sd > 0.0 && change.abs() > DOUBTFUL * prior_sd {
+        print_message(format_args!(
+            "warning: {parameter} is {value:.4}, {:.1} standard deviations ({prior_sd}) from the scene's value: check loads, units, thicknesses and \
+             depth, or state a larger standard deviation",
+            change.abs() / prior_sd
+        ));
+    }
+}
+
+/// Names the parameters with a prior, those whose prior the images hardly improve, and those that contradict their prior.
 fn print_priors(estimate: &ViewEstimate) {
     for found in &estimate.quantities {
         let Some(prior_sd) = found.sought.prior_sd else { continue };
         let quantity = found.sought.quantity;
+        warn_of_change(&quantity.to_string(), found.value, found.change, prior_sd);
         match found.sigma > HARDLY_BETTER * prior_sd {
             true => print_message(format_args!(
                 "note: {quantity}: prior of {prior_sd} (standard deviation), which the images hardly improve"

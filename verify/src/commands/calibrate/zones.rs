@@ -1,12 +1,13 @@
 //! `finray calibrate --measurements --zones`: one factor on all moduli, and factors of zones.
 
 use super::{
-    Arguments, EACH, ELEMENTS, Row, correlations, failure, modulus_rows, warn_of_contradictions, warn_of_modulus,
+    Arguments, EACH, ELEMENTS, Row, WeightFit, correlations, failure, modulus_rows, warn_of_contradictions,
+    warn_of_modulus,
 };
 use crate::commands::prelude::*;
 use finray_model::Kinematics;
 use finray_model::calibration::{
-    CalibrationCase, FactorEstimate, FactorModel, RobustFactors, UnknownFactor, robust_factors,
+    CalibrationCase, FactorEstimate, FactorModel, RobustFactors, UnknownFactor, modulus_values, robust_factors,
 };
 
 /// Estimates the factors. Prints a warning if the linear finger was chosen, the co-rotational finger fits the measured displacements better, and a
@@ -14,10 +15,11 @@ use finray_model::calibration::{
 pub fn run(
     arguments: &Arguments,
     groups: &str,
-    finger: &Finger,
+    scene: &Scene,
     cases: &[CalibrationCase],
     noise_mm: Option<f64>,
-) -> Result<String, Failure> {
+) -> Result<WeightFit, Failure> {
+    let finger = &scene.finger;
     let unknowns = unknowns(groups, finger.description().zones.len())?;
     let fit = |kinematics: Kinematics| {
         // One element per member is exact for the linear finger.
@@ -27,7 +29,7 @@ pub fn run(
     let RobustFactors { estimate, contradiction, outliers } = fit(arguments.kinematics).map_err(failure)?;
     // The factor on all moduli is the first unknown.
     if let Some(factor) = estimate.factors.first() {
-        warn_of_modulus(*factor);
+        warn_of_modulus(*factor, scene.stiffness_error.share());
     }
     warn_of_contradictions(&outliers, contradiction);
     if arguments.kinematics == Kinematics::Linear {
@@ -53,9 +55,9 @@ pub fn run(
         files.push((path.clone(), csv_text(correlations(&names, &estimate.correlation))?));
     }
     files.push((arguments.out.clone(), csv_text(factor_rows(finger, &estimate))?));
-    write_all_or_nothing(&files)?;
+    let values = modulus_values(&estimate.finger, 1.0, estimate.relative_sigmas[0]);
     let done = format!("{} estimated from {}", count(estimate.factors.len(), "factor"), count(cases.len(), "case"));
-    Ok(summary(done, files.iter().map(|(path, _)| path)))
+    Ok(WeightFit { files, values, done })
 }
 
 /// The unknown factors for a value of `--zones` such as `1+2,3`: one on all moduli, then one per group of zones. Zones are numbered from 1.

@@ -31,8 +31,7 @@ pub(crate) fn run(context: &Context) -> Result<Vec<AccuracyMap>, TruthError> {
         }
     }
     context.progress.part("maps", plans.iter().map(|plan| plan.request.contact_count()).sum());
-    let Scene { model_error, finger, .. } = &context.given.scene;
-    let scene = PreparedScene::from(Scene { model_error: *model_error, ..Scene::of_finger(finger.clone()) });
+    let scene = PreparedScene::from(context.given.scene.of_same_finger());
     // Maps with the same grid and true finger are computed together, so that each true shape is computed once.
     let maps = |plans: &[Plan]| {
         let sensor = |plan: &Plan| SampledSensor::new(plan.estimator, context.networks);

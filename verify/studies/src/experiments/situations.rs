@@ -28,11 +28,11 @@ const SEED: u64 = 1;
 
 /// Accuracy maps of the co-rotational finger for the nonlinear estimator, one for each of [`SITUATIONS`]. Empty without noise.
 pub(crate) fn run(context: &Context) -> Result<Vec<AccuracyMap>, Infallible> {
-    let &Context { finger, noise_mm, forces, effort, given, .. } = context;
+    let &Context { noise_mm, forces, effort, given, .. } = context;
     if noise_mm == 0.0 {
         return Ok(Vec::new());
     }
-    let mut scene = Scene { model_error: given.scene.model_error, ..Scene::of_finger(finger.clone()) };
+    let mut scene = given.scene.of_same_finger();
     // Of the scene's contact, only friction concerns the true finger.
     scene.contact.lean = given.scene.contact.lean;
     let scene = PreparedScene::from(scene);

@@ -57,9 +57,9 @@ fn a_continuum_answers_for_what_was_exported_alone() {
 /// Keys of the beam model. The scripts that exported the continua do not read these keys.
 const BEAMS_ALONE: [&str; 4] =
     ["finger.rod_arm_mm", "finger.rib_arm_mm", "finger.clamp_arm_mm", "finger.shear_correction"];
-/// Keys that describe no property of the finger: stated errors, limits and objects. Maps and sweeps hand only the finger and `model_error` to the
-/// sensor.
-const NO_PROPERTY: [&str; 2] = ["model_error", "largest_strain"];
+/// Keys that describe no property of the finger: stated errors, limits and objects. Maps and sweeps hand only the finger and the errors of its model
+/// and stiffness to the sensor.
+const NO_PROPERTY: [&str; 4] = ["model_error", "youngs_modulus_sigma", "depth_sigma_mm", "largest_strain"];
 
 fn scene(text: &str) -> Scene {
     Scene::from_toml(text).expect("a scene")

@@ -61,7 +61,7 @@ impl<'s> Sweep<'s> {
             (sensor.at(&self.scene, contact), seen.collect::<Vec<Measurement>>())
         };
         let prepared: Vec<_> = self.sensors.iter().map(prepare).collect();
-        let mut tallies = vec![Tally::default(); self.cells_in_block()];
+        let mut tallies = vec![Tally::new(self.scene.stiffness_error.share()); self.cells_in_block()];
         self.noise.each(number, |first, samples| {
             let mut tallies = tallies.iter_mut();
             for (sensors, seen) in &prepared {

@@ -27,7 +27,7 @@ pub struct Cell {
     pub samples: usize,
     /// Number of answered samples.
     pub answered: usize,
-    /// Mean of |sensed / true - 1|, dimensionless.
+    /// Mean of |sensed / true - 1| over the samples and over the uncertain stiffness of the scene's finger, dimensionless.
     pub mean_error: Option<f64>,
     /// Mean of sensed / true - 1, dimensionless: the systematic error.
     pub bias: Option<f64>,

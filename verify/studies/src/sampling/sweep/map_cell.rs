@@ -12,7 +12,7 @@ pub struct MapCell {
     pub angle_deg: f64,
     /// True force, N.
     pub force_n: f64,
-    /// Mean of |sensed / true - 1| over answered samples; `None` without equilibrium, or if more than half of the samples are refused.
+    /// Mean of |sensed / true - 1| over answered samples and over the uncertain stiffness of the scene's finger; `None` without equilibrium, or if more than half of the samples are refused.
     pub mean_error: Option<f64>,
     /// Mean of sensed / true - 1, dimensionless: the systematic error. `None` like `mean_error`.
     pub bias: Option<f64>,

@@ -3,10 +3,17 @@
 use super::Cell;
 use crate::prelude::*;
 use crate::sampling::intervals::IntervalCounts;
+use statrs::function::erf::erf;
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_2_SQRT_PI, SQRT_2};
+
+/// Number of standard deviations, times the square root of one half, beyond which a normal distribution has no rounding error's worth of weight.
+const FAR: f64 = 6.0;
 
 /// Sums over the samples of one cell.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Tally {
+    /// Relative standard deviation of the error that all forces of a finger share, dimensionless; the true finger of a sweep does not have this error.
+    common_sd: f64,
     intervals: IntervalCounts,
     sum: f64,
     absolute: f64,
@@ -19,13 +26,17 @@ pub(super) struct Tally {
 }
 
 impl Tally {
+    pub(super) fn new(common_sd: f64) -> Tally {
+        Tally { common_sd, ..Tally::default() }
+    }
+
     /// Adds the sensed force of one sample; `force_n` is the true force, N.
     pub(super) fn answer(&mut self, sensed: &SensedForces, force_n: f64) {
         let [force] = &sensed.forces[..] else { return };
         self.intervals.count(Some(force), !sensed.warnings.is_empty(), force_n);
         let error = force.force_n / force_n - 1.0;
         self.sum += error;
-        self.absolute += error.abs();
+        self.absolute += mean_absolute(error, self.common_sd);
         let from_mean = error - self.mean;
         self.mean += from_mean / self.intervals.answered() as f64;
         self.squares += from_mean * (error - self.mean);
@@ -61,3 +72,18 @@ impl Tally {
         }
     }
 }
+
+/// Mean of |x| for a normal x with this mean and standard deviation: the mean of the folded normal distribution (Leone, Nelson and Nottingham,
+/// Technometrics 3, 1961).
+fn mean_absolute(mean: f64, sd: f64) -> f64 {
+    let z = mean / (SQRT_2 * sd);
+    // Beyond this, all of the distribution lies on one side of zero; without a standard deviation, z is infinite or not a number.
+    if !(z.abs() < FAR) {
+        return mean.abs();
+    }
+    sd * FRAC_2_SQRT_PI * FRAC_1_SQRT_2 * (-z * z).exp() + mean * erf(z)
+}
+
+#[cfg(test)]
+#[path = "../../../tests/units/tally.rs"]
+mod tests;
