@@ -96,6 +96,7 @@ fn views_on(
             base: BASE,
             eye: EYE,
             force: forces.then_some(force),
+            position: None,
         }
     };
     presses.iter().map(&mut view).collect()
@@ -113,6 +114,7 @@ fn model(lean: Lean) -> ViewModel {
         lean,
         pad: None,
         preload_nmm: 0.0,
+        model_error: 0.0,
     }
 }
 
@@ -630,4 +632,35 @@ fn an_image_whose_force_has_no_certain_position_starts_a_calibration() {
         let squares = squares(&truth, &ribs);
         assert!(squares.iter().all(|square| *square < 16.0), "{seed}: {squares:?}");
     }
+}
+
+/// One force that was measured to 1 % determines the modulus to about 1 %. Its difference from the prior of the modulus is no scatter of forces.
+#[test]
+fn one_force_determines_the_modulus() {
+    let (mut held, cases) = (0, 40);
+    for seed in 0..cases {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let [of_modulus, of_force, of_position]: [f64; 3] = std::array::from_fn(|_| StandardNormal.sample(&mut rng));
+        let modulus_factor = (0.1 * of_modulus).exp();
+        let mut description = scene_finger().description().clone();
+        description.front.youngs_modulus_mpa *= modulus_factor;
+        description.back.youngs_modulus_mpa *= modulus_factor;
+        let strip = description.ribs.strip.as_mut();
+        strip.into_iter().for_each(|strip| strip.youngs_modulus_mpa *= modulus_factor);
+        let finger = Finger::new(description).expect("a possible finger");
+        let base = Isometry2::identity();
+        let truth = Truth { stated: scene_finger(), finger, modulus_factor, more_height_mm: 0.0, base };
+        let mut seen = views_at(&[(70.0, 3.0, 12.0)], &truth, true, &mut rng);
+        seen[0].force = seen[0].force.map(|force| force * (1.0 + 0.01 * of_force));
+        seen[0].position = Some([70.0 + of_position, 1.0]);
+        let all = sought(&[Quantity::Modulus], Some(0.1));
+        let found = views(&scene_finger(), &seen, &all, &model(Lean::NONE)).expect("identifiable");
+        let modulus = found.quantities[0];
+        let of_new = found.force_error.expect("a force was measured").of_new;
+        assert!(modulus.sigma < 0.02 * modulus.value && of_new < 0.03, "{modulus:?}, {of_new}");
+        assert_eq!(found.new_marker_errors.calibration_error_mm, found.marker_errors.calibration_error_mm);
+        held += usize::from((modulus.value - modulus_factor).abs() < 1.96 * modulus.sigma);
+    }
+    // Three standard deviations of the number that holds.
+    assert!(held >= 34, "{held} of {cases} intervals hold");
 }

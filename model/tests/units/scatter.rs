@@ -11,6 +11,7 @@ fn scatter(noise: f64, values: &[f64]) -> Scatter {
     let combination =
         |value: &f64| Combination { precision, seen: precision * noise * value, carried: vec![0.0], shared: vec![0.0] };
     Scatter {
+        is_single: false,
         combinations: values.iter().map(combination).collect(),
         of_parameters: vec![0.0],
         of_markers: vec![noise * noise],
@@ -57,7 +58,7 @@ fn normal_equations_show_differences_of_forces() {
 fn few_forces_leave_the_scatter_open_as_students_t_has_it() {
     for (degrees_of_freedom, point) in [(5, 2.5706), (10, 2.2281)] {
         let many = scatter(1e-6, &vec![1e4; degrees_of_freedom]);
-        let found = many.of_new(f64::NAN).share;
+        let found = many.of_new(f64::NAN, f64::NAN).share;
         assert!((found / 0.01 * 1.959_964 / point - 1.0).abs() < 1e-4, "{found}");
     }
 }
@@ -103,7 +104,7 @@ fn intervals_hold_whatever_the_scatter() {
 #[test]
 fn one_force_has_nothing_to_be_compared_with() {
     let one = scatter(1e3, &[1.0]);
-    assert_eq!((one.most_likely(), one.of_new(0.01)), (None, AddedForceError { share: 0.01, of_markers: 0.0 }));
+    assert_eq!((one.most_likely(), one.of_new(0.02, 0.01)), (None, AddedForceError { share: 0.01, of_markers: 0.0 }));
 }
 
 /// Variances with a constant part and a part that grows with the noise are split correctly. Variances that are equal, or that decrease with the

@@ -43,6 +43,7 @@ fn derivatives_are_those_of_equilibria() {
         base,
         eye: Vector::new(70.0, 10.0),
         force,
+        position: None,
     };
     let all = [view(None), view(Some(finger.direction(12.0) * 3.0))];
     let normals = [Normal::Undeformed, Normal::Deformed { over_mm: 0.0 }, Normal::Deformed { over_mm: 8.0 }];
@@ -55,6 +56,7 @@ fn derivatives_are_those_of_equilibria() {
             lean: Lean { angle_deg: 10.0, sd_deg: 5.0, build_up_n: 2.0, from },
             pad,
             preload_nmm: 3.0,
+            model_error: 0.0,
         };
         let errors = MarkerErrors { noise_factor: 1.0, calibration_error_mm: 0.02 };
         let (views, sought, scatter) = (&all[..], &sought[..], Some(0.01));

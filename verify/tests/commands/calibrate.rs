@@ -165,8 +165,8 @@ fn options_of_images_are_refused_beside_measurements() {
         let located = [&["calibrate", PAPER, "--located", "located.csv", "--fit", "modulus"], option].concat();
         assert_says(&finray(&located).refused(), &["--located", "cannot be used with"]);
     }
-    // Without measurements and without located images, the message names both ways to calibrate.
-    assert_says(&finray(&["calibrate", PAPER]).refused(), &["--measurements", "--located", "--fit"]);
+    // Without any input, the message names all ways to calibrate.
+    assert_says(&finray(&["calibrate", PAPER]).refused(), &["--weight", "--measurements", "--located", "--fit"]);
 }
 
 /// A modulus a hundred times as large as in the scene indicates a wrong unit.

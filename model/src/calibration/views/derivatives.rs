@@ -1,9 +1,10 @@
 //! Supplies the optimiser with residuals and their derivatives, priors, and bounds of the positions.
 
+use super::View;
 use super::problem::{Candidate, OWN, Point, Problem, free_part_mm};
 use crate::calibration::CalibrationError;
 use crate::optimise::{LeastSquaresProblem, Prior, Refusal, StepBounds};
-use crate::sensing::PressedFinger;
+use crate::sensing::{ForceUnknowns, PressedFinger};
 use nalgebra::{DMatrix, DVector, Translation2, UnitComplex};
 
 /// Steps of the derivatives by shared quantities, in the unit of each quantity. A change of a length strains beams, which are stiff, so that the
@@ -85,7 +86,13 @@ impl LeastSquaresProblem for Problem<'_> {
 
     fn priors(&self, point: &Point) -> Vec<Prior> {
         let changes = self.sought.iter().zip(&point.shared).enumerate();
-        changes.filter_map(|(k, (sought, change))| Some(Prior::on(k, *change, 0.0, sought.prior_sd?))).collect()
+        let of_quantities =
+            changes.filter_map(|(k, (sought, change))| Some(Prior::on(k, *change, 0.0, sought.prior_sd?)));
+        let of_position = |(view, own, _, column): (&View, &ForceUnknowns, _, usize)| {
+            let [position_mm, sd_mm] = view.position?;
+            Some(Prior::on(column, own.s_mm, position_mm, sd_mm))
+        };
+        of_quantities.chain(self.parts(point).filter_map(of_position)).collect()
     }
 
     /// Bounds of a step that keep contacts on the plate, or at their known positions.

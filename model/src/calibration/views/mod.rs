@@ -59,6 +59,8 @@ pub struct ViewModel {
     pub pad: Option<Pad>,
     /// Moment that the plates exert on each other at the tip without load, N mm.
     pub preload_nmm: f64,
+    /// Relative standard deviation of a force due to the errors of the finger's model, dimensionless.
+    pub model_error: f64,
 }
 
 /// Estimate of a sought quantity.
@@ -141,7 +143,8 @@ pub struct ViewEstimate {
 /// Relative standard deviations of one force, dimensionless. They cover errors that the noise, the position and the base of a view do not explain.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForceError {
-    /// Relative scatter of the measured forces, dimensionless. A scatter of 1 % is assumed if there are too few forces to compare.
+    /// Relative scatter of the measured forces, dimensionless. A scatter of 1 % and of the error of the finger's model is assumed if there are too
+    /// few forces to compare.
     pub scatter: f64,
     /// Relative standard deviation of a force in a new image. `of_new` includes the uncertainty of the scatter and of fitted parameters that
     /// `new_marker_errors` does not cover.
@@ -150,7 +153,8 @@ pub struct ForceError {
 
 /// Calibration error, mm, with which the fit starts. Later rounds use the estimate of the last fit.
 const FIRST_CALIBRATION_ERROR_MM: f64 = 0.05;
-/// Relative scatter of forces with which the fit starts. This value is kept if the measurements do not show the scatter. `LEAST_SCATTER` is the
+/// Relative scatter of forces with which the fit starts, beside the error of the finger's model. This value is kept if the measurements do not show the
+/// scatter. `LEAST_SCATTER` is the
 /// smallest scatter that matters.
 const FIRST_SCATTER: f64 = 0.01;
 const LEAST_SCATTER: f64 = 1e-5;
@@ -217,7 +221,9 @@ fn views_from(
     let shared_lean = shares_lean.then_some(Sought { quantity: Quantity::Lean, prior_sd: Some(model.lean.sd_deg) });
     let sought = &[sought, shared_lean.as_slice()].concat()[..];
     let is_scaled = sought.iter().any(|sought| sought.quantity.is_modulus()) && views.iter().any(|v| v.force.is_some());
-    let scatter = is_scaled.then_some(FIRST_SCATTER);
+    // Forces that are too few to show their scatter may at least err as the beam model does.
+    let first_scatter = FIRST_SCATTER.hypot(model.model_error);
+    let scatter = is_scaled.then_some(first_scatter);
     let errors = MarkerErrors { noise_factor: 1.0, calibration_error_mm: FIRST_CALIBRATION_ERROR_MM };
     let mut problem = Problem { finger, views, sought, model, errors, scatter, shapes: Vec::new() };
     let names = |quantities: &mut dyn Iterator<Item = usize>| {
@@ -248,7 +254,7 @@ fn views_from(
         problem.errors = marker_errors(&problem, &fitted, &covariance);
         let scatter = problem.scatter.and_then(|_| scatter_of(&problem, &fitted));
         problem.scatter = problem.scatter.map(|_| {
-            scatter.as_ref().and_then(Scatter::most_likely).map_or(FIRST_SCATTER, |share| share.max(LEAST_SCATTER))
+            scatter.as_ref().and_then(Scatter::most_likely).map_or(first_scatter, |share| share.max(LEAST_SCATTER))
         });
         found = Some((fitted, covariance, scatter));
         if have_settled(before, (problem.errors, problem.scatter)) {
@@ -269,7 +275,8 @@ fn views_from(
         return Err(CalibrationError::NotIdentifiable { parameters: names(&mut (0..sought.len()).filter(open)) });
     }
     let of_new = problem.scatter.map(|most_likely| match &scatter {
-        Some(scatter) => scatter.of_new(most_likely),
+        // Whoever senses a new force adds the error of the finger's model.
+        Some(scatter) => scatter.of_new(most_likely, FIRST_SCATTER),
         None => AddedForceError { share: most_likely, of_markers: 0.0 },
     });
     let force_error = problem.scatter.zip(of_new).map(|(scatter, of_new)| ForceError { scatter, of_new: of_new.share });

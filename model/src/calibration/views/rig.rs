@@ -70,6 +70,7 @@ impl ViewModel {
             lean,
             pad: scene.contact.pad,
             preload_nmm: scene.assembly.as_ref().map_or(0.0, |assembly| assembly.preload_nmm),
+            model_error: scene.model_error.share(),
         }
     }
 
@@ -98,8 +99,15 @@ pub fn calibrate_rig(
     };
     let all: Vec<View> = seen.iter().map(view).collect();
     let model = ViewModel::of_scene(scene, lean);
-    let found = refined_views(&scene.finger, &all, &question.sought, &model)?;
-    check_side(scene, &all, &question.sought, &model, &found)?;
+    // What the scene states of the stiffness is the prior of a factor on all moduli.
+    let stated_sd = Some(scene.stiffness_error.share()).filter(|sd| *sd > 0.0);
+    let with_prior = |sought: &Sought| match sought.quantity {
+        Quantity::Modulus => Sought { prior_sd: sought.prior_sd.or(stated_sd), ..*sought },
+        _ => *sought,
+    };
+    let sought: Vec<Sought> = question.sought.iter().map(with_prior).collect();
+    let found = refined_views(&scene.finger, &all, &sought, &model)?;
+    check_side(scene, &all, &sought, &model, &found)?;
     let measured = || seen.iter().zip(&found.views).filter(|(seen, _)| seen.view.force.is_some());
     let leans: Vec<_> = measured()
         .map(|(seen, view)| {

@@ -56,6 +56,8 @@ pub(super) struct AddedForceError {
 /// Comparison of forces estimated from images with measured forces.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Scatter {
+    /// Whether only one force was measured while a modulus is sought.
+    is_single: bool,
     combinations: Vec<Combination>,
     /// Variance of the relative force in each new image due to the finger's parameters, if measured forces were exact.
     of_parameters: Vec<f64>,
@@ -97,6 +99,7 @@ impl Scatter {
             shared: shared_by.column(i).iter().map(|change| change * change).collect(),
         };
         Some(Scatter {
+            is_single: forces == 1,
             combinations: (0..forces).map(combination).collect(),
             of_parameters: new.iter().map(|new| new.by_shared.dot(&(&left * &new.by_shared))).collect(),
             of_markers: new.iter().map(|new| new.of_markers).collect(),
@@ -122,8 +125,12 @@ impl Scatter {
         0.5 * self.combinations.iter().map(of).sum::<f64>()
     }
 
-    /// Number of independent combinations that are precise enough to show a relative scatter of [`LARGEST`].
+    /// Number of independent combinations that are precise enough to show a relative scatter of [`LARGEST`]. A single force
+    /// has none: its difference from the prior of a modulus is no scatter.
     fn differences(&self) -> usize {
+        if self.is_single {
+            return 0;
+        }
         self.combinations.iter().filter(|it| it.precision * LARGEST * LARGEST > 1.0).count()
     }
 
@@ -194,16 +201,22 @@ impl Scatter {
     }
 
     /// Error of a force that the calibrated finger senses in a new image, beyond the image's own noise and base. The error combines the uncertainty
-    /// of the finger with the scatter of measured forces. If the images do not show the scatter, `assumed` is used.
+    /// of the finger with the scatter of measured forces. If the images do not show the scatter, it is
+    /// `assumed` for measured forces and `assumed_of_new` for a new force.
     ///
     /// An uncertain modulus changes every force by the same share. Uncertain geometry displaces markers like noise. The relative error due to
     /// geometry is larger for a small force, or for a force whose position has little effect on the markers. The parts due to modulus and geometry
     /// can be separated if images differ in the effect of noise. Otherwise each part gets half.
-    pub fn of_new(&self, assumed: f64) -> AddedForceError {
-        let scatter = self.of_new_force().unwrap_or(assumed);
-        let of_finger: Vec<f64> = (0..self.of_markers.len()).map(|image| self.of_finger(image, scatter)).collect();
-        let [of_all, of_markers] = shares(&of_finger, &self.of_markers);
-        AddedForceError { share: scatter.hypot(of_all.sqrt()), of_markers }
+    pub fn of_new(&self, assumed: f64, assumed_of_new: f64) -> AddedForceError {
+        let shown = self.of_new_force();
+        let of_finger = |image| self.of_finger(image, shown.unwrap_or(assumed));
+        let of_finger: Vec<f64> = (0..self.of_markers.len()).map(of_finger).collect();
+        let [of_all, of_markers] = match self.of_shared.len() {
+            // A modulus alone has no geometry beside it.
+            1 => [of_finger.iter().sum::<f64>() / of_finger.len() as f64, 0.0],
+            _ => shares(&of_finger, &self.of_markers),
+        };
+        AddedForceError { share: shown.unwrap_or(assumed_of_new).hypot(of_all.sqrt()), of_markers }
     }
 }
 

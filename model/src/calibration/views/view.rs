@@ -23,6 +23,8 @@ pub struct View {
     pub eye: Vector,
     /// Measured contact force in the frame of the view, N. `None` if no force was measured.
     pub force: Option<Vector>,
+    /// Measured position of the contact along the front plate, and its standard deviation, mm. `None` if the position was not measured.
+    pub position: Option<[f64; 2]>,
 }
 
 /// An observation for the calibration of a scene, and the view to which the observation is converted.
@@ -60,6 +62,7 @@ impl LocatedView {
             base: uncertainty,
             eye: (base.inverse() * Point2::from(eye)).coords,
             force: force.map(|force| base.rotation.inverse() * force),
+            position: None,
         };
         Ok(LocatedView { observation, base, view, object: None })
     }

@@ -1,6 +1,6 @@
-//! `finray calibrate --located`: calibrates a finger and its rig from several images.
+//! `finray calibrate --located` and `--weight`: calibrates a finger and its rig from images.
 
-use super::{Arguments, Row, correlations, failure, notes};
+use super::{Arguments, Row, correlations, failure, notes, weights};
 use crate::commands::prelude::*;
 use finray_files::views::LocatedViews;
 use finray_files::{load_scene_and_text, views, with_values};
@@ -142,16 +142,26 @@ struct ImageRow {
     residual_rms_mm: f64,
 }
 
-pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<String, Failure> {
-    require_one_standard_input([&arguments.scene].into_iter().chain(&arguments.located).chain(&arguments.forces))?;
+/// Parameters that are estimated without `--fit`.
+const BY_DEFAULT: &str = "modulus";
+
+pub fn run(arguments: &Arguments) -> Result<String, Failure> {
+    let Arguments { located, forces, image, rest, .. } = arguments;
+    require_one_standard_input([&arguments.scene].into_iter().chain(located).chain(forces).chain(image).chain(rest))?;
     let (scene, text) = load_scene_and_text(&arguments.scene)?;
-    let fit = parse(fit, &scene)?;
+    let fit = parse(arguments.fit.as_deref().unwrap_or(BY_DEFAULT), &scene)?;
     // A calibrated modulus replaces its uncertainty and absorbs the state of the side faces.
     let absorbed = seeks(&fit, Quantity::is_modulus);
     let is_absorbed = |warning: &SceneWarning| absorbed && warning.is_of_stiffness();
     hints::of_scene_without(&arguments.scene, &scene, is_absorbed);
-    let LocatedViews { views: seen, refused, .. } = views::load(located, arguments.forces.as_deref(), &scene)?;
-    hints::of_refused(&refused);
+    let seen = match located {
+        None => weights::views(arguments, &scene)?,
+        Some(located) => {
+            let LocatedViews { views, refused, .. } = views::load(located, forces.as_deref(), &scene)?;
+            hints::of_refused(&refused);
+            views
+        }
+    };
     let measured = seen.iter().filter(|seen| seen.view.force.is_some()).count();
     if measured == 0 && (fit.friction.is_some() || fit.base_compliance || seeks(&fit, Quantity::is_modulus)) {
         return Err(bad_input(
@@ -169,13 +179,19 @@ pub fn run(arguments: &Arguments, located: &Path, fit: &str) -> Result<String, F
     };
     let found = calibration::calibrate_rig(&scene, &seen, &fit, lean).map_err(failure)?;
     let RigEstimate { views: estimate, compliance, .. } = &found;
-    notes::print(&found, &scene);
+    notes::print(&found);
+    if arguments.fit.is_none() {
+        print_message(format_args!(
+            "note: only {BY_DEFAULT} is estimated; thicknesses, ribs, base and height of the markers keep the scene's values (--fit)"
+        ));
+    }
     if measured == 0 && arguments.calibrated.is_some() {
         print_message(
             "warning: no force was measured: forces sensed with this calibration share a large error; one measured force (--forces) removes most of \
              this error",
         );
     }
+    weights::warn_of_positions(&seen, &estimate.views);
     for outlier in &estimate.outliers {
         print_message(format_args!("warning: {outlier}"));
     }

@@ -3,6 +3,7 @@
 mod images;
 mod modulus;
 mod notes;
+mod weights;
 mod zones;
 
 use crate::commands::parse::kinematics;
@@ -13,6 +14,7 @@ use finray_model::calibration::{CalibrationError, OutlyingMarker, SceneValues};
 use finray_model::finger::FingerDescription;
 use finray_model::scene::SceneWarning;
 use finray_model::sensing::{ResidualTest, Warning};
+use finray_model::text::finite;
 use nalgebra::DMatrix;
 
 /// Mesh elements per member. With only four elements per member, the modulus factor errs by 3e-4 for weights that bend the paper's finger by 15 mm.
@@ -29,6 +31,7 @@ base, base-compliance, preload, friction, friction-build-up, force-error.
 
 Examples:
   finray calibrate fixtures/scenes/paper.toml --measurements weights.csv
+  finray calibrate mine.toml --weight 0.2kg --image hung.jpg --plumb 412,80,415,900 --calibrated calibrated.toml
   finray calibrate fixtures/scenes/twin.toml --measurements weights.csv --zones=1+2,3+4,5+6
   finray calibrate fixtures/scenes/bracketed.toml --located nodes.csv --forces forces.csv
       --fit modulus,bracket,ribs=0.2,friction --calibrated calibrated.toml
@@ -38,18 +41,37 @@ Guide: finray guide calibrate";
 /// Estimate moduli, geometry and friction of a finger from weights or images of the pressed finger.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
-#[command(group = clap::ArgGroup::new("several").args(["zones", "located"]).multiple(true))]
+#[command(group = clap::ArgGroup::new("several").args(["zones", "located", "weight"]).multiple(true))]
+#[command(group = clap::ArgGroup::new("seen").args(["located", "weight"]))]
 pub struct Arguments {
     /// Scene file (TOML); - for standard input
     scene: PathBuf,
+    /// Hung weights with their unit (0.2kg, 200g, 1.96N): one for all photographs, or one for each
+    #[arg(long, help_heading = "From photographs of hung weights", value_name = "WEIGHT", value_parser = weights::weight, num_args = 1.., requires = "image", conflicts_with_all = ["measurements", "zones", "kinematics", "noise_mm"])]
+    weight: Vec<f64>,
+    /// Photographs (PNG, JPEG) of the finger with a hung weight
+    #[arg(long, help_heading = "From photographs of hung weights", value_name = "FILE", num_args = 1.., requires = "weight")]
+    image: Vec<PathBuf>,
+    /// Image of the unloaded finger, as for `locate`
+    #[arg(long, help_heading = "From photographs of hung weights", value_name = "FILE", requires = "weight")]
+    rest: Option<PathBuf>,
+    /// Position of the string on the front plate, mm from the base, to 1 mm: one for all photographs, or one for each [default: estimated]
+    #[arg(long, help_heading = "From photographs of hung weights", value_name = "S_MM", num_args = 1.., value_parser = positive, requires = "weight")]
+    weight_at: Vec<f64>,
+    /// Direction of gravity: two pixels of a plumb line or of the string, the upper one first
+    #[arg(long, help_heading = "From photographs of hung weights", value_name = "U1,V1,U2,V2", value_parser = weights::plumb, requires = "weight")]
+    plumb: Option<weights::Plumb>,
+    /// Direction of gravity: degrees from the front plate's undeformed inward normal, positive towards the tip
+    #[arg(long, help_heading = "From photographs of hung weights", value_name = "A", value_parser = finite, allow_negative_numbers = true, requires = "weight", conflicts_with = "plumb")]
+    gravity_deg: Option<f64>,
     /// Displacements under known loads: case,load_node,fx_n,fy_n,node,ux_mm,uy_mm
     #[arg(long, help_heading = "From weights", value_name = "FILE", conflicts_with_all = ["fit", "forces", "images"])]
     measurements: Option<PathBuf>,
     /// Markers in images of the pressed finger (file from `finray locate`)
-    #[arg(long, help_heading = "From images", value_name = "FILE", conflicts_with_all = ["measurements", "zones", "kinematics", "noise_mm"], requires = "fit")]
+    #[arg(long, help_heading = "From images", value_name = "FILE", conflicts_with_all = ["measurements", "zones", "kinematics", "noise_mm"])]
     located: Option<PathBuf>,
-    /// Parameters to estimate, separated by commas, for instance modulus,ribs=0.2; NAMES are listed below
-    #[arg(long, help_heading = "From images", value_name = "NAMES", requires = "located")]
+    /// Parameters to estimate, separated by commas, for instance modulus,ribs=0.2; NAMES are listed below [default: modulus]
+    #[arg(long, help_heading = "From images", value_name = "NAMES", requires = "seen")]
     fit: Option<String>,
     /// Forces measured in some images, in the frame in which the scene states the camera's pose (CSV: image,fx_n,fy_n and optionally object)
     #[arg(long, help_heading = "From images", value_name = "FILE", requires = "located")]
@@ -58,7 +80,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     calibrated: Option<PathBuf>,
     /// Write the results of each image (CSV) to FILE
-    #[arg(long, help_heading = "From images", value_name = "FILE", requires = "located")]
+    #[arg(long, help_heading = "From images", value_name = "FILE", requires = "seen")]
     images: Option<PathBuf>,
     /// Also estimate modulus factors of the scene's zones: one per zone, or one per group; 1+2,3 means that zones 1 and 2 share a factor
     #[arg(long, help_heading = "From weights", value_name = "GROUPS", num_args = 0..=1, require_equals = true, default_missing_value = EACH)]
@@ -69,7 +91,7 @@ pub struct Arguments {
     /// Standard deviation of the noise in one coordinate, mm [default: the scene's value, else estimated from the residual]
     #[arg(long, help_heading = "From weights", value_name = "S", requires = "measurements", value_parser = not_negative)]
     noise_mm: Option<f64>,
-    /// Correlations of the results (CSV), with --zones or --located
+    /// Correlations of the results (CSV), with --zones or images
     #[arg(long, value_name = "FILE", requires = "several")]
     correlations: Option<PathBuf>,
     /// Result file; - for standard output
@@ -95,12 +117,13 @@ struct Correlation {
 }
 
 pub fn run(arguments: &Arguments) -> Result<String, Failure> {
-    if let (Some(located), Some(fit)) = (&arguments.located, &arguments.fit) {
-        return images::run(arguments, located, fit);
+    if arguments.located.is_some() || !arguments.weight.is_empty() {
+        return images::run(arguments);
     }
     let Some(measured) = &arguments.measurements else {
         return Err(bad_input(
-            "expected --measurements FILE (shapes under known loads), or --located FILE with --fit NAMES (images of the pressed finger)",
+            "expected --weight WEIGHT with --image FILE (photographs of a hung weight), --measurements FILE (shapes under known loads), or --located \
+             FILE with --fit NAMES (images of the pressed finger)",
         ));
     };
     require_one_standard_input([&arguments.scene, measured])?;

@@ -10,8 +10,8 @@ const HARDLY_BETTER: f64 = 0.8;
 const DOUBTFUL: f64 = 2.0;
 
 /// Prints the notes about priors, base and friction.
-pub fn print(found: &RigEstimate, scene: &Scene) {
-    print_priors(&found.views, scene.stiffness_error.share());
+pub fn print(found: &RigEstimate) {
+    print_priors(&found.views);
     print_base(found);
     if let Some(friction) = &found.friction {
         print_friction(friction);
@@ -30,15 +30,12 @@ pub fn warn_of_change(parameter: &str, value: f64, change: f64, prior_sd: f64) {
     }
 }
 
-/// Names the parameters with a prior, those whose prior the images hardly improve, and those that contradict their prior. `stiffness_sd` is the relative
-/// standard deviation that the scene states for the stiffness.
-fn print_priors(estimate: &ViewEstimate, stiffness_sd: f64) {
+/// Names the parameters with a prior, those whose prior the images hardly improve, and those that contradict their prior.
+fn print_priors(estimate: &ViewEstimate) {
     for found in &estimate.quantities {
-        let of_scene = if found.sought.quantity.is_modulus() { stiffness_sd } else { 0.0 };
-        let prior_sd = found.sought.prior_sd.unwrap_or(of_scene);
-        warn_of_change(&found.sought.quantity.to_string(), found.value, found.change, prior_sd);
         let Some(prior_sd) = found.sought.prior_sd else { continue };
         let quantity = found.sought.quantity;
+        warn_of_change(&quantity.to_string(), found.value, found.change, prior_sd);
         match found.sigma > HARDLY_BETTER * prior_sd {
             true => print_message(format_args!(
                 "note: {quantity}: prior of {prior_sd} (standard deviation), which the images hardly improve"
