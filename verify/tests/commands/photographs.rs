@@ -289,7 +289,8 @@ fn what_images_cannot_show_is_refused() {
     assert_says(&refused(&scene, &["--fit", "modulus"]), &["not identifiable", "--forces"]);
     assert_says(&refused(&scene, &["--fit", "bracket"]), &["friction", "contact"]);
     assert_says(&refused(PAPER, &["--fit", "bracket"]), &["bracket_mm", "finger.ribs"]);
-    assert_says(&refused(&scene, &[]), &["--fit"]);
+    // Without names, the modulus is sought.
+    assert_says(&refused(&scene, &[]), &["not identifiable", "--forces"]);
     let forces = folder.put("forces.csv", "image,fx_n,fy_n\nb,0,-1\n");
     assert_says(&refused(&scene, &["--fit", "modulus", "--forces", &forces]), &["forces.csv", "line 2", "\"b\""]);
     let forces = folder.put("forces.csv", "image,fx_n,fy_n\na,0,-1\n");
