@@ -11,13 +11,18 @@
 //!    image. With rest frames, [`RestPositions::displaced`] adds the error of their mean.
 //! 1. Stated noise x of one coordinate, mm: [`SensorOptions::noise_mm`] (`--noise-mm`), else `noise_mm` of `[camera]`, for all markers. Without
 //!    it, each marker has the standard deviation of the observation (`sigma_mm` of a table).
-//! 2. [`Observation::for_sensing`]: m = hypot(`noise_factor` x, `model_error_mm`) with the two keys of `[markers]` (1 and 0 without them), in
-//!    `MarkerErrors::sd_mm` of [`measurement`](crate::measurement), the place for a further term of every marker. Markers
+//! 2. [`Observation::for_sensing`]: m = hypot(k x, `model_error_mm`) with the two keys of `[markers]` (1 and 0 without them), in
+//!    `MarkerErrors::sd_mm` of [`measurement`](crate::measurement), the place for a further term of every marker. k is `noise_factor` for images whose
+//!    noise is at most `noise_factor_of_mm`, and approaches 1 for noisier images (`MarkerErrors::of_image`). Markers
 //!    with own standard deviations m_i have m = their root mean square, and the weight w_i = m / m_i; else w_i = 1.
+//!    The noise of compressed images is itself an estimate from n degrees of freedom (`together::located`); errors that are known raise n
+//!    ([`Measurement::noise_degrees_of_freedom`]). An error that all markers of such an image share adds to the uncertainty of the base
+//!    (`observation::shared_error`).
 //! 3. `beam_theory`: b = 0.34 `model_error` (largest displacement); m becomes hypot(m, b), and w_i follows. `model_error` is the scene's, see
 //!    [`Scene::model_error`](crate::scene::Scene). The result is the `marker_noise_mm` of the estimator, which scales priors and decides which minima explain the markers.
 //! 4. [`ResidualTest`](crate::sensing::ResidualTest): r = sqrt(Q / f), with the sum of squares Q of weighted residuals, priors and conditions of
-//!    an object, and f = their number less the number of unknowns. The trusted noise t is m, or r if chi-squared rejects m (p < 0.01). Without a
+//!    an object, and f = their number less the number of unknowns. The trusted noise t is m, or r if chi-squared rejects m (p < 0.01). If m was
+//!    estimated, the F distribution decides, and t^2 = (Q + n m^2) / (f + n) times the square of t_0.975(f + n) / 1.96. Without a
 //!    stated noise, or with a zero one, t = r t_0.975(f) / 1.96 with Student's quantile.
 //! 5. `sensing::force::assessment`: the covariance of the unknowns is t^2 (A^T A)^-1. A has one row for each coordinate (derivative times w_i, times
 //!    the factor below 1 of an outlier), prior and condition of an object. Poses of base and object, leans and errors of the assembly are
@@ -407,7 +412,8 @@ impl Sensor {
         let is_large = question.marker_noise_mm.is_none() && LARGE_RESIDUAL.into_iter().zip(limits_mm).all(is_beyond);
         let large_residual = is_large.then_some(SensorWarning::LargeResidual { residual_rms_mm, moved_rms_mm });
         let warnings = of_model.into_iter().chain(no_residual).chain(large_residual).collect();
-        Ok(SensedForces::new(&contacts, estimate, warnings))
+        let relative_residual = question.marker_noise_mm.map_or(0.0, |noise_mm| residual_rms_mm / noise_mm);
+        Ok(SensedForces::new(&contacts, estimate, warnings, relative_residual))
     }
 
     /// Assumptions of the beam model that fail under the sensed forces, such as small strains or negligible shear.

@@ -36,6 +36,7 @@ mod sensing {
     mod valleys;
 }
 mod sensor {
+    mod estimated_noise;
     mod rest;
 }
 mod statics {

@@ -216,7 +216,7 @@ fn views_from(
     let sought = &[sought, shared_lean.as_slice()].concat()[..];
     let is_scaled = sought.iter().any(|sought| sought.quantity.is_modulus()) && views.iter().any(|v| v.force.is_some());
     let scatter = is_scaled.then_some(FIRST_SCATTER);
-    let errors = MarkerErrors { noise_factor: 1.0, calibration_error_mm: FIRST_CALIBRATION_ERROR_MM };
+    let errors = MarkerErrors { calibration_error_mm: FIRST_CALIBRATION_ERROR_MM, ..MarkerErrors::default() };
     let mut problem = Problem { finger, views, sought, model, errors, scatter, shapes: Vec::new() };
     let names = |quantities: &mut dyn Iterator<Item = usize>| {
         quantities.map(|k| sought[k].quantity.to_string()).collect::<Vec<_>>().join(", ")
