@@ -42,6 +42,7 @@
 mod beam_theory;
 mod contact_spec;
 mod drift;
+mod expected;
 mod means;
 mod rest;
 mod sensed;
@@ -51,6 +52,7 @@ mod unloaded;
 
 pub use contact_spec::{ContactSpec, ContactSpecError, ContactTextError, DirectionSpec, MissingInScene};
 pub use drift::ZeroDrift;
+pub use expected::{ExpectedSigma, expected_sigma};
 pub use rest::{RestError, RestPositions};
 pub use sensed::{SensedForce, SensedForces, SensorWarning};
 pub use stream::StreamSensor;

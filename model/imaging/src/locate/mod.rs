@@ -17,6 +17,7 @@ mod radii;
 mod rest;
 mod rim;
 mod rim_locator;
+mod survey;
 mod together;
 mod warning;
 
@@ -28,6 +29,7 @@ pub use observer::{Observer, ObserverError};
 pub use radii::{OtherRadius, SeenRadii};
 pub use rest::{Rest, RestError};
 pub use rim_locator::{RimLocator, SeenBase, SeenFinger};
+pub use survey::{DotColour, MissingDot, Survey};
 pub use warning::ImageWarning;
 
 use crate::RgbRows;
