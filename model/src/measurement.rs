@@ -30,6 +30,11 @@ pub struct BaseUncertainty {
 }
 
 impl BaseUncertainty {
+    /// This uncertainty together with an independent error of the pose. The rotation under force stays.
+    pub(crate) fn and(self, error: BaseUncertainty) -> BaseUncertainty {
+        BaseUncertainty { sd_mm: self.sd_mm.hypot(error.sd_mm), sd_rad: self.sd_rad.hypot(error.sd_rad), ..self }
+    }
+
     /// Uncertainty of the difference between the poses of the base in two images.
     pub(crate) fn of_two_images(self) -> BaseUncertainty {
         let both = std::f64::consts::SQRT_2;
@@ -44,6 +49,7 @@ pub struct Measurement {
     base: Option<BaseUncertainty>,
     shared_errors: Vec<SharedError>,
     plate_offsets: Vec<PlateMotion>,
+    noise_degrees_of_freedom: f64,
 }
 
 /// An error that all markers share.
@@ -121,6 +127,9 @@ pub struct MarkerErrors {
     /// Ratio of actual to stated marker noise, dimensionless. The ratio is below 1 if part of the stated noise is common to all images and absorbed
     /// by calibration.
     pub noise_factor: f64,
+    /// Stated noise of the images from which `noise_factor` was estimated, mm: root mean square over the markers of an image, median over the images.
+    /// `None` if it is unknown; the factor then applies to any noise.
+    pub noise_factor_of_mm: Option<f64>,
     /// Calibration error, mm: standard deviation of one coordinate of a marker in what the calibrated finger leaves unexplained beside the noise. The
     /// scene's key is `model_error_mm`.
     pub calibration_error_mm: f64,
@@ -129,11 +138,19 @@ pub struct MarkerErrors {
 impl Default for MarkerErrors {
     /// Errors as stated: a noise factor of 1 and a calibration error of 0.
     fn default() -> MarkerErrors {
-        MarkerErrors { noise_factor: 1.0, calibration_error_mm: 0.0 }
+        MarkerErrors { noise_factor: 1.0, noise_factor_of_mm: None, calibration_error_mm: 0.0 }
     }
 }
 
 impl MarkerErrors {
+    /// The errors for an image of the stated noise `stated_mm`. The variance beyond that of the images from which the noise factor was estimated has
+    /// another origin, such as compression, and is not reduced.
+    pub fn of_image(self, stated_mm: f64) -> MarkerErrors {
+        let known = self.noise_factor_of_mm.map_or(1.0, |known_mm| (known_mm / stated_mm).powi(2).min(1.0));
+        let noise_factor = (1.0 - (1.0 - self.noise_factor.powi(2)) * known).sqrt();
+        MarkerErrors { noise_factor: if known < 1.0 { noise_factor } else { self.noise_factor }, ..self }
+    }
+
     /// Standard deviation of a coordinate, mm, including both errors, for the stated standard deviation `stated_mm`.
     pub fn sd_mm(&self, stated_mm: f64) -> f64 {
         (self.noise_factor * stated_mm).hypot(self.calibration_error_mm)
@@ -156,7 +173,13 @@ impl Measurement {
 
     /// A measurement without markers.
     pub fn empty() -> Measurement {
-        Measurement { markers: Vec::new(), base: None, shared_errors: Vec::new(), plate_offsets: Vec::new() }
+        Measurement {
+            markers: Vec::new(),
+            base: None,
+            shared_errors: Vec::new(),
+            plate_offsets: Vec::new(),
+            noise_degrees_of_freedom: f64::INFINITY,
+        }
     }
 
     /// Adds one marker, with the checks of [`Measurement::new`]. Nodes at one point of a plate share one marker.
@@ -209,6 +232,27 @@ impl Measurement {
     /// estimator estimates the error of the base with the forces; other estimators ignore this error.
     pub fn with_base(mut self, base: impl Into<Option<BaseUncertainty>>) -> Measurement {
         self.base = base.into();
+        self
+    }
+
+    /// Returns this measurement with the number of degrees of freedom from which the noise of the markers was estimated.
+    pub fn with_noise_degrees_of_freedom(mut self, noise_degrees_of_freedom: f64) -> Measurement {
+        self.noise_degrees_of_freedom = noise_degrees_of_freedom;
+        self
+    }
+
+    /// Number of degrees of freedom from which the noise of the markers was estimated: its relative variance is 2 divided by this number. Infinite for a
+    /// known noise. All markers share the error of the noise, so that a residual of uniform kind changes the noise before it contradicts the model.
+    pub fn noise_degrees_of_freedom(&self) -> f64 {
+        self.noise_degrees_of_freedom
+    }
+
+    /// Returns this measurement after a known error was added to each marker, with which the noise grows from `from_mm` to `to_mm`.
+    ///
+    /// # Reference
+    /// Satterthwaite, Biometrics Bulletin 2, 1946: degrees of freedom of a sum of variances.
+    pub(crate) fn with_known_error(mut self, from_mm: f64, to_mm: f64) -> Measurement {
+        self.noise_degrees_of_freedom *= (to_mm / from_mm).powi(4);
         self
     }
 

@@ -25,6 +25,18 @@ pub struct Observation {
     pub markers: Vec<ObservedMarker>,
     /// Pose of the base. `None` if the base coincides exactly with the reference frame of the camera's pose.
     pub base: Option<ObservedBase>,
+    /// How well the standard deviations of the markers are known. `None` if they are exact, and the errors of the markers independent.
+    pub noise: Option<EstimatedNoise>,
+}
+
+/// Noise of an image that was estimated from the image, such as that of compression.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EstimatedNoise {
+    /// Degrees of freedom from which the standard deviations of the markers were estimated, as in [`Measurement::noise_degrees_of_freedom`].
+    pub degrees_of_freedom: f64,
+    /// Standard deviation of an error that each coordinate shares with those of all other markers, mm. It is no part of the standard deviations of the
+    /// markers.
+    pub shared_sd_mm: f64,
 }
 
 /// One observed marker. The marker's vectors are expressed in the finger frame at the time of the image. This frame moves with the base.
@@ -166,7 +178,8 @@ impl Observation {
         base_is_sought: bool,
         stated_noise_mm: Option<f64>,
     ) -> Result<ObservedMeasurement, ObservationError> {
-        let errors = scene.marker_errors;
+        let noise_mm = stated_noise_mm.or_else(|| self.noise_mm());
+        let errors = noise_mm.map_or(scene.marker_errors, |noise_mm| scene.marker_errors.of_image(noise_mm));
         Reading { errors, base_is_sought, by_position: false, stated_noise_mm, fallback_noise_mm: None }.of(self, scene)
     }
 
@@ -189,6 +202,13 @@ impl Observation {
         let known = found.measurement.base().unwrap_or_default();
         let base = BaseUncertainty { sd_mm: known.sd_mm.max(EXACT.0), sd_rad: known.sd_rad.max(EXACT.1), ..known };
         Ok((ObservedMeasurement { marker_noise_mm: Some(marker_noise_mm), ..found }, base))
+    }
+
+    /// Noise of the image, mm: root mean square of the markers' standard deviations, without the error of the base where it is apart. `None` if a
+    /// standard deviation is unknown.
+    pub fn noise_mm(&self) -> Option<f64> {
+        let sds: Option<Vec<f64>> = self.markers.iter().map(|marker| marker.own_sd_mm.or(marker.sd_mm)).collect();
+        sds.filter(|sds| !sds.is_empty()).map(|sds| root_mean_square(&sds))
     }
 
     /// Whether displacements refer to an image of the unloaded finger. If they do, their reference positions differ from the unloaded marker
@@ -265,8 +285,18 @@ impl Reading {
             let wrong = |error: MeasurementError| ObservationError::Marker { index, reason: error.into() };
             measurement.add(finger, Marker { weight, ..marker }).map_err(wrong)?;
         }
-        if let Some(base) = self.base(stated_base.filter(|_| !is_of_pose), scene)? {
+        let estimated = seen.noise.zip(marker_noise_mm).filter(|_| self.stated_noise_mm.is_none());
+        let is_shared = |(noise, _): &(EstimatedNoise, f64)| self.base_is_sought && noise.shared_sd_mm > 0.0;
+        let shared = estimated.filter(is_shared).map(|(noise, _)| shared_error(&measurement, finger, noise));
+        let base = self.base(stated_base.filter(|_| !is_of_pose), scene)?;
+        if let Some(base) = base.map(|base| shared.map_or(base, |shared| base.and(shared))).or(shared) {
             measurement = measurement.with_base(base);
+        }
+        if let Some((EstimatedNoise { degrees_of_freedom, .. }, noise_mm)) = estimated {
+            let known_mm = self.errors.calibration_error_mm.min(noise_mm);
+            let own_mm = (noise_mm * noise_mm - known_mm * known_mm).sqrt();
+            measurement =
+                measurement.with_noise_degrees_of_freedom(degrees_of_freedom).with_known_error(own_mm, noise_mm);
         }
         Ok(ObservedMeasurement { measurement, marker_noise_mm, frame })
     }
@@ -334,11 +364,9 @@ impl Reading {
         let of_scene = scene.base.as_ref().and_then(|base| base.uncertainty);
         let base = match (stated.filter(|base| base.sd_mm > 0.0 || base.sd_rad > 0.0), of_scene) {
             // The pose from the base references already includes the rotation of the base under force, so no further rotation is expected.
-            (Some(one), Some(other)) => Some(BaseUncertainty {
-                sd_mm: one.sd_mm.hypot(other.sd_mm),
-                sd_rad: one.sd_rad.hypot(other.sd_rad),
-                ..BaseUncertainty::default()
-            }),
+            (Some(one), Some(other)) => {
+                Some(one.and(BaseUncertainty { sd_mm: other.sd_mm, sd_rad: other.sd_rad, ..one }))
+            }
             (one, other) => one.or(other),
         };
         Ok(base.filter(|_| self.base_is_sought))
@@ -357,6 +385,18 @@ fn placed(finger: &Finger, base: &Isometry2<f64>, node: NodeId, displacement: Ve
     }
     let rest = finger.marker_position(node);
     (base * Point2::from(rest + displacement)).coords - rest
+}
+
+/// The error that all markers share, as an error of the base: of each coordinate, and as large at the markers by a rotation.
+fn shared_error(measurement: &Measurement, finger: &Finger, noise: EstimatedNoise) -> BaseUncertainty {
+    let distances: Vec<f64> =
+        measurement.markers().iter().map(|marker| finger.marker_position(marker.node).norm()).collect();
+    let sd_mm = noise.shared_sd_mm;
+    BaseUncertainty {
+        sd_mm,
+        sd_rad: sd_mm / root_mean_square(&distances).max(f64::MIN_POSITIVE),
+        ..BaseUncertainty::default()
+    }
 }
 
 fn root_mean_square(values: &[f64]) -> f64 {

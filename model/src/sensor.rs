@@ -12,14 +12,19 @@
 //! 1. Stated noise x of one coordinate, mm: [`SensorOptions::noise_mm`] (`--noise-mm`), else `noise_mm` of `[camera]`, for all markers. Without
 //!    it, each marker has the standard deviation of the observation: `sigma_mm`, or `marker_sigma_mm` if the base is estimated. With n rest frames, a stated
 //!    noise is multiplied by sqrt(1 + 1/n); [`RestPositions::displaced`] adds the error of their mean to unstated noise, or their scatter states the noise.
-//! 2. [`Observation::for_sensing`]: m = hypot(`noise_factor` x, `model_error_mm`) with the two keys of `[markers]` (1 and 0 without them), in
-//!    `MarkerErrors::sd_mm` of [`measurement`](crate::measurement), the place for a further term of every marker. Markers
+//! 2. [`Observation::for_sensing`]: m = hypot(a x, `model_error_mm`) with the two keys of `[markers]` (1 and 0 without them), in
+//!    `MarkerErrors::sd_mm` of [`measurement`](crate::measurement), the place for a further term of every marker. a is `noise_factor` for images whose
+//!    noise is at most `noise_factor_of_mm`, and approaches 1 for noisier images (`MarkerErrors::of_image`). Markers
 //!    with own standard deviations m_i have m = their root mean square, and the weight w_i = m / m_i; else w_i = 1.
+//!    The noise of compressed images is itself an estimate from k degrees of freedom (`together::located`); errors that are known raise k
+//!    ([`Measurement::noise_degrees_of_freedom`]). An error that all markers of such an image share adds to the uncertainty of the base
+//!    (`observation::shared_error`).
 //! 3. `beam_theory`: b = 0.34 `model_error` (largest displacement); m becomes hypot(m, b), and w_i follows. `model_error` is the scene's, see
 //!    [`Scene::model_error`](crate::scene::Scene). The result is the `marker_noise_mm` of the estimator, which scales priors and decides which minima explain the markers.
 //! 4. [`ResidualTest`](crate::sensing::ResidualTest): r = sqrt(Q / n), with the sum of squares Q of weighted residuals, priors and conditions of
 //!    an object, and n = their number less the number of unknowns. A residual d beyond 4.5 m is multiplied by 4.5 m / d, with its derivatives
-//!    (`sensing::force::linearised`). The trusted noise t is m, or r if chi-squared rejects m (p < 0.01). Without a
+//!    (`sensing::force::linearised`). The trusted noise t is m, or r if chi-squared rejects m (p < 0.01). If m was
+//!    estimated from k degrees of freedom, the F distribution decides, and t^2 = (Q + k m^2) / (n + k) times the square of t_0.975(n + k) / 1.96. Without a
 //!    stated noise, or with a zero one, t = r t_0.975(n) / 1.96 with Student's quantile.
 //! 5. `sensing::force::assessment`: the covariance of the unknowns is t^2 (A^T A)^-1. A has one row for each coordinate (derivative times w_i), prior and
 //!    condition of an object. Poses of base and object, leans and errors of the assembly are
@@ -41,6 +46,7 @@
 mod beam_theory;
 mod contact_spec;
 mod drift;
+mod expected;
 mod means;
 mod rest;
 mod sensed;
@@ -50,6 +56,7 @@ mod unloaded;
 
 pub use contact_spec::{ContactSpec, ContactSpecError, ContactTextError, DirectionSpec, MissingInScene};
 pub use drift::ZeroDrift;
+pub use expected::{ExpectedSigma, expected_sigma};
 pub use rest::{RestError, RestPositions};
 pub use sensed::{SensedForce, SensedForces, SensorWarning};
 pub use stream::StreamSensor;
@@ -412,7 +419,8 @@ impl Sensor {
         let is_large = question.marker_noise_mm.is_none() && LARGE_RESIDUAL.into_iter().zip(limits_mm).all(is_beyond);
         let large_residual = is_large.then_some(SensorWarning::LargeResidual { residual_rms_mm, moved_rms_mm });
         let warnings = of_model.into_iter().chain(no_residual).chain(large_residual).collect();
-        Ok(SensedForces::new(&contacts, estimate, warnings))
+        let relative_residual = question.marker_noise_mm.map_or(0.0, |noise_mm| residual_rms_mm / noise_mm);
+        Ok(SensedForces::new(&contacts, estimate, warnings, relative_residual))
     }
 
     /// Assumptions of the beam model that fail under the sensed forces, such as small strains or negligible shear.

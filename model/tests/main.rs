@@ -37,6 +37,7 @@ mod sensing {
     mod valleys;
 }
 mod sensor {
+    mod estimated_noise;
     mod rest;
 }
 mod statics {

@@ -31,6 +31,7 @@ fn noise_of_free_and_clamped_markers_includes_the_errors_of_the_scene() {
         let errors = MarkerErrors {
             noise_factor: chance.random_range(0.2..5.0),
             calibration_error_mm: chance.random_range(0.0..0.2),
+            ..MarkerErrors::default()
         };
         let scene = scene(errors);
         let [of_marker_mm, stated_mm] = [(); 2].map(|()| chance.random_range(0.005..0.2));

@@ -10,7 +10,8 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use commands::train;
 use commands::{Failure, bad_input, not_computed};
 use commands::{
-    calibrate, grasp, gripper, guide, lens, live, locate, map, merge, press, render, report, sense, solve, sweep, words,
+    calibrate, grasp, gripper, guide, lens, live, locate, map, merge, press, render, report, sense, setup, solve,
+    sweep, words,
 };
 use finray_files::write_file;
 use std::path::Path;
@@ -45,6 +46,7 @@ enum Command {
     Merge(merge::Arguments),
     Press(press::Arguments),
     Render(render::Arguments),
+    Setup(setup::Arguments),
     Locate(locate::Arguments),
     Live(live::Arguments),
     Lens(lens::Arguments),
@@ -82,6 +84,7 @@ fn main() -> ExitCode {
         Command::Merge(arguments) => merge::run(&arguments).map(Some),
         Command::Press(arguments) => press::run(&arguments).map(Some),
         Command::Render(arguments) => render::run(&arguments).map(Some),
+        Command::Setup(arguments) => setup::run(&arguments).map(Some),
         Command::Locate(arguments) => locate::run(&arguments).map(Some),
         Command::Live(arguments) => live::run(&arguments).map(Some),
         Command::Lens(arguments) => lens::run(&arguments).map(Some),

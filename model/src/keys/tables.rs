@@ -242,6 +242,9 @@ tables! {
         "Inner radius of rings; requires shade. The area inside a ring may have any appearance.";
     noise_factor: Number(Quantity("number", ""), Above(0.0, 1.0)), Or(1.0),
         "Factor on the stated marker noise in `finray sense` and `finray live`, also on noise_mm and --noise-mm. `finray calibrate` writes this key.";
+    noise_factor_of_mm: Number(LENGTH, Positive(LARGEST_MARKER_MM)), Optional,
+        "Noise (sigma_mm of `finray locate`) of the images from which noise_factor was calibrated. Noise beyond it, for instance of compressed frames, \
+         is not reduced. `finray calibrate` writes this key.";
     model_error_mm: Number(LENGTH, NOT_NEGATIVE), Or(0.0),
         "Standard deviation of the finger model's error in each marker coordinate. sigma_n includes this error. `finray calibrate` writes this key.";
 }

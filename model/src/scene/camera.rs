@@ -106,11 +106,13 @@ pub(super) fn read_markers(table: &TableReader) -> Result<MarkersRead, SceneErro
     let on = table.word(&MARKERS.on, [MarkerPoints::Junctions, MarkerPoints::Hinges])?;
     let errors = MarkerErrors {
         noise_factor: table.get(&MARKERS.noise_factor)?,
+        noise_factor_of_mm: table.optional(&MARKERS.noise_factor_of_mm)?,
         calibration_error_mm: table.get(&MARKERS.model_error_mm)?,
     };
     // An empty table `[markers]` counts as a description of the markers' appearance. An empty table is therefore rejected, because the required keys
     // of the appearance are missing.
-    let lookless = [MARKERS.on.name, MARKERS.noise_factor.name, MARKERS.model_error_mm.name];
+    let lookless =
+        [MARKERS.on.name, MARKERS.noise_factor.name, MARKERS.noise_factor_of_mm.name, MARKERS.model_error_mm.name];
     let of_look: Vec<_> =
         MARKERS.entries().iter().map(|entry| entry.name).filter(|name| !lookless.contains(name)).collect();
     let is_lookless = table.first_of(&lookless).is_some() && table.first_of(&of_look).is_none();

@@ -1,6 +1,6 @@
 //! Chi-squared test of goodness of fit: whether the stated noise explains a residual.
 
-use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 
 /// Probability that a measurement with the stated noise fails the test. One false warning in a hundred frames is acceptable.
 pub const SIGNIFICANCE: f64 = 0.01;
@@ -17,7 +17,7 @@ const MISFIT_SHARE: f64 = 2.5;
 /// # Reference
 /// If the model and the stated noise are correct, the sum of squared residuals divided by the variance of a coordinate follows the chi-squared
 /// distribution. The degrees of freedom of the chi-squared distribution are the number of coordinates minus the number of unknowns (Press et al.,
-/// Numerical Recipes, sec. 15.1).
+/// Numerical Recipes, sec. 15.1). If the stated variance is itself an estimate, the ratio of the two variances follows the F distribution (sec. 14.2).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResidualTest {
     /// Standard deviation of one coordinate of weight 1, mm: the noise that the markers are expected to have.
@@ -26,10 +26,15 @@ pub struct ResidualTest {
     pub residual_sd_mm: f64,
     /// Number of measured coordinates and priors minus number of unknowns.
     pub degrees_of_freedom: usize,
+    /// Degrees of freedom from which the noise was estimated, see [`Measurement::noise_degrees_of_freedom`]; infinite for a known noise.
+    ///
+    /// [`Measurement::noise_degrees_of_freedom`]: crate::measurement::Measurement::noise_degrees_of_freedom
+    pub noise_degrees_of_freedom: f64,
 }
 
 impl ResidualTest {
-    /// Test of a weighted sum of squared residuals, mm^2. `None` if the noise is not stated or zero, or if no degree of freedom remains.
+    /// Test of a weighted sum of squared residuals, mm^2, against a known noise. `None` if the noise is not stated or zero, or if no degree of freedom
+    /// remains.
     pub fn new(
         marker_noise_mm: Option<f64>,
         sum_of_squares_mm2: f64,
@@ -37,14 +42,44 @@ impl ResidualTest {
     ) -> Option<ResidualTest> {
         let marker_noise_mm = marker_noise_mm.filter(|marker_noise_mm| *marker_noise_mm > 0.0)?;
         let residual_sd_mm = residual_sd_mm(sum_of_squares_mm2, degrees_of_freedom)?;
-        Some(ResidualTest { marker_noise_mm, residual_sd_mm, degrees_of_freedom })
+        Some(ResidualTest {
+            marker_noise_mm,
+            residual_sd_mm,
+            degrees_of_freedom,
+            noise_degrees_of_freedom: f64::INFINITY,
+        })
+    }
+
+    /// This test against a noise that was estimated from `noise_degrees_of_freedom` degrees of freedom.
+    pub fn of_estimated_noise(self, noise_degrees_of_freedom: f64) -> ResidualTest {
+        ResidualTest { noise_degrees_of_freedom, ..self }
     }
 
     /// Probability, 0 to 1, that the stated noise causes a residual at least as large as this one.
     pub fn p_value(&self) -> f64 {
-        let squares = self.degrees_of_freedom as f64 * (self.residual_sd_mm / self.marker_noise_mm).powi(2);
-        // There is at least one degree of freedom, so the distribution exists.
-        ChiSquared::new(self.degrees_of_freedom as f64).map_or(f64::NAN, |chi_squared| chi_squared.sf(squares))
+        let (degrees_of_freedom, ratio) =
+            (self.degrees_of_freedom as f64, (self.residual_sd_mm / self.marker_noise_mm).powi(2));
+        // There is at least one degree of freedom, so the distributions exist.
+        if self.noise_degrees_of_freedom.is_finite() {
+            let variance_ratio = FisherSnedecor::new(degrees_of_freedom, self.noise_degrees_of_freedom);
+            return variance_ratio.map_or(f64::NAN, |variance_ratio| variance_ratio.sf(ratio));
+        }
+        ChiSquared::new(degrees_of_freedom).map_or(f64::NAN, |chi_squared| chi_squared.sf(degrees_of_freedom * ratio))
+    }
+
+    /// Probability, 0 to 1, that `unknowns` further unknowns reduce a residual of noise at least to `relative_residual`, the root mean square over the
+    /// coordinates divided by the stated noise.
+    ///
+    /// # Reference
+    /// F test of nested models (Draper and Smith, Applied Regression Analysis, sec. 6.1), with the noise estimated from the smaller residual and the
+    /// degrees of freedom of the stated noise.
+    pub fn p_value_of_reduction(&self, relative_residual: f64, unknowns: usize) -> f64 {
+        let (own, stated) = (self.degrees_of_freedom as f64, self.noise_degrees_of_freedom);
+        let [before, after] =
+            [self.residual_sd_mm / self.marker_noise_mm, relative_residual].map(|ratio| own * ratio * ratio);
+        let left = (own - unknowns as f64).max(0.0) + stated;
+        let ratio = ((before - after) / unknowns as f64) / ((after + stated) / left);
+        FisherSnedecor::new(unknowns as f64, left).map_or(f64::NAN, |reduction| reduction.sf(ratio.max(0.0)))
     }
 
     /// Residual and noise in words, with at least three decimals, so that the difference between the two has two digits.
@@ -69,13 +104,26 @@ impl ResidualTest {
         let squared = (self.residual_sd_mm / self.marker_noise_mm).powi(2);
         // Clear cases need no gamma function. A residual below the noise has p > 0.3 for any number of degrees of freedom. The ratio of chi-squared
         // to degrees of freedom at p = 0.01 is largest for one degree of freedom: 6.63.
-        squared > 7.0 || (squared > 1.0 && self.p_value() < SIGNIFICANCE)
+        (squared > 7.0 && self.noise_degrees_of_freedom.is_infinite())
+            || (squared > 1.0 && self.p_value() < SIGNIFICANCE)
     }
 
     /// Standard deviation of a coordinate, mm, from which the standard deviations of forces follow. The result is the stated noise, or the residual
-    /// standard deviation if the residual contradicts the noise.
+    /// standard deviation if the residual contradicts the noise. An estimated noise and the residual are pooled, and widened so that 1.96 times the
+    /// result is half the width of a 95 % interval.
+    ///
+    /// # Reference
+    /// Gelman et al., Bayesian Data Analysis, sec. 2.6: a scaled inverse chi-squared prior of a variance, and the marginal Student's t distribution.
     pub fn trusted_noise_mm(&self) -> f64 {
-        if self.contradicts() { self.residual_sd_mm } else { self.marker_noise_mm }
+        if self.contradicts() {
+            return self.residual_sd_mm;
+        }
+        let (own, stated) = (self.degrees_of_freedom as f64, self.noise_degrees_of_freedom);
+        if stated.is_infinite() {
+            return self.marker_noise_mm;
+        }
+        let pooled_mm2 = (own * self.residual_sd_mm.powi(2) + stated * self.marker_noise_mm.powi(2)) / (own + stated);
+        pooled_mm2.sqrt() * widening_by_student(own + stated)
     }
 
     /// Factor by which a misfit widens standard deviations that follow from [`trusted_noise_mm`](Self::trusted_noise_mm). A misfit counts as an error
@@ -107,11 +155,13 @@ const UPPER: f64 = 0.975;
 /// degrees of freedom (Press et al., Numerical Recipes, sec. 15.6). The 95 % interval of Student's t distribution is wider than that of the normal
 /// distribution, by a factor of 6.5 for 1 degree of freedom, 1.14 for 10, and 1.03 for 45.
 pub(super) fn unstated_noise_mm(sum_of_squares_mm2: f64, degrees_of_freedom: usize) -> Option<f64> {
-    let residual_sd_mm = residual_sd_mm(sum_of_squares_mm2, degrees_of_freedom)?;
-    // There is at least one degree of freedom, so Student's t distribution exists.
-    let student = StudentsT::new(0.0, 1.0, degrees_of_freedom as f64).ok()?;
-    let normal = Normal::standard();
-    Some(residual_sd_mm * student.inverse_cdf(UPPER) / normal.inverse_cdf(UPPER))
+    Some(residual_sd_mm(sum_of_squares_mm2, degrees_of_freedom)? * widening_by_student(degrees_of_freedom as f64))
+}
+
+/// Ratio of the 95 % interval of Student's t distribution to that of the normal distribution. NaN without a degree of freedom.
+fn widening_by_student(degrees_of_freedom: f64) -> f64 {
+    let student = StudentsT::new(0.0, 1.0, degrees_of_freedom).map_or(f64::NAN, |student| student.inverse_cdf(UPPER));
+    student / Normal::standard().inverse_cdf(UPPER)
 }
 
 /// Standard deviation of a coordinate, mm, from which the standard deviations of forces follow. The result is the stated noise, or the residual

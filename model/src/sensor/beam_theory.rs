@@ -25,5 +25,5 @@ pub(super) fn with_beam_theory_error(
     let weighted = measurement.clone().with_markers(|marker| {
         marker.weight = both_mm / (noise_mm / marker.weight).hypot(beam_theory_mm);
     });
-    (Cow::Owned(weighted), Some(both_mm))
+    (Cow::Owned(weighted.with_known_error(noise_mm, both_mm)), Some(both_mm))
 }

@@ -42,7 +42,7 @@ impl RestPositions {
         let base = self.bases[1].with(self.bases[0].with(BaseUncertainty::default()));
         let is_base_apart = base != BaseUncertainty::default();
         // Errors of the finger model are the same at rest and in free frames, so only the noise counts.
-        let factor = scene.marker_errors.noise_factor;
+        let factor = self.noise_factor(scene, noise_mm);
         let sd_mm = |marker: &RestMarker| {
             let [at_rest, recent] = [marker.at_rest, marker.recent];
             let shares = at_rest.weights.squares + recent.weights.squares;

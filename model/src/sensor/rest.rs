@@ -73,6 +73,13 @@ pub(super) struct RestMarker {
     scatter_mm2: f64,
 }
 
+impl RestMarker {
+    /// Stated variance of a coordinate in one observation at rest, mm^2.
+    fn variance_of_frame_mm2(&self) -> f64 {
+        self.at_rest.variance_mm2 / self.at_rest.weights.squares
+    }
+}
+
 impl RestPositions {
     /// Adds an observation of the unloaded finger at rest.
     ///
@@ -153,15 +160,29 @@ impl RestPositions {
         is_known.then(|| (variance_mm2 * enlarged).sqrt())
     }
 
+    /// Standard deviation of a coordinate about its mean over the observations at rest, mm. `None` with a single observation.
+    pub fn scatter_mm(&self) -> Option<f64> {
+        let degrees_of_freedom = self.degrees_of_freedom();
+        let sum_mm2: f64 = self.markers.iter().map(|marker| marker.scatter_mm2).sum();
+        (degrees_of_freedom > 0).then(|| (sum_mm2 / degrees_of_freedom as f64).sqrt())
+    }
+
+    /// The scene's noise factor for observations like those at rest. `noise_mm` is the stated standard deviation of one coordinate, mm.
+    pub(super) fn noise_factor(&self, scene: &Scene, noise_mm: Option<f64>) -> f64 {
+        let mean_mm2 = || {
+            let sum_mm2: f64 = self.markers.iter().map(RestMarker::variance_of_frame_mm2).sum();
+            sum_mm2 / self.markers.len().max(1) as f64
+        };
+        scene.marker_errors.of_image(noise_mm.unwrap_or_else(|| mean_mm2().sqrt())).noise_factor
+    }
+
     /// A warning, in words, if the markers moved during the observations at rest. `noise_mm` is the stated standard deviation of one coordinate, mm.
     pub fn restlessness(&self, scene: &Scene, noise_mm: Option<f64>) -> Option<String> {
-        let degrees_of_freedom = self.degrees_of_freedom();
-        let sums_mm2 = self.markers.iter().map(|marker| marker.scatter_mm2);
-        let scatter_mm = (sums_mm2.sum::<f64>() / degrees_of_freedom as f64).sqrt();
-        let factor = scene.marker_errors.noise_factor;
+        let (degrees_of_freedom, scatter_mm) = (self.degrees_of_freedom(), self.scatter_mm().unwrap_or_default());
+        let factor = self.noise_factor(scene, noise_mm);
         let stated_mm2 = |marker: &RestMarker| match noise_mm {
             Some(noise_mm) => (factor * noise_mm).powi(2),
-            None => factor.powi(2) * marker.at_rest.variance_mm2 / marker.at_rest.weights.squares,
+            None => factor.powi(2) * marker.variance_of_frame_mm2(),
         };
         let is_stated = self.markers.iter().all(|marker| stated_mm2(marker) > 0.0);
         let is_restless = if is_stated {

@@ -30,6 +30,8 @@ pub struct SensedForces {
     pub warnings: Vec<SensorWarning>,
     /// Covariance of the forces, N^2, in the order of the contacts.
     pub(super) covariance_n2: DMatrix<f64>,
+    /// Root mean square residual of a coordinate, divided by the stated noise of the markers; zero without a stated noise.
+    pub(super) relative_residual: f64,
     /// Forces along and across the direction of each contact. `None` unless the contacts were measured.
     measured: Option<MeasuredForces>,
     /// The answer in each range of positions. Empty with fewer than two ranges.
@@ -50,6 +52,7 @@ impl SensedForces {
         contacts: &[(Contact, ContactUncertainty)],
         estimate: Estimate,
         warnings: Vec<SensorWarning>,
+        relative_residual: f64,
     ) -> SensedForces {
         let force = |(i, &(contact, uncertainty)): (usize, &(Contact, ContactUncertainty))| SensedForce {
             contact,
@@ -60,7 +63,7 @@ impl SensedForces {
         };
         let forces = contacts.iter().enumerate().map(force).collect();
         let Estimate { covariance_n2, measured, alternatives, .. } = estimate;
-        SensedForces { forces, warnings, covariance_n2, measured, alternatives }
+        SensedForces { forces, warnings, covariance_n2, relative_residual, measured, alternatives }
     }
 
     /// The answer in each range of positions that explains the markers, the best first. With one range, the sensed force of each contact at an unknown

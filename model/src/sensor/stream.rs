@@ -11,6 +11,8 @@ use nalgebra::{Matrix3, Vector3};
 /// Probability per frame of a false alarm: noise alone makes the frame appear to show a force, or to contradict its contacts. For the many frames of
 /// a stream, the false-alarm probability of a single measurement, 1 %, would be too large.
 pub(super) const FALSE_ALARM: f64 = 1e-4;
+/// Largest number of unknowns of a contact: force, position and direction.
+const CONTACT_UNKNOWNS: usize = 3;
 
 /// Senses the forces in each observation of a stream, and determines how many contacts the observation shows.
 ///
@@ -66,7 +68,9 @@ impl StreamSensor {
     /// # Errors
     /// [`Refusal`] as for [`Sensor::sense`], or if the markers contradict the contacts.
     pub fn sense(&self, seen: &Observation, before: Option<&SensedForces>) -> Result<Option<SensedForces>, Refusal> {
-        if self.is_noise(seen)? {
+        let no_force = self.no_force(seen)?;
+        let is_noise = |test: ResidualTest| test.p_value() >= FALSE_ALARM;
+        if no_force.is_some_and(|test| is_noise(test.of_estimated_noise(f64::INFINITY))) {
             return Ok(None);
         }
         let mut refusal = None;
@@ -87,7 +91,8 @@ impl StreamSensor {
                     // The intervals of correlated forces may each include zero although the markers show a force.
                     let are_asked = sensed.forces.len() > 1 && refusal.is_none();
                     if are_asked || !sensed.forces.iter().all(includes_zero) {
-                        return Ok(Some(sensed));
+                        let is_noise = no_force.is_some_and(|test| is_reduced_by_noise(test, &sensed));
+                        return Ok(Some(sensed).filter(|_| !is_noise));
                     }
                     // A second contact that may carry no force does not explain what the first alone leaves unexplained.
                     let large = sensed.warnings.iter().find(|it| matches!(it, SensorWarning::LargeResidual { .. }));
@@ -95,24 +100,34 @@ impl StreamSensor {
                 }
                 // The refusal for the smallest number of contacts is the most informative.
                 Err(reason) if is_contradiction(&reason) => refusal = refusal.or(Some(reason)),
+                // Markers that show no force do not determine a contact.
+                Err(_) if no_force.is_some_and(is_noise) => return Ok(None),
                 Err(reason) => return Err(refusal.unwrap_or(reason)),
             }
         }
         Err(refusal.unwrap_or_else(|| SensingError::NoContact.into()))
     }
 
-    /// Whether the noise of the markers and the uncertainty of the base explain all displacements. False if the noise is unknown.
-    fn is_noise(&self, seen: &Observation) -> Result<bool, Refusal> {
+    /// Test whether the noise of the markers and the uncertainty of the base explain all displacements. `None` if the noise is unknown.
+    fn no_force(&self, seen: &Observation) -> Result<Option<ResidualTest>, Refusal> {
         let Sensor { prepared: scene, options, .. } = &self.sensors[0];
         let stated_noise_mm = options.noise_mm.or(scene.noise_mm);
         let found = seen.for_sensing(scene, options.estimator.searches(), stated_noise_mm)?;
-        let Some(marker_noise_mm) = found.marker_noise_mm else { return Ok(false) };
+        let Some(marker_noise_mm) = found.marker_noise_mm else { return Ok(None) };
         let markers = found.measurement.markers().iter().map(|marker| {
             (scene.finger.marker_position(marker.node), marker.displacement, marker_noise_mm / marker.weight)
         });
         let test = noise_test(markers, found.measurement.base().unwrap_or_default());
-        Ok(test.is_some_and(|test| test.p_value() >= FALSE_ALARM))
+        Ok(test.map(|test| test.of_estimated_noise(found.measurement.noise_degrees_of_freedom())))
     }
+}
+
+/// Whether noise, of a level that was estimated, may reduce the residual without forces to that of the sensed forces. Never for a known noise, which alone
+/// decides whether there is a force.
+fn is_reduced_by_noise(no_force: ResidualTest, sensed: &SensedForces) -> bool {
+    no_force.noise_degrees_of_freedom.is_finite()
+        && no_force.p_value_of_reduction(sensed.relative_residual, CONTACT_UNKNOWNS * sensed.forces.len())
+            >= FALSE_ALARM
 }
 
 /// Test whether noise and a rigid motion of the base explain displacements. Each marker has a position, a displacement and a standard deviation of one

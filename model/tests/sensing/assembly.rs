@@ -111,7 +111,7 @@ impl Mounted {
         }
         let seen_base = BaseUncertainty { sd_mm: 1e-3, sd_rad: 1e-5, ..BaseUncertainty::default() };
         let base = ObservedBase { pose: Isometry2::identity(), uncertainty: Some(seen_base), is_known: true };
-        Observation { image: String::new(), markers, base: Some(base) }
+        Observation { image: String::new(), markers, base: Some(base), ..Observation::default() }
     }
 }
 

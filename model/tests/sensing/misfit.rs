@@ -91,7 +91,12 @@ fn error(scene: &Scene, unknown: Unknown, knows_position: bool, case: u64, large
             own_sd_mm: Some(NOISE_MM),
         }
     };
-    let seen = Observation { image: String::new(), markers: finger.marked_nodes().map(marker).collect(), base: None };
+    let seen = Observation {
+        image: String::new(),
+        markers: finger.marked_nodes().map(marker).collect(),
+        base: None,
+        ..Observation::default()
+    };
     let position = knows_position.then_some(ContactPosition::at(s_mm));
     let question = ContactQuestion::new(position, Direction::Angle(angle_deg));
     let sensor = Sensor::new(scene.clone(), SensorContacts::Asked(vec![question]), SensorOptions::default());

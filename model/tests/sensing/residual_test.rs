@@ -23,6 +23,30 @@ fn nothing_is_tested_without_noise_or_degrees_of_freedom() {
 
 #[test]
 fn a_residual_that_is_no_number_does_not_pass_as_small() {
-    let test = ResidualTest { marker_noise_mm: 0.1, residual_sd_mm: f64::INFINITY, degrees_of_freedom: 3 };
+    let test = ResidualTest::new(Some(0.1), f64::INFINITY, 3).unwrap();
     assert!(test.contradicts());
+}
+
+/// Upper 1 % points of F: 5.814, 5.198 for 10 and 30 over 8 degrees of freedom (Abramowitz and Stegun, table 26.9).
+#[test]
+fn the_limit_of_an_estimated_noise_is_the_tabulated_one() {
+    for (degrees_of_freedom, limit) in [(10, 5.814), (30, 5.198)] {
+        for (share, contradicted) in [(0.999, false), (1.001, true)] {
+            let squares_mm2 = 0.25 * limit * share * degrees_of_freedom as f64;
+            let test = ResidualTest::new(Some(0.5), squares_mm2, degrees_of_freedom).unwrap().of_estimated_noise(8.0);
+            assert_eq!(test.contradicts(), contradicted, "{test:?}");
+        }
+    }
+}
+
+/// Residual and stated noise are pooled by their degrees of freedom, with the point of Student's t for 97.5 % and 20 degrees of freedom, 2.086
+/// (Abramowitz and Stegun, table 26.10).
+#[test]
+fn an_estimated_noise_is_pooled_with_the_residual() {
+    let test = ResidualTest::new(Some(0.1), 12.0 * 0.04, 12).unwrap().of_estimated_noise(8.0);
+    let expected_mm = ((12.0 * 0.04 + 8.0 * 0.01) / 20.0_f64).sqrt() * 2.085_963 / 1.959_964;
+    assert!((test.trusted_noise_mm() / expected_mm - 1.0).abs() < 1e-4, "{}", test.trusted_noise_mm());
+    // A noise that is known to many degrees of freedom is a known noise.
+    let known = test.of_estimated_noise(1e9);
+    assert!((known.trusted_noise_mm() / 0.1 - 1.0).abs() < 1e-4 || known.contradicts(), "{known:?}");
 }

@@ -120,7 +120,9 @@ fn the_residual_test_keeps_its_significance() {
 #[test]
 fn a_residual_is_told_apart_from_the_noise() {
     let said = |residual_sd_mm, marker_noise_mm| {
-        Warning::Residual(ResidualTest { marker_noise_mm, residual_sd_mm, degrees_of_freedom: 45 }).to_string()
+        let noise_degrees_of_freedom = f64::INFINITY;
+        let test = ResidualTest { marker_noise_mm, residual_sd_mm, degrees_of_freedom: 45, noise_degrees_of_freedom };
+        Warning::Residual(test).to_string()
     };
     for (residual_mm, noise_mm, expected) in [
         (0.00138, 0.001, "standard deviation of 0.00138 mm, where 0.00100 mm of noise"),

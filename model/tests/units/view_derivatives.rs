@@ -58,7 +58,7 @@ fn derivatives_are_those_of_equilibria() {
             preload_nmm: 3.0,
             model_error: 0.0,
         };
-        let errors = MarkerErrors { noise_factor: 1.0, calibration_error_mm: 0.02 };
+        let errors = MarkerErrors { calibration_error_mm: 0.02, ..MarkerErrors::default() };
         let (views, sought, scatter) = (&all[..], &sought[..], Some(0.01));
         let mut problem =
             Problem { finger: &finger, views, sought, model: &model, errors, scatter, shapes: Vec::new() };

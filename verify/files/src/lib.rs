@@ -29,7 +29,7 @@ pub use output::{
     csv_text, is_stream, open_stream, require_folder, require_writable, streamed, write_all_or_nothing, write_file,
     write_folder, write_from,
 };
-pub use scene::{load_scene, load_scene_and_text, with_values};
+pub use scene::{load_scene, load_scene_and_text, with_comments, with_values};
 pub use video::DecodedVideo;
 
 use std::io::Read;

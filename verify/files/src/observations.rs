@@ -110,7 +110,7 @@ impl ObservationTable {
         let chosen = self.rows_of(image);
         let markers = chosen.iter().map(|row| self.marker(row)).collect::<Result<_, _>>()?;
         let base = chosen.first().map(|row| self.base(row)).transpose()?.flatten();
-        Ok(Observation { image: image.unwrap_or_default().to_owned(), markers, base })
+        Ok(Observation { image: image.unwrap_or_default().to_owned(), markers, base, ..Observation::default() })
     }
 
     /// Converts the model's error about an image's observation to an error that names file, line and column.

@@ -217,7 +217,7 @@ impl Fingers {
 
     fn observations(self, image: &str) -> Vec<FingerObservation> {
         let of = |(finger, markers)| {
-            let seen = Observation { image: image.to_owned(), markers, base: None };
+            let seen = Observation { image: image.to_owned(), markers, base: None, ..Observation::default() };
             FingerObservation { finger, seen }
         };
         self.0.into_iter().map(of).collect()

@@ -22,6 +22,30 @@ pub fn load_scene_and_text(path: &Path) -> Result<(Scene, String), FileError> {
     Ok((scene, text))
 }
 
+/// The text of a scene after [`with_values`], with a comment behind each value. A comment replaces an earlier one that begins with the same word, and stands
+/// before any other.
+///
+/// # Errors
+/// The reason, as for [`with_values`].
+pub fn with_comments(text: &str, values: &[(String, impl std::fmt::Display, String)]) -> Result<String, String> {
+    let plain: Vec<_> = values.iter().map(|(path, value, _)| (path.clone(), Some(value))).collect();
+    let changed = with_values(text, &plain)?;
+    let mut document: toml_edit::DocumentMut =
+        changed.parse().map_err(|error: toml_edit::TomlError| error.to_string())?;
+    for (path, _, comment) in values {
+        let item = path.split('.').try_fold(document.as_item_mut(), |item, name| item.get_mut(name));
+        let Some(decor) = item.and_then(toml_edit::Item::as_value_mut).map(toml_edit::Value::decor_mut) else {
+            continue;
+        };
+        let old = decor.suffix().and_then(toml_edit::RawString::as_str).unwrap_or_default();
+        let old = old.trim().trim_start_matches('#').trim_start();
+        let word = |text: &str| text.split(' ').next().map(str::to_owned);
+        let kept = if old.is_empty() || word(old) == word(comment) { String::new() } else { format!("; {old}") };
+        decor.set_suffix(format!(" # {comment}{kept}"));
+    }
+    Ok(document.to_string())
+}
+
 /// The text of a scene with some values changed; comments and all other values stay. A key is a path as in error messages, for instance
 /// `finger.ribs.bracket_mm` or `base.reference[2].at_mm`. Missing tables are added; `None` removes a key.
 ///

@@ -13,6 +13,7 @@ pub mod press;
 pub mod render;
 pub mod report;
 pub mod sense;
+pub mod setup;
 pub mod solve;
 pub mod sweep;
 #[cfg(feature = "train")]

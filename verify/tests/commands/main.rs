@@ -24,6 +24,7 @@ mod rendered;
 mod report;
 mod scene_errors;
 mod sense;
+mod setup;
 mod solve;
 mod sweep;
 mod train;

@@ -17,6 +17,7 @@ mod radii;
 mod rest;
 mod rim;
 mod rim_locator;
+mod survey;
 mod together;
 mod warning;
 
@@ -28,6 +29,7 @@ pub use observer::{Observer, ObserverError};
 pub use radii::{OtherRadius, SeenRadii};
 pub use rest::{Rest, RestError};
 pub use rim_locator::{RimLocator, SeenBase, SeenFinger};
+pub use survey::{DotColour, MissingDot, Survey};
 pub use warning::ImageWarning;
 
 use crate::RgbRows;
@@ -37,6 +39,7 @@ use disc::{Buffers, Disc, View};
 use elsewhere::Scenery;
 use finray_model::camera::{Camera, Lens, Pixel, ViewError};
 use finray_model::finger::Plate;
+use finray_model::observation::EstimatedNoise;
 use finray_model::scene::{MarkerLook, Markers};
 use finray_model::{Finger, NodeId, Vector};
 use motion::motion_blur_px;
@@ -89,6 +92,8 @@ pub struct Locator<'f> {
     seen: usize,
     /// Common properties of the discs, measured in the last full search; `None` before a full search.
     common: Option<Common>,
+    /// Noise in the last image.
+    noise: Option<EstimatedNoise>,
     buffers: Buffers,
 }
 
@@ -116,6 +121,7 @@ impl<'f> Locator<'f> {
             tracked: 0,
             seen: 0,
             common: None,
+            noise: None,
             buffers: Buffers::default(),
         })
     }
@@ -123,6 +129,11 @@ impl<'f> Locator<'f> {
     /// Standard deviation of the motion blur in the last full search, px; `None` if the blur is isotropic (no motion).
     pub fn motion_blur_px(&self) -> Option<f64> {
         self.common.and_then(|common| common.motion_px)
+    }
+
+    /// Noise in the last image if the errors of neighbouring pixels are correlated, as after compression; `None` if they are independent.
+    pub fn noise(&self) -> Option<EstimatedNoise> {
+        self.noise
     }
 
     /// Median radius of the markers in the last full search, mm; `None` before the first full search.
@@ -157,7 +168,7 @@ impl<'f> Locator<'f> {
         self.buffers = buffers;
         let common = common?;
         self.common = Some(common);
-        self.last = located(&named, &self.on_front, &common);
+        (self.last, self.noise) = located(&named, &self.on_front, &common);
         (self.searched, self.tracked, self.seen) = (self.last.len(), 0, self.last.len());
         Ok(self.last.clone())
     }
@@ -213,7 +224,8 @@ impl<'f> Locator<'f> {
         if blur_px.or(common.motion_px).is_some() {
             return self.locate(image);
         }
-        let found = located(&named, &self.on_front, &common);
+        let found;
+        (found, self.noise) = located(&named, &self.on_front, &common);
         for last in &mut self.last {
             if let Some(now) = found.iter().find(|now| now.node == last.node) {
                 *last = *now;

@@ -6,7 +6,7 @@ use super::{
 use crate::RgbRows;
 use finray_model::camera::Camera;
 use finray_model::measurement::BaseUncertainty;
-use finray_model::observation::{Observation, ObservedBase, ObservedMarker};
+use finray_model::observation::{EstimatedNoise, Observation, ObservedBase, ObservedMarker};
 use finray_model::scene::{Base, MarkerLook, Markers};
 use finray_model::sensor::FrameState;
 use finray_model::{Finger, Scene};
@@ -120,6 +120,14 @@ impl<'f> Observer<'f> {
         }
     }
 
+    /// Noise in the last image, as in [`Locator::noise`]; `None` for grey markers.
+    fn noise(&self) -> Option<EstimatedNoise> {
+        match &self.locator {
+            AnyLocator::Coloured(locator) => locator.noise(),
+            AnyLocator::Grey(_) => None,
+        }
+    }
+
     /// Whether markers are searched for near their positions in the previous image. If markers are tracked from image to image, the order of the
     /// images matters.
     pub fn is_tracking(&self) -> bool {
@@ -148,7 +156,7 @@ impl<'f> Observer<'f> {
             uncertainty: Some(uncertainty_at_origin(&base)),
             is_known: base.is_known,
         });
-        let seen = Observation { image: String::new(), markers, base };
+        let seen = Observation { image: String::new(), markers, base, noise: self.noise() };
         let motion_blur_px = self.motion_blur_px();
         self.warnings = ImageWarning::of_image(self.finger, &self.markers, self.base, &seen, &radii, motion_blur_px);
         self.radii = radii;

@@ -28,6 +28,12 @@ pub struct Rest {
     pub located: Vec<Located>,
     /// Residual standard deviation of one pixel coordinate in the fit of the pose, px.
     pub residual_sd_px: f64,
+    /// Standard deviations of the pose, from that residual: of a small rotation about each axis of the camera, rad, and of the translation, mm.
+    pub pose_sds: [f64; 6],
+    /// Median radius of the markers, mm.
+    pub radius_mm: f64,
+    /// Standard deviation of the blur of the markers' edges, px.
+    pub blur_px: f64,
 }
 
 /// Reason why the unloaded finger was not found in an image.
@@ -76,7 +82,8 @@ impl Rest {
         let pose = pose_of_pattern(finger, lens, markers, image)?.or(pose).ok_or(RestError::NoPattern)?;
         let mut camera = Camera { lens: *lens, pose };
         let mut located = Locator::new(finger, &camera, markers)?.locate_about(image, false)?;
-        let mut residual_sd_px = f64::INFINITY;
+        let (mut residual_sd_px, mut pose_sds) = (f64::INFINITY, [f64::INFINITY; 6]);
+        let mut outline = None;
         for _ in 0..ROUNDS {
             let points: Vec<_> =
                 located.iter().map(|marker| (finger.marker_position(marker.node), marker.pixel)).collect();
@@ -85,10 +92,14 @@ impl Rest {
             if residual_sd_px > LARGEST_RESIDUAL_PX {
                 return Err(RestError::NotAtRest { residual_px: residual_sd_px });
             }
+            pose_sds = std::array::from_fn(|i| residual_sd_px * fit.unit_covariance[(i, i)].sqrt());
             camera.pose = fit.pose;
-            located = Locator::new(finger, &camera, markers)?.locate(image)?;
+            let mut locator = Locator::new(finger, &camera, markers)?;
+            located = locator.locate(image)?;
+            outline = locator.common.map(|common| common.outline);
         }
-        Ok(Rest { camera, located, residual_sd_px })
+        let [radius_mm, blur_px] = outline.map_or([f64::NAN; 2], |outline| [outline.radius_mm, outline.blurs_px[0]]);
+        Ok(Rest { camera, located, residual_sd_px, pose_sds, radius_mm, blur_px })
     }
 }
 

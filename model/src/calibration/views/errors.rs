@@ -80,7 +80,8 @@ fn likeliest(mut left: Vec<CoordinateResidual>, may_reduce_noise: bool) -> Marke
     let most_mm = left.iter().map(|it| it.square_mm2).sum::<f64>().sqrt();
     let with = |logarithm: f64| {
         let noise_factor = logarithm.exp();
-        let of = |calibration_error_mm: f64| MarkerErrors { noise_factor, calibration_error_mm };
+        let of =
+            |calibration_error_mm: f64| MarkerErrors { noise_factor, calibration_error_mm, ..MarkerErrors::default() };
         let best = of(least(0.0, most_mm, |error_mm| unlikely(&of(error_mm))));
         if unlikely(&of(0.0)) <= unlikely(&best) + ALIKE { of(0.0) } else { best }
     };

@@ -224,7 +224,7 @@ fn views_from(
     // Forces that are too few to show their scatter may at least err as the beam model does.
     let first_scatter = FIRST_SCATTER.hypot(model.model_error);
     let scatter = is_scaled.then_some(first_scatter);
-    let errors = MarkerErrors { noise_factor: 1.0, calibration_error_mm: FIRST_CALIBRATION_ERROR_MM };
+    let errors = MarkerErrors { calibration_error_mm: FIRST_CALIBRATION_ERROR_MM, ..MarkerErrors::default() };
     let mut problem = Problem { finger, views, sought, model, errors, scatter, shapes: Vec::new() };
     let names = |quantities: &mut dyn Iterator<Item = usize>| {
         quantities.map(|k| sought[k].quantity.to_string()).collect::<Vec<_>>().join(", ")

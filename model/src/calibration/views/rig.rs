@@ -4,7 +4,7 @@ use super::{
     BaseCompliance, ForceError, FrictionEstimate, FrictionQuestion, LocatedView, Quantity, Sought, View, ViewEstimate,
     ViewModel, compliance_of, friction_of, refined_views, views,
 };
-use crate::calibration::{CalibrationError, SceneValues, modulus_values};
+use crate::calibration::{CalibrationError, SceneValues, median, modulus_values};
 use crate::estimators::ELEMENTS;
 use crate::finger::{BracketLengths, RibPositions};
 use crate::keys::{ASSEMBLY, BASE, CAMERA, CONTACT, MARKERS, REFERENCE, RIBS};
@@ -106,7 +106,8 @@ pub fn calibrate_rig(
         _ => *sought,
     };
     let sought: Vec<Sought> = question.sought.iter().map(with_prior).collect();
-    let found = refined_views(&scene.finger, &all, &sought, &model)?;
+    let mut found = refined_views(&scene.finger, &all, &sought, &model)?;
+    found.new_marker_errors.noise_factor_of_mm = median(all.iter().map(|view| view.noise_mm));
     check_side(scene, &all, &sought, &model, &found)?;
     let measured = || seen.iter().zip(&found.views).filter(|(seen, _)| seen.view.force.is_some());
     let leans: Vec<_> = measured()
@@ -173,6 +174,9 @@ impl RigEstimate {
         let errors = self.views.new_marker_errors;
         put(MARKERS.noise_factor.path(), Value::from(errors.noise_factor));
         put(MARKERS.model_error_mm.path(), Value::from(errors.calibration_error_mm));
+        let reduced_mm = errors.noise_factor_of_mm.filter(|_| errors.noise_factor < 1.0);
+        values.push((MARKERS.noise_factor_of_mm.path(), reduced_mm.map(Value::from)));
+        let mut put = |key: String, value: Value| values.push((key, Some(value)));
         if let Some(share) = self.force_error {
             put(CONTACT.force_error_share.path(), Value::from(share));
         }

@@ -1,0 +1,236 @@
+//! The command `finray setup`.
+
+use super::frames::{Source, observed};
+use crate::commands::prelude::*;
+use finray_files::{load_scene_and_text, with_comments};
+use finray_imaging::locate::{DotColour, Observer, ObserverError, Survey};
+use finray_model::keys::{CAMERA, MARKERS};
+use finray_model::observation::Observation;
+use finray_model::scene::MarkerLook;
+use finray_model::sensor::{PreparedScene, RestPositions, expected_sigma};
+
+/// Help text below the options.
+const AFTER_HELP: &str = "\
+Examples:
+  finray setup drawing.toml --rest rest.jpg --out mine.toml
+  finray setup drawing.toml --rest rest.png --video rest.mp4 --out mine.toml > check.csv
+  finray sense mine.toml --video press.mp4 --contact-at auto@friction
+
+Guide: finray guide photographs";
+
+/// Force for which standard deviations are computed, N.
+const FORCE_N: f64 = 1.0;
+/// Places along the front plate for which standard deviations are computed, as shares of its length.
+const PLACES: [f64; 3] = [0.3, 0.5, 0.7];
+/// Radius of a dot, px, from which a larger one hardly improves the accuracy; and the least contrast, in grey levels.
+const GOOD_RADIUS_PX: f64 = 8.0;
+const GOOD_CONTRAST: f64 = 60.0;
+/// Largest share of a dot's pixels that may be clipped, and largest blur as a share of the radius.
+const CLIPPED: f64 = 0.02;
+const BLURRED: f64 = 0.15;
+/// A finger whose dots deviate from the drawing by more than this multiple of their noise is drawn or printed inaccurately.
+const DEVIATES: f64 = 2.0;
+
+/// Write a scene with the camera's pose, dots and errors from images of the unloaded finger; check them.
+#[derive(clap::Args)]
+#[command(after_help = AFTER_HELP)]
+pub struct Arguments {
+    /// Scene file (TOML) with lens and coloured markers
+    scene: PathBuf,
+    /// Image of the unloaded finger (PNG, JPEG)
+    #[arg(long, value_name = "FILE")]
+    rest: PathBuf,
+    /// Video of the unloaded finger, with the camera and codec of later videos
+    #[arg(long, value_name = "FILE")]
+    video: Option<PathBuf>,
+    /// The scene file to write, with all other keys and comments of SCENE
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// Table of checks; - for standard output
+    #[arg(long, value_name = "FILE", default_value = "-")]
+    check: PathBuf,
+}
+
+/// A row of the table of checks. `advice` is empty if nothing needs to be improved.
+#[derive(Serialize)]
+struct Check {
+    check: String,
+    value: f64,
+    unit: &'static str,
+    advice: String,
+}
+
+fn check(check: impl Into<String>, value: f64, unit: &'static str, advice: Option<&str>) -> Check {
+    Check { check: check.into(), value, unit, advice: advice.unwrap_or_default().to_owned() }
+}
+
+pub fn run(arguments: &Arguments) -> Result<String, Failure> {
+    let Arguments { scene: path, rest, video, out, check: checks_path } = arguments;
+    require_one_standard_input([path].into_iter().chain([rest]).chain(video))?;
+    let inputs = [path, rest].into_iter().chain(video).map(PathBuf::as_path);
+    require_separate_files([out.as_path(), checks_path.as_path()], inputs)?;
+    let (scene, text) = load_scene_and_text(path)?;
+    camera_of(path, &scene)?;
+    if let MarkerLook::Grey { .. } = markers_of(path, &scene)?.look {
+        return Err(bad_input(
+            "expected markers of two colours (front_rgb, back_rgb): grey markers do not show the camera's pose; find it with `finray lens --plane`",
+        ));
+    }
+    let image = load_image(rest)?.0;
+    let survey = Survey::of(&scene, &image).map_err(|error| match error {
+        ObserverError::Rest(error) => FileError::content(rest, error).into(),
+        error => bad_input(error),
+    })?;
+    let values = scene_values(&scene, &survey);
+    let written = with_comments(&text, &values).map_err(bad_input)?;
+    let mine = Scene::from_toml(&written).map_err(not_computed)?;
+    let mut observer = Observer::new(&mine, None).map_err(bad_input)?;
+    let at_rest = observer.observe(&image).map_err(|error| FileError::content(rest, error))?;
+    let mut checks = checks_of_dots(&survey, &at_rest);
+    if let Some(video) = video {
+        checks.extend(checks_of_video(&mine, &mut observer, video)?);
+    }
+    checks.extend(expected(mine, &at_rest));
+    for missing in &survey.missing {
+        let cause = match missing.is_swapped {
+            true => "a dot of the other plate's colour is in its place",
+            false => "no dot of its colour is in its place",
+        };
+        print_message(format_args!("warning: the marker of node {} is missing: {cause}", missing.node));
+    }
+    for node in &survey.weak {
+        print_message(format_args!("warning: the marker of node {node} is weak: covered, dirty or poorly lit"));
+    }
+    let improve = checks.iter().filter(|check| !check.advice.is_empty()).count();
+    write_all_or_nothing(&[(out.clone(), written), (checks_path.clone(), csv_text(checks)?)])?;
+    Ok(summary(format!("{} written, {improve} to improve", count(values.len(), "key")), [out, checks_path]))
+}
+
+/// The keys of the scene that the image determines, each with its value and a comment on its uncertainty.
+fn scene_values(scene: &Scene, survey: &Survey) -> Vec<(String, String, String)> {
+    let rest = &survey.rest;
+    let in_words = |sds: &[f64]| sds.iter().map(|sd| format!("{sd:.4}")).collect::<Vec<_>>().join(", ");
+    let degrees: Vec<f64> = rest.pose_sds[..3].iter().map(|sd| sd.to_degrees()).collect();
+    let mut values = vec![
+        (
+            CAMERA.rotation_vector_rad.path(),
+            format!("{:?}", rest.camera.pose.rotation_vector_rad()),
+            format!("setup: +-{} degrees about the camera's axes", in_words(&degrees)),
+        ),
+        (
+            CAMERA.translation_mm.path(),
+            format!("{:?}", <[f64; 3]>::from(rest.camera.pose.translation_mm)),
+            format!("setup: +-{} mm", in_words(&rest.pose_sds[3..])),
+        ),
+        (MARKERS.radius_mm.path(), format!("{:?}", rest.radius_mm), format!("setup: +-{:.4} mm", survey.radius_sd_mm)),
+    ];
+    for (key, colour) in [MARKERS.front_rgb.path(), MARKERS.back_rgb.path()].into_iter().zip(survey.colours) {
+        let Some(DotColour { rgb, sd, .. }) = colour else { continue };
+        values.push((key, format!("{rgb:?}"), format!("setup: +-{sd:.0} between the dots")));
+    }
+    let [deviation_mm, noise_mm] = deviation(survey);
+    let known_mm = scene.marker_errors.calibration_error_mm;
+    let own_mm = (deviation_mm.powi(2) - noise_mm.powi(2)).max(0.0).sqrt();
+    // A calibrated scene states its own error.
+    if known_mm == 0.0 && own_mm > 0.0 {
+        let degrees_of_freedom = (2 * survey.rest.located.len()).saturating_sub(6) as f64;
+        let sd_mm = deviation_mm / (2.0 * degrees_of_freedom).sqrt();
+        let comment = format!("setup: +-{sd_mm:.4} mm, deviation of the dots from the drawing; 0 with --rest");
+        values.push((MARKERS.model_error_mm.path(), format!("{own_mm:?}"), comment));
+    }
+    values
+}
+
+/// Deviation of the dots from their places on the drawing, and their noise, both as the standard deviation of a coordinate, mm.
+fn deviation(survey: &Survey) -> [f64; 2] {
+    let rest = &survey.rest;
+    let mm_a_px = rest.radius_mm / survey.radius_px;
+    let squares: f64 = rest.located.iter().map(|marker| marker.sd_mm.powi(2)).sum();
+    [rest.residual_sd_px * mm_a_px, (squares / rest.located.len().max(1) as f64).sqrt()]
+}
+
+/// Light, sharpness, size and noise of the dots.
+fn checks_of_dots(survey: &Survey, at_rest: &Observation) -> Vec<Check> {
+    let when = |bad: bool, advice| Some(advice).filter(|_| bad);
+    let rest = &survey.rest;
+    let missing = survey.missing.len() as f64;
+    let blur = rest.blur_px / survey.radius_px;
+    let mut checks = vec![
+        check("missing markers", missing, "", when(missing > 0.0, "uncover, repaint or light these dots")),
+        check(
+            "radius of the dots",
+            survey.radius_px,
+            "px",
+            when(survey.radius_px < GOOD_RADIUS_PX, "larger dots, a closer camera or more pixels"),
+        ),
+        check("blur", rest.blur_px, "px", when(blur > BLURRED, "focus, or a faster shutter")),
+    ];
+    for (plate, colour) in ["front", "back"].into_iter().zip(survey.colours) {
+        let Some(DotColour { contrast, clipped, .. }) = colour else { continue };
+        let dull = when(contrast < GOOD_CONTRAST, "more saturated dots, another background or more light");
+        checks.push(check(format!("contrast of the {plate} dots"), contrast, "grey levels", dull));
+        let bright = when(clipped > CLIPPED, "shorter exposure or less light");
+        checks.push(check(format!("clipped pixels of the {plate} dots"), 100.0 * clipped, "%", bright));
+    }
+    let [deviation_mm, noise_mm] = deviation(survey);
+    let off = when(
+        deviation_mm > DEVIATES * noise_mm,
+        "calibrate the finger, or use --rest: its nodes differ from the drawing",
+    );
+    checks.push(check("noise of a coordinate in the image", at_rest.noise_mm().unwrap_or(noise_mm), "mm", None));
+    checks.push(check("deviation of the dots from the drawing", deviation_mm, "mm", off));
+    checks
+}
+
+/// Noise in the frames of a video of the unloaded finger: as stated in each frame, and as the dots scatter in time.
+fn checks_of_video(scene: &Scene, observer: &mut Observer, video: &Path) -> Result<Vec<Check>, Failure> {
+    let mut source = Source::open(video, None, None)?;
+    source.require_size(scene)?;
+    let (mut rest, mut stated_mm, mut lost) = (RestPositions::default(), Vec::new(), 0_usize);
+    let mut spare = None;
+    while let Some(frame) = source.next(stated_mm.len() + lost, spare.take())? {
+        match observed(&frame.content, "", Some(observer)) {
+            Ok(seen) => {
+                rest.add(scene, &seen).map_err(|error| FileError::content(video, error))?;
+                stated_mm.extend(seen.noise_mm());
+            }
+            Err(_) => lost += 1,
+        }
+        spare = Some(frame);
+    }
+    stated_mm.sort_by(f64::total_cmp);
+    let Some(stated) = stated_mm.get(stated_mm.len() / 2) else {
+        return Err(FileError::content(video, "expected frames of the unloaded finger, found none").into());
+    };
+    let moved = rest.restlessness(scene, None).map(|_| "hold finger and camera still, and record again");
+    let mut checks = vec![
+        check("frames", stated_mm.len() as f64, "", None),
+        check("frames without finger", lost as f64, "", Some("keep the whole finger in view").filter(|_| lost > 0)),
+        check("noise of a coordinate in the video", *stated, "mm", None),
+    ];
+    checks
+        .extend(rest.scatter_mm().map(|scatter_mm| check("scatter of a coordinate in time", scatter_mm, "mm", moved)));
+    Ok(checks)
+}
+
+/// Expected standard deviations of a force of [`FORCE_N`] at a few places.
+fn expected(scene: Scene, at_rest: &Observation) -> Vec<Check> {
+    let length_mm = scene.finger.plate_length_mm(finray_model::finger::Plate::Front);
+    let scene = PreparedScene::from(scene);
+    let mut checks = Vec::new();
+    for s_mm in PLACES.map(|share| (share * length_mm).round()) {
+        let mut add = |question: &str, sigma: Result<f64, String>| {
+            let advice = sigma.as_ref().err().cloned().unwrap_or_default();
+            let name = format!("sigma of {FORCE_N} N at {s_mm} mm, {question}");
+            checks.push(Check { check: name, value: sigma.unwrap_or(f64::NAN), unit: "N", advice });
+        };
+        match expected_sigma(&scene, at_rest, s_mm, FORCE_N) {
+            Ok(of) => {
+                add("known contact", of.known_n.map_err(|refusal| refusal.to_string()));
+                add("unknown contact", of.unknown_n.map_err(|refusal| refusal.to_string()));
+            }
+            Err(refusal) => add("known contact", Err(refusal.to_string())),
+        }
+    }
+    checks
+}

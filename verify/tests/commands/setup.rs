@@ -1,0 +1,109 @@
+//! From a drawing and an image of the unloaded finger to a scene that senses, and compressed images.
+
+use crate::kit::*;
+use finray_fixtures::CAMERA_SCENE;
+use image::codecs::jpeg::JpegEncoder;
+
+const CAMERA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/scenes/camera.toml");
+
+/// An image of the finger under a force at 80 mm, in the direction of -20 degrees.
+fn rendered(folder: &Folder, name: &str, force_n: f64, more: &[&str]) -> String {
+    let (path, load) = (folder.path(name), format!("80:{force_n},-20"));
+    let arguments = ["render", CAMERA, "--load-at", &load, "--grey-noise", "2", "--blur-px", "0.8", "--out", &path];
+    finray(&[&arguments[..], more].concat()).done();
+    path
+}
+
+/// The image as JPEG of low quality.
+fn compressed(folder: &Folder, path: &str, name: &str) -> String {
+    let (image, out) = (image::open(path).expect("an image").to_rgb8(), folder.path(name));
+    let mut bytes = Vec::new();
+    JpegEncoder::new_with_quality(&mut bytes, 40).encode_image(&image).expect("encoded");
+    std::fs::write(&out, bytes).expect("written");
+    out
+}
+
+/// The camera's scene without a pose, with another radius and a comment.
+fn drawing(folder: &Folder) -> String {
+    let keys = |line: &&str| !line.starts_with("rotation_vector_rad") && !line.starts_with("translation_mm");
+    let lines: Vec<&str> = CAMERA_SCENE.lines().filter(keys).collect();
+    let text = lines.join("\n").replace("radius_mm = 1.5", "radius_mm = 1.4 # drawn");
+    folder.put("drawing.toml", &text)
+}
+
+/// The scene that `setup` writes senses without an image of the unloaded finger, as the scene with the true pose does, and keeps the drawing's text.
+#[test]
+fn a_drawing_becomes_a_scene_that_senses_alone() {
+    let folder = Folder::new();
+    let (rest, press) =
+        (rendered(&folder, "rest.png", 0.0, &[]), rendered(&folder, "press.png", 2.0, &["--seed", "5"]));
+    let (drawing, mine) = (drawing(&folder), folder.path("mine.toml"));
+    let checks = Csv::of(&finray(&["setup", &drawing, "--rest", &rest, "--out", &mine]).done());
+    assert!(checks.texts("advice").iter().all(|advice| advice.is_empty()), "{checks:?}");
+    let text = folder.read("mine.toml");
+    assert!(text.contains("mm; drawn") && text.contains(CAMERA_SCENE.lines().next().expect("a line")), "{text}");
+    let images = ["--image", &rest, &press, "--contact-at", "80@-20"];
+    for scene in [&mine, CAMERA] {
+        let sensed = Csv::of(&finray(&[&["sense", scene][..], &images].concat()).done());
+        assert_eq!(sensed.texts("state"), ["none", "contact"], "{scene}");
+        let [low_n, high_n] =
+            ["low_n", "high_n"].map(|column| sensed.texts(column)[1].parse::<f64>().expect("a number"));
+        assert!(low_n < 2.0 && 2.0 < high_n, "{scene}: {low_n} {high_n}");
+    }
+    let lines = finray(&[&["live", &mine][..], &images].concat()).done();
+    assert!(lines.contains("\"none\"") && lines.contains("\"contact\""), "{lines}");
+    // Run again on its own result, the command changes nothing but the last digits.
+    let again = folder.path("again.toml");
+    finray(&["setup", &mine, "--rest", &rest, "--out", &again]).done();
+    assert_eq!(folder.read("again.toml").matches("setup:").count(), text.matches("setup:").count());
+}
+
+/// A covered dot is named, and the standard deviations are those that `sense` later states.
+#[test]
+fn a_check_before_work_names_what_to_improve() {
+    let folder = Folder::new();
+    let (drawing, mine) = (drawing(&folder), folder.path("mine.toml"));
+    let rest = rendered(&folder, "rest.png", 0.0, &["--hide", "7"]);
+    let (table, warnings) = finray(&["setup", &drawing, "--rest", &rest, "--out", &mine]).warned();
+    assert_says(&warnings.join(" "), &["node 7", "missing", "no dot"]);
+    let checks = Csv::of(&table);
+    assert_says(&checks.texts("advice").join(" "), &["uncover"]);
+    let place = checks.texts("check").iter().position(|check| *check == "sigma of 1 N at 77 mm, known contact");
+    let expected_n = checks.numbers("value")[place.expect("a place")];
+    let press = folder.path("press.png");
+    let seen = ["--load-at", "77:1,0", "--grey-noise", "2", "--blur-px", "0.8", "--hide", "7", "--out", &press];
+    finray(&[&["render", CAMERA][..], &seen].concat()).done();
+    let sensed = Csv::of(&finray(&["sense", &mine, "--image", &press, "--contact-at", "77@0"]).done());
+    let sigma_n: f64 = sensed.texts("sigma_n")[0].parse().expect("a number");
+    assert!((sigma_n / expected_n - 1.0).abs() < 0.2, "{sigma_n} {expected_n}");
+    let bent = rendered(&folder, "bent.png", 3.0, &[]);
+    assert_says(&finray(&["setup", &drawing, "--rest", &bent, "--out", &mine]).refused(), &["unloaded"]);
+}
+
+/// A noise factor that was calibrated on clean images once refused every compressed image of the same finger.
+#[test]
+fn compressed_images_are_sensed_with_a_calibration_on_clean_ones() {
+    let folder = Folder::new();
+    let mut images = Vec::new();
+    for force_n in [0.0, 0.5, 1.0, 1.5, 2.0] {
+        let path = rendered(&folder, "image.png", force_n, &["--seed", &format!("{}", 7.0 + force_n * 2.0)]);
+        images.push(compressed(&folder, &path, &format!("{force_n}.jpg")));
+    }
+    let images: Vec<&str> = images.iter().map(String::as_str).collect();
+    let scene =
+        |keys: &str| folder.put("scene.toml", &CAMERA_SCENE.replace("[markers]", &format!("[markers]\n{keys}")));
+    let states = |scene: &str| {
+        let arguments = [&["sense", scene, "--contact-at", "80@-20", "--image"][..], &images].concat();
+        Csv::of(&finray(&arguments).computed())
+    };
+    let known = "noise_factor = 0.1\nnoise_factor_of_mm = 0.0015";
+    let sensed = states(&scene(known));
+    assert_eq!(sensed.texts("state"), ["none", "contact", "contact", "contact", "contact"], "{sensed:?}");
+    for (row, force_n) in [0.5, 1.0, 1.5, 2.0].iter().enumerate() {
+        let [low_n, high_n] =
+            ["low_n", "high_n"].map(|column| sensed.texts(column)[row + 1].parse::<f64>().expect("a number"));
+        assert!(low_n < *force_n && *force_n < high_n, "{force_n}: {low_n} {high_n}");
+    }
+    let reduced = states(&scene("noise_factor = 0.1"));
+    assert!(reduced.texts("state").contains(&"refused"), "{reduced:?}");
+}
