@@ -25,14 +25,13 @@ const MOST_NAMED: usize = 3;
 
 /// Help text below the options.
 const AFTER_HELP: &str = "\
-NAMES for --fit, separated by commas, each except base-compliance optionally with a standard deviation (ribs=0.2): of the prior or, for friction, friction-build-up and force-error, of the scatter between objects:
+NAMES for --fit, most with an optional standard deviation (ribs=0.2), see the guide:
 modulus, front-modulus, back-modulus, bracket, brackets, clip, front-clip, back-clip, ribs, height,
 base, base-compliance, preload, friction, friction-build-up, force-error.
 
 Examples:
   finray calibrate fixtures/scenes/paper.toml --measurements weights.csv
-  finray calibrate mine.toml --weight 0.2kg --image hung.jpg --plumb 412,80,415,900 --calibrated calibrated.toml
-  finray calibrate fixtures/scenes/twin.toml --measurements weights.csv --zones=1+2,3+4,5+6
+  finray calibrate mine.toml --weight 0.2kg --image hung.jpg --plumb 412,80,415,900
   finray calibrate fixtures/scenes/bracketed.toml --located nodes.csv --forces forces.csv
       --fit modulus,bracket,ribs=0.2,friction --calibrated calibrated.toml
 
@@ -46,7 +45,7 @@ Guide: finray guide calibrate";
 pub struct Arguments {
     /// Scene file (TOML); - for standard input
     scene: PathBuf,
-    /// Hung weights with their unit (0.2kg, 200g, 1.96N): one for all photographs, or one for each
+    /// Hung weights with unit (0.2kg, 200g, 1.96N), one or one for each image
     #[arg(long, help_heading = "From photographs of hung weights", value_name = "WEIGHT", value_parser = weights::weight, num_args = 1.., requires = "image", conflicts_with_all = ["measurements", "zones", "kinematics", "noise_mm"])]
     weight: Vec<f64>,
     /// Photographs (PNG, JPEG) of the finger with a hung weight
@@ -55,25 +54,25 @@ pub struct Arguments {
     /// Image of the unloaded finger, as for `locate`
     #[arg(long, help_heading = "From photographs of hung weights", value_name = "FILE", requires = "weight")]
     rest: Option<PathBuf>,
-    /// Position of the string on the front plate, mm from the base, to 1 mm: one for all photographs, or one for each [default: estimated]
+    /// Positions of the string along the front plate [default: estimated]
     #[arg(long, help_heading = "From photographs of hung weights", value_name = "S_MM", num_args = 1.., value_parser = positive, requires = "weight")]
     weight_at: Vec<f64>,
-    /// Direction of gravity: two pixels of a plumb line or of the string, the upper one first
+    /// Gravity: two pixels of a plumb line, the upper one first
     #[arg(long, help_heading = "From photographs of hung weights", value_name = "U1,V1,U2,V2", value_parser = weights::plumb, requires = "weight")]
     plumb: Option<weights::Plumb>,
-    /// Direction of gravity: degrees from the front plate's undeformed inward normal, positive towards the tip
+    /// Gravity: degrees from the front plate's normal, towards the tip
     #[arg(long, help_heading = "From photographs of hung weights", value_name = "A", value_parser = finite, allow_negative_numbers = true, requires = "weight", conflicts_with = "plumb")]
     gravity_deg: Option<f64>,
-    /// Displacements under known loads: case,load_node,fx_n,fy_n,node,ux_mm,uy_mm
+    /// Displacements (CSV: case,load_node,fx_n,fy_n,node,ux_mm,uy_mm)
     #[arg(long, help_heading = "From weights", value_name = "FILE", conflicts_with_all = ["fit", "forces", "images"])]
     measurements: Option<PathBuf>,
     /// Markers in images of the pressed finger (file from `finray locate`)
     #[arg(long, help_heading = "From images", value_name = "FILE", conflicts_with_all = ["measurements", "zones", "kinematics", "noise_mm"])]
     located: Option<PathBuf>,
-    /// Parameters to estimate, separated by commas, for instance modulus,ribs=0.2; NAMES are listed below [default: modulus]
+    /// Parameters to estimate, such as modulus,ribs=0.2 [default: modulus]
     #[arg(long, help_heading = "From images", value_name = "NAMES", requires = "seen")]
     fit: Option<String>,
-    /// Forces measured in some images, in the frame in which the scene states the camera's pose (CSV: image,fx_n,fy_n and optionally object)
+    /// Measured forces in the frame of the camera's pose (CSV: image,fx_n,fy_n)
     #[arg(long, help_heading = "From images", value_name = "FILE", requires = "located")]
     forces: Option<PathBuf>,
     /// Write the calibrated scene (TOML) to FILE
@@ -82,13 +81,13 @@ pub struct Arguments {
     /// Write the results of each image (CSV) to FILE
     #[arg(long, help_heading = "From images", value_name = "FILE", requires = "seen")]
     images: Option<PathBuf>,
-    /// Also estimate modulus factors of the scene's zones: one per zone, or one per group; 1+2,3 means that zones 1 and 2 share a factor
+    /// Also estimate factors of zones: one each, or one per group (1+2,3)
     #[arg(long, help_heading = "From weights", value_name = "GROUPS", num_args = 0..=1, require_equals = true, default_missing_value = EACH)]
     zones: Option<String>,
-    /// Kinematics of the finger
-    #[arg(long, help_heading = "From weights", value_parser = kinematics(["linear", "corotational"]), requires = "measurements", default_value = "corotational")]
+    /// Kinematics: linear or corotational
+    #[arg(long, help_heading = "From weights", hide_possible_values = true, value_parser = kinematics(["linear", "corotational"]), requires = "measurements", default_value = "corotational")]
     kinematics: Kinematics,
-    /// Standard deviation of the noise in one coordinate, mm [default: the scene's value, else estimated from the residual]
+    /// Noise of a coordinate, mm [default: scene, else residual]
     #[arg(long, help_heading = "From weights", value_name = "S", requires = "measurements", value_parser = not_negative)]
     noise_mm: Option<f64>,
     /// Correlations of the results (CSV), with --zones or images
