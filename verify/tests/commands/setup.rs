@@ -90,8 +90,7 @@ fn compressed_images_are_sensed_with_a_calibration_on_clean_ones() {
         images.push(compressed(&folder, &path, &format!("{force_n}.jpg")));
     }
     let images: Vec<&str> = images.iter().map(String::as_str).collect();
-    let scene =
-        |keys: &str| folder.put("scene.toml", &CAMERA_SCENE.replace("[markers]", &format!("[markers]\n{keys}")));
+    let scene = |keys: &str| folder.put("scene.toml", CAMERA_SCENE.replace("[markers]", &format!("[markers]\n{keys}")));
     let states = |scene: &str| {
         let arguments = [&["sense", scene, "--contact-at", "80@-20", "--image"][..], &images].concat();
         Csv::of(&finray(&arguments).computed())

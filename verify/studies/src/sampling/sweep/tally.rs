@@ -78,7 +78,7 @@ impl Tally {
 fn mean_absolute(mean: f64, sd: f64) -> f64 {
     let z = mean / (SQRT_2 * sd);
     // Beyond this, all of the distribution lies on one side of zero; without a standard deviation, z is infinite or not a number.
-    if !(z.abs() < FAR) {
+    if z.is_nan() || z.abs() >= FAR {
         return mean.abs();
     }
     sd * FRAC_2_SQRT_PI * FRAC_1_SQRT_2 * (-z * z).exp() + mean * erf(z)
