@@ -23,8 +23,8 @@ pub fn print(found: &RigEstimate) {
 pub fn warn_of_change(parameter: &str, value: f64, change: f64, prior_sd: f64) {
     if prior_sd > 0.0 && change.abs() > DOUBTFUL * prior_sd {
         print_message(format_args!(
-            "warning: {parameter} is {value:.4}, {:.1} standard deviations ({prior_sd}) from the scene's value: check loads, units, thicknesses and \
-             depth, or state a larger standard deviation",
+            "warning: {parameter} is {value:.4}, {:.1} standard deviations ({prior_sd}) from the scene's value: compare the scene with the finger, \
+             check forces and their units, or state a larger standard deviation",
             change.abs() / prior_sd
         ));
     }
