@@ -24,7 +24,7 @@
 //! 4. [`ResidualTest`](crate::sensing::ResidualTest): r = sqrt(Q / n), with the sum of squares Q of weighted residuals, priors and conditions of
 //!    an object, and n = their number less the number of unknowns. A residual d beyond 4.5 m is multiplied by 4.5 m / d, with its derivatives
 //!    (`sensing::force::linearised`). The trusted noise t is m, or r if chi-squared rejects m (p < 0.01). If m was
-//!    estimated from k degrees of freedom, the F distribution decides, and t^2 = (Q + k m^2) / (n + k) times the square of t_0.975(n + k) / 1.96. Without a
+//!    estimated from k degrees of freedom, the F distribution decides, and t^2 = (Q + k m^2) / (n + k), at least m^2, times the square of t_0.975(n + k) / 1.96. Without a
 //!    stated noise, or with a zero one, t = r t_0.975(n) / 1.96 with Student's quantile.
 //! 5. `sensing::force::assessment`: the covariance of the unknowns is t^2 (A^T A)^-1. A has one row for each coordinate (derivative times w_i), prior and
 //!    condition of an object. Poses of base and object, leans and errors of the assembly are

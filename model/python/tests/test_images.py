@@ -42,10 +42,8 @@ def test_markers_relative_to_an_unloaded_image_are_those_of_the_program(camera, 
         finray.Locator(camera, rest=pressed)
 
 
-def test_forces_from_an_image_are_those_of_the_program(camera, images, pressed, tmp_path):
-    nodes = tmp_path / "nodes.csv"
-    done("locate", SCENES / "camera.toml", "--image", images[1], "--out", nodes)
-    printed = table(done("sense", SCENES / "camera.toml", "--displacements", nodes, "--contact-at", "auto@auto")[0])
+def test_forces_from_an_image_are_those_of_the_program(camera, images, pressed):
+    printed = table(done("sense", SCENES / "camera.toml", "--image", images[1], "--contact-at", "auto@auto")[0])
     forces = finray.Sensor(camera, "auto@auto").sense(finray.Locator(camera).locate(pressed))
     for name in ("s_mm", "angle_deg", "force_n", "sigma_n"):
         assert_same(getattr(forces, name), printed[name])

@@ -17,7 +17,8 @@ pub fn modulus_values(finger: &Finger, factor: f64, modulus_sd: f64) -> SceneVal
     let modulus = |(key, strip): (String, Strip)| (key, factor * strip.youngs_modulus_mpa);
     let zones = d.zones.iter().enumerate().map(|(i, zone)| (ZONE.modulus_factor.path_in(i + 1), zone.modulus_factor));
     let numbers = plates.into_iter().chain(ribs).map(modulus).chain(zones);
-    let numbers = numbers.chain([(FINGER.youngs_modulus_sigma.path(), modulus_sd)]);
+    // Measurements that leave the modulus open, such as those of one node, leave a factor of the order of one.
+    let numbers = numbers.chain([(FINGER.youngs_modulus_sigma.path(), modulus_sd.min(1.0))]);
     let mut values: SceneValues = numbers.map(|(key, number)| (key, Some(Value::from(number)))).collect();
     values.push((FINGER.depth_sigma_mm.path(), None));
     // Calibrated moduli hold for the side faces with which they were computed.

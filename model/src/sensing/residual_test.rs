@@ -2,6 +2,10 @@
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 
+/// A noise with more degrees of freedom counts as known.
+const KNOWN: f64 = 1e6;
+/// Beyond this number of degrees of freedom, Student's quantile follows from its expansion (Abramowitz and Stegun, 26.7.5), with errors below 1e-8.
+const MANY: f64 = 1e4;
 /// Probability that a measurement with the stated noise fails the test. One false warning in a hundred frames is acceptable.
 pub const SIGNIFICANCE: f64 = 0.01;
 
@@ -52,7 +56,11 @@ impl ResidualTest {
 
     /// This test against a noise that was estimated from `noise_degrees_of_freedom` degrees of freedom.
     pub fn of_estimated_noise(self, noise_degrees_of_freedom: f64) -> ResidualTest {
-        ResidualTest { noise_degrees_of_freedom, ..self }
+        let is_known = noise_degrees_of_freedom > KNOWN;
+        ResidualTest {
+            noise_degrees_of_freedom: if is_known { f64::INFINITY } else { noise_degrees_of_freedom },
+            ..self
+        }
     }
 
     /// Probability, 0 to 1, that the stated noise causes a residual at least as large as this one.
@@ -110,7 +118,8 @@ impl ResidualTest {
 
     /// Standard deviation of a coordinate, mm, from which the standard deviations of forces follow. The result is the stated noise, or the residual
     /// standard deviation if the residual contradicts the noise. An estimated noise and the residual are pooled, and widened so that 1.96 times the
-    /// result is half the width of a 95 % interval.
+    /// result is half the width of a 95 % interval. The result is at least the stated noise, because priors are scaled by the stated noise: a smaller
+    /// result would make them narrower than stated.
     ///
     /// # Reference
     /// Gelman et al., Bayesian Data Analysis, sec. 2.6: a scaled inverse chi-squared prior of a variance, and the marginal Student's t distribution.
@@ -123,7 +132,7 @@ impl ResidualTest {
             return self.marker_noise_mm;
         }
         let pooled_mm2 = (own * self.residual_sd_mm.powi(2) + stated * self.marker_noise_mm.powi(2)) / (own + stated);
-        pooled_mm2.sqrt() * widening_by_student(own + stated)
+        pooled_mm2.sqrt().max(self.marker_noise_mm) * widening_by_student(own + stated)
     }
 
     /// Factor by which a misfit widens standard deviations that follow from [`trusted_noise_mm`](Self::trusted_noise_mm). A misfit counts as an error
@@ -160,8 +169,13 @@ pub(super) fn unstated_noise_mm(sum_of_squares_mm2: f64, degrees_of_freedom: usi
 
 /// Ratio of the 95 % interval of Student's t distribution to that of the normal distribution. NaN without a degree of freedom.
 fn widening_by_student(degrees_of_freedom: f64) -> f64 {
+    let normal = Normal::standard().inverse_cdf(UPPER);
+    // The quantile of the library does not converge for very many degrees of freedom.
+    if degrees_of_freedom > MANY {
+        return 1.0 + (normal * normal + 1.0) / (4.0 * degrees_of_freedom);
+    }
     let student = StudentsT::new(0.0, 1.0, degrees_of_freedom).map_or(f64::NAN, |student| student.inverse_cdf(UPPER));
-    student / Normal::standard().inverse_cdf(UPPER)
+    student / normal
 }
 
 /// Standard deviation of a coordinate, mm, from which the standard deviations of forces follow. The result is the stated noise, or the residual

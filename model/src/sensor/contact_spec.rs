@@ -179,7 +179,7 @@ pub enum MissingInScene {
     /// The scene states no friction.
     #[error(
         "the direction `friction` needs a coefficient: expected friction or friction_range in the scene's table \
-            [contact]"
+            [contact], such as friction_range = [-0.6, 0.6]; the direction `auto` needs none"
     )]
     Friction,
     /// The scene states no object.

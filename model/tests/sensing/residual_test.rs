@@ -47,6 +47,9 @@ fn an_estimated_noise_is_pooled_with_the_residual() {
     let expected_mm = ((12.0 * 0.04 + 8.0 * 0.01) / 20.0_f64).sqrt() * 2.085_963 / 1.959_964;
     assert!((test.trusted_noise_mm() / expected_mm - 1.0).abs() < 1e-4, "{}", test.trusted_noise_mm());
     // A noise that is known to many degrees of freedom is a known noise.
-    let known = test.of_estimated_noise(1e9);
-    assert!((known.trusted_noise_mm() / 0.1 - 1.0).abs() < 1e-4 || known.contradicts(), "{known:?}");
+    let small = ResidualTest::new(Some(0.1), 12.0 * 0.0121, 12).unwrap().of_estimated_noise(1e9);
+    assert!((small.trusted_noise_mm() / 0.1 - 1.0).abs() < 1e-6, "{small:?}");
+    // A small residual narrows no prior.
+    let quiet = ResidualTest::new(Some(0.1), 12.0 * 0.0001, 12).unwrap().of_estimated_noise(8.0);
+    assert!(quiet.trusted_noise_mm() >= 0.1, "{quiet:?}");
 }

@@ -216,8 +216,13 @@ fn checks_of_video(scene: &Scene, observer: &mut Observer, video: &Path) -> Resu
 /// Expected standard deviations of a force of [`FORCE_N`] at a few places.
 fn expected(scene: Scene, at_rest: &Observation) -> Vec<Check> {
     let length_mm = scene.finger.plate_length_mm(finray_model::finger::Plate::Front);
-    let scene = PreparedScene::from(scene);
+    let stiffness = scene.stiffness_error;
     let mut checks = Vec::new();
+    if stiffness.share() > 0.0 {
+        let guessed = stiffness.is_assumed.then_some("measure the modulus: hang a weight (finray calibrate --weight)");
+        checks.push(check("uncertainty of moduli and depth", 100.0 * stiffness.share(), "%", guessed));
+    }
+    let scene = PreparedScene::from(scene);
     for s_mm in PLACES.map(|share| (share * length_mm).round()) {
         let mut add = |question: &str, sigma: Result<f64, String>| {
             let advice = sigma.as_ref().err().cloned().unwrap_or_default();

@@ -3,7 +3,7 @@
 use super::View;
 use super::problem::{BASE_ROWS, OWN, Point, Problem};
 use super::scatter::{NewImage, Scatter};
-use crate::optimise::{Fit, covariance};
+use crate::optimise::{Fit, LeastSquaresProblem, covariance};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -50,6 +50,17 @@ pub(super) fn scatter_of(problem: &Problem, fitted: &Fit<Point>) -> Option<Scatt
     let (mut by, mut residual) = (fitted.jacobian.clone(), fitted.residual.clone());
     let shared = problem.sought.len();
     let (mut forces, mut off, mut new) = (Vec::new(), Vec::new(), Vec::new());
+    // A guess of the modulus that proves wrong is no scatter of the forces, so its prior says nothing about their common factor.
+    let priors = problem.priors(&fitted.point);
+    let first_prior = by.nrows() - priors.len();
+    for (i, prior) in priors.iter().enumerate() {
+        let is_modulus =
+            |(unknown, _): &(usize, f64)| problem.sought.get(*unknown).is_some_and(|it| it.quantity.is_modulus());
+        if prior.by.iter().any(is_modulus) {
+            by.row_mut(first_prior + i).fill(0.0);
+            residual[first_prior + i] = 0.0;
+        }
+    }
     for (view, own, rows, column) in problem.parts(&fitted.point) {
         if let Some(force_n) = view.force.map(|force| force.norm()) {
             new.push(new_image(problem, &by, [rows.start, column], view, force_n)?);

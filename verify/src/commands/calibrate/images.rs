@@ -191,7 +191,9 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
              this error",
         );
     }
-    weights::warn_of_positions(&seen, &estimate.views);
+    if !arguments.weight.is_empty() {
+        weights::warn_of_strings(&scene, &seen);
+    }
     for outlier in &estimate.outliers {
         print_message(format_args!("warning: {outlier}"));
     }

@@ -5,16 +5,20 @@ use crate::commands::locate::Images;
 use crate::commands::prelude::*;
 use finray_files::observations::RefusedImage;
 use finray_model::Vector;
-use finray_model::calibration::{FoundView, LocatedView};
+use finray_model::calibration::LocatedView;
 use finray_model::camera::Pixel;
 use finray_model::finger::Plate;
+use finray_model::sensing::{ContactQuestion, Direction};
+use finray_model::sensor::{Sensor, SensorContacts, SensorOptions};
 use finray_model::text::finite;
 
 /// Standard acceleration of gravity, m/s^2 (3rd General Conference on Weights and Measures, 1901).
 const GRAVITY_M_S2: f64 = 9.80665;
 /// Standard deviation of the stated position of a string, mm: a string is a millimetre thick, and a ruler is read to half a millimetre.
 const STRING_SD_MM: f64 = 1.0;
-/// A string is at another position than stated if the fit moves it farther than this many standard deviations.
+/// Standard deviation of the stated direction of gravity, degrees.
+const GRAVITY_SD_DEG: f64 = 1.0;
+/// A string differs from what is stated if the markers show it farther away than this many standard deviations.
 const ELSEWHERE: f64 = 3.0;
 /// Least distance between the two pixels of a plumb line, px. An error of one pixel then turns gravity by up to one degree.
 const LEAST_PLUMB_PX: f64 = 60.0;
@@ -121,15 +125,33 @@ pub fn views(arguments: &Arguments, scene: &Scene) -> Result<Vec<LocatedView>, F
     Ok(views)
 }
 
-/// Warns of strings that hang elsewhere than stated.
-pub fn warn_of_positions(seen: &[LocatedView], found: &[FoundView]) {
-    for (LocatedView { view, .. }, found) in seen.iter().zip(found) {
-        let Some([stated_mm, sd_mm]) = view.position else { continue };
-        if (found.s_mm - stated_mm).abs() > ELSEWHERE * sd_mm {
+/// Warns of strings that hang elsewhere, or pull in another direction, than stated. Position and direction are estimated from the markers alone; they do
+/// not depend on the modulus.
+pub fn warn_of_strings(scene: &Scene, seen: &[LocatedView]) {
+    let asked = SensorContacts::Asked(vec![ContactQuestion::new(None, Direction::Auto)]);
+    let Ok(sensor) = Sensor::new(scene.clone(), asked, SensorOptions::default()) else { return };
+    for LocatedView { view, observation, .. } in seen {
+        let Ok(sensed) = sensor.sense(observation) else { continue };
+        let [force] = &sensed.forces[..] else { continue };
+        let (finger, name) = (&scene.finger, &view.name);
+        let found_mm = force.contact.position_mm(finger).zip(force.uncertainty.position_sd_mm);
+        if let (Some([stated_mm, sd_mm]), Some((s_mm, s_sd_mm))) = (view.position, found_mm)
+            && (s_mm - stated_mm).abs() > ELSEWHERE * sd_mm.hypot(s_sd_mm)
+        {
             print_message(format_args!(
-                "warning: {}: the markers show the weight at {:.1} mm instead of {stated_mm} mm: check --weight-at",
-                view.name, found.s_mm
+                "warning: {name}: the markers show the weight at {s_mm:.1} +- {s_sd_mm:.1} mm instead of {stated_mm} mm: check --weight-at"
             ));
+        }
+        if let (Some(weight), Some(sd_deg)) = (view.force, force.uncertainty.direction_sd_deg) {
+            let stated_deg = finger.angle_deg(weight);
+            let off_deg = (force.contact.angle_deg - stated_deg + 180.0).rem_euclid(360.0) - 180.0;
+            if off_deg.abs() > ELSEWHERE * sd_deg.hypot(GRAVITY_SD_DEG) {
+                print_message(format_args!(
+                    "warning: {name}: the markers show that the weight pulls at {:.1} +- {sd_deg:.1} degrees from the front plate's normal instead of \
+                     {stated_deg:.1}: check --plumb or --gravity-deg",
+                    force.contact.angle_deg
+                ));
+            }
         }
     }
 }
