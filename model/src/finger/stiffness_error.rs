@@ -3,11 +3,11 @@
 use super::Finger;
 use std::fmt;
 
-/// Largest Young's modulus of a plate that counts as plastic or rubber, MPa. Unreinforced plastics have at most 4000 MPa, metals at least 40 000 MPa
-/// (Ashby, Materials Selection in Mechanical Design, 4th ed., fig. 4.3).
+/// Largest Young's modulus of a plate that counts as plastic or rubber, MPa: between plastics without fibres (PLA: 3500) and structural metals
+/// (magnesium: 45 000).
 const STIFFEST_PLASTIC_MPA: f64 = 10_000.0;
-/// Relative standard deviation of a plastic's modulus that was not measured on the finger, dimensionless. Printed fingers of one TPU differ by this
-/// with infill, temperature of the nozzle and humidity, and so do the grades of one hardness.
+/// Relative standard deviation of a plastic's modulus that was not measured on the finger, dimensionless. An assumption: what a builder knows from a
+/// data sheet. No printed fingers were measured.
 const OF_PLASTICS: f64 = 0.1;
 
 /// Relative standard deviation of a factor on every stiffness of a finger, which all forces share: a finger whose moduli and depth are larger by a

@@ -167,8 +167,7 @@ impl LinearEstimator {
             return Ok(estimate);
         }
         // A residual that linearisation does not explain is due to noise or to another error of the model.
-        let test = ResidualTest::new(stated_mm, error.sum_of_squares_mm2, degrees_of_freedom)
-            .map(|test| test.of_estimated_noise(measurement.noise_degrees_of_freedom()));
+        let test = ResidualTest::of_measurement(measurement, stated_mm, error.sum_of_squares_mm2, degrees_of_freedom);
         let residual_mm = || unstated_noise_mm(error.sum_of_squares_mm2, degrees_of_freedom);
         let trusted_mm = test.map(|test| test.trusted_noise_mm());
         estimate.trusted_noise_mm = trusted_mm.or(stated_mm).or_else(residual_mm).unwrap_or(estimate.trusted_noise_mm);
@@ -199,8 +198,7 @@ impl LinearEstimator {
         let unbiased = &self.least_squares.gain * &displacements;
         // The test uses the residual of the least-squares forces, without the prior, because no other forces have a smaller residual.
         let least_mm2 = sum_of_squares(&unbiased);
-        let test = ResidualTest::new(marker_noise_mm, least_mm2, degrees_of_freedom)
-            .map(|test| test.of_estimated_noise(measurement.noise_degrees_of_freedom()));
+        let test = ResidualTest::of_measurement(measurement, marker_noise_mm, least_mm2, degrees_of_freedom);
         let trusted_noise_mm = noise_of(test, marker_noise_mm, least_mm2, degrees_of_freedom);
         let (forces, inverse) = match prior {
             ForcePrior::Gaussian { force_n } if trusted_noise_mm > 0.0 && trusted_noise_mm.is_finite() => {

@@ -1,5 +1,6 @@
 //! Chi-squared test of goodness of fit: whether the stated noise explains a residual.
 
+use crate::measurement::Measurement;
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 
 /// A noise with more degrees of freedom counts as known.
@@ -31,8 +32,6 @@ pub struct ResidualTest {
     /// Number of measured coordinates and priors minus number of unknowns.
     pub degrees_of_freedom: usize,
     /// Degrees of freedom from which the noise was estimated, see [`Measurement::noise_degrees_of_freedom`]; infinite for a known noise.
-    ///
-    /// [`Measurement::noise_degrees_of_freedom`]: crate::measurement::Measurement::noise_degrees_of_freedom
     pub noise_degrees_of_freedom: f64,
 }
 
@@ -52,6 +51,17 @@ impl ResidualTest {
             degrees_of_freedom,
             noise_degrees_of_freedom: f64::INFINITY,
         })
+    }
+
+    /// Test of the residual of a measurement, whose noise may itself be an estimate.
+    pub fn of_measurement(
+        measurement: &Measurement,
+        marker_noise_mm: Option<f64>,
+        sum_of_squares_mm2: f64,
+        degrees_of_freedom: usize,
+    ) -> Option<ResidualTest> {
+        let test = ResidualTest::new(marker_noise_mm, sum_of_squares_mm2, degrees_of_freedom)?;
+        Some(test.of_estimated_noise(measurement.noise_degrees_of_freedom()))
     }
 
     /// This test against a noise that was estimated from `noise_degrees_of_freedom` degrees of freedom.

@@ -4,7 +4,7 @@ use finray_model::calibration::{
     CalibrationError, FrictionQuestion, MeasuredLean, Quantity, Sought, View, ViewError, ViewEstimate, ViewModel,
     compliance_of, friction_of, refined_views, views,
 };
-use finray_model::finger::{BracketLengths, Plate, RibPositions};
+use finray_model::finger::{BracketLengths, FingerDescription, Plate, RibPositions};
 use finray_model::measurement::{BaseUncertainty, Marker, Measurement};
 use finray_model::sensing::{Lean, Normal};
 use finray_model::{Finger, Kinematics, Vector};
@@ -634,6 +634,17 @@ fn an_image_whose_force_has_no_certain_position_starts_a_calibration() {
     }
 }
 
+/// The finger of the scene with all moduli multiplied by a factor.
+fn stiffer(factor: f64) -> Truth {
+    let mut description = scene_finger().description().clone();
+    let FingerDescription { front, back, ribs, .. } = &mut description;
+    let strips = [front, back].into_iter().chain(ribs.strip.as_mut());
+    strips.for_each(|strip| strip.youngs_modulus_mpa *= factor);
+    let finger = Finger::new(description).expect("a possible finger");
+    let base = Isometry2::identity();
+    Truth { stated: scene_finger(), finger, modulus_factor: factor, more_height_mm: 0.0, base }
+}
+
 /// One force that was measured to 1 % determines the modulus to about 1 %. Its difference from the prior of the modulus is no scatter of forces.
 #[test]
 fn one_force_determines_the_modulus() {
@@ -642,15 +653,7 @@ fn one_force_determines_the_modulus() {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let [of_modulus, of_force, of_position]: [f64; 3] = std::array::from_fn(|_| StandardNormal.sample(&mut rng));
         let modulus_factor = (0.1 * of_modulus).exp();
-        let mut description = scene_finger().description().clone();
-        description.front.youngs_modulus_mpa *= modulus_factor;
-        description.back.youngs_modulus_mpa *= modulus_factor;
-        let strip = description.ribs.strip.as_mut();
-        strip.into_iter().for_each(|strip| strip.youngs_modulus_mpa *= modulus_factor);
-        let finger = Finger::new(description).expect("a possible finger");
-        let base = Isometry2::identity();
-        let truth = Truth { stated: scene_finger(), finger, modulus_factor, more_height_mm: 0.0, base };
-        let mut seen = views_at(&[(70.0, 3.0, 12.0)], &truth, true, &mut rng);
+        let mut seen = views_at(&[(70.0, 3.0, 12.0)], &stiffer(modulus_factor), true, &mut rng);
         seen[0].force = seen[0].force.map(|force| force * (1.0 + 0.01 * of_force));
         seen[0].position = Some([70.0 + of_position, 1.0]);
         let all = sought(&[Quantity::Modulus], Some(0.1));
@@ -663,4 +666,18 @@ fn one_force_determines_the_modulus() {
     }
     // Three standard deviations of the number that holds.
     assert!(held >= 34, "{held} of {cases} intervals hold");
+}
+
+/// Two forces that agree determine the modulus, however wrong its prior: the difference from the prior is no scatter of forces. It once was, and the
+/// factor was 1.06 for 1.5.
+#[test]
+fn forces_that_agree_outweigh_a_wrong_prior() {
+    for (factor, seed) in [(1.5, 0), (1.8, 1), (0.6, 2)] {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let seen = views_at(&[(70.0, 3.0, 12.0), (60.0, 2.0, 5.0)], &stiffer(factor), true, &mut rng);
+        let found = views(&scene_finger(), &seen, &sought(&[Quantity::Modulus], Some(0.1)), &model(Lean::NONE));
+        let modulus = found.expect("identifiable").quantities[0];
+        // The prior moves the factor by the square of the ratio of the forces' assumed error, 1 %, to that of the prior.
+        assert!((modulus.value / factor - 1.0).abs() < 0.02, "{modulus:?} for {factor}");
+    }
 }

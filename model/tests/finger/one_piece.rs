@@ -303,3 +303,30 @@ fn fillets_and_arms_state_shear_and_model_error() {
     assert_eq!(kind("fillet_mm = 1.0"), FingerKind::FilletedBase);
     assert_eq!(kind("fillet_mm = 1.0\nbase_fillet_mm = 0.0"), FingerKind::OnePiece);
 }
+
+/// Fillets that leave less than two thicknesses of the first plate member free join an inclined rib to the base: forces on this solid err by 10 %
+/// (`fixtures/solids/unseen.py`, inclined base fillets, seed 62, rounded).
+#[test]
+fn fillets_join_an_inclined_rib_to_the_base() {
+    let row = |fillet: f64| {
+        let row = [
+            "",
+            "inclined",
+            "45.4",
+            "89.8",
+            "89.8",
+            "2.52",
+            "2.79",
+            "2.23",
+            "0.35",
+            "F",
+            "F",
+            "0",
+            "32.8 9.03 57.7 37.1",
+        ];
+        row.map(|cell| cell.replace('F', &fillet.to_string())).to_vec()
+    };
+    let kind = |fillet: f64| scene_of(&row(fillet), true).model_error.kind;
+    assert_eq!(kind(2.46), FingerKind::RibNearBase);
+    assert_eq!(kind(0.3), FingerKind::InclinedRibs);
+}

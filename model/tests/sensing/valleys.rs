@@ -315,6 +315,18 @@ fn a_minimum_behind_a_ridge_or_a_skewed_force_is_not_wrong_in_silence() {
     }
 }
 
+/// Priors of friction and of the base once switched off the search along the plate and the profile, and these intervals missed the force.
+#[test]
+fn a_prior_does_not_confine_a_position() {
+    for (number, knows) in [(29, Knows::Friction), (247, Knows::Friction), (82, Knows::DirectionOnBase)] {
+        let case = Hidden::drawn(&mut random_stream(7502, number), 1, knows);
+        if let Ok(found) = case.sensed() {
+            let [low_n, high_n] = found.forces.interval_n(0);
+            assert!((low_n..=high_n).contains(&case.forces_n[0]), "case {number}: {low_n} to {high_n} N");
+        }
+    }
+}
+
 /// The paper's finger under one force along the undeformed normal, with only some markers in view.
 fn seen_partly(s_mm: f64, force_n: f64, nodes: std::ops::RangeInclusive<usize>, draw: u64) -> Measurement {
     let mesh = Mesh::with_elements_per_member(&paper(), 16);

@@ -8,6 +8,7 @@ use finray_model::keys::{CAMERA, MARKERS};
 use finray_model::observation::Observation;
 use finray_model::scene::MarkerLook;
 use finray_model::sensor::{PreparedScene, RestPositions, expected_sigma};
+use finray_studies::statistics::median;
 
 /// Help text below the options.
 const AFTER_HELP: &str = "\
@@ -198,15 +199,14 @@ fn checks_of_video(scene: &Scene, observer: &mut Observer, video: &Path) -> Resu
         }
         spare = Some(frame);
     }
-    stated_mm.sort_by(f64::total_cmp);
-    let Some(stated) = stated_mm.get(stated_mm.len() / 2) else {
+    let Some(stated) = median(stated_mm.iter().copied()) else {
         return Err(FileError::content(video, "expected frames of the unloaded finger, found none").into());
     };
     let moved = rest.restlessness(scene, None).map(|_| "hold finger and camera still, and record again");
     let mut checks = vec![
         check("frames", stated_mm.len() as f64, "", None),
         check("frames without finger", lost as f64, "", Some("keep the whole finger in view").filter(|_| lost > 0)),
-        check("noise of a coordinate in the video", *stated, "mm", None),
+        check("noise of a coordinate in the video", stated, "mm", None),
     ];
     checks
         .extend(rest.scatter_mm().map(|scatter_mm| check("scatter of a coordinate in time", scatter_mm, "mm", moved)));

@@ -29,7 +29,8 @@ const COLOUR_STILL_PX: f64 = 0.01;
 const COLOUR_ROUNDS: usize = 4;
 /// Degrees of freedom of the variance that correlated errors of pixels add: it is extrapolated, and differs with the encoder and the motion. In h264
 /// frames (crf 18 to 30) of eight fingers that another program drew, the mean square of error over standard deviation exceeds the limit of the F
-/// distribution with 8 degrees of freedom for p = 1e-4 in none of 768 frames, and that of chi-squared in a quarter.
+/// distribution with 8 degrees of freedom for p = 1e-4 in none of 768 frames, and that of chi-squared in a quarter. The number was chosen with these
+/// frames.
 const EXCESS_DEGREES_OF_FREEDOM: f64 = 8.0;
 /// Errors of the edge model add up to this multiple of the variance of independent pixel errors in clean images, where they are known. Only an excess
 /// beyond it is of compression.

@@ -92,8 +92,7 @@ pub(super) fn assess(
         return Err(SensingError::Unexplained { residual_rms_mm, moved_rms_mm });
     }
     let degrees_of_freedom = coordinates + problem.known_count() - count;
-    let test = ResidualTest::new(marker_noise_mm, misfit, degrees_of_freedom)
-        .map(|test| test.of_estimated_noise(measurement.noise_degrees_of_freedom()));
+    let test = ResidualTest::of_measurement(measurement, marker_noise_mm, misfit, degrees_of_freedom);
     // A residual that the stated noise does not explain adds to the uncertainty.
     let trusted_noise_mm = noise_of(test, marker_noise_mm, misfit, degrees_of_freedom);
     problem.rescale(state);
