@@ -32,6 +32,7 @@ fn camera(criterion: &mut Criterion) {
             finger,
             shape: &shape,
             markers: &markers,
+            offsets: &[],
             references: &[],
             hidden: &[],
             disturbances,

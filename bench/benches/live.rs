@@ -32,6 +32,7 @@ fn images(scene: &Scene) -> Vec<RgbImage> {
             finger,
             shape: &shape,
             markers: &scene.markers.expect("markers"),
+            offsets: &[],
             references: &[],
             hidden: &[],
             disturbances: Disturbances { blur_px: 0.8, grey_noise: 2.0, seed, ..Disturbances::default() },

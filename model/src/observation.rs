@@ -165,6 +165,15 @@ impl Observation {
         Observation { markers, ..Observation::default() }
     }
 
+    /// The same displacements, of markers that are centred on the nodes of the unloaded finger.
+    pub fn on_nodes(mut self, finger: &Finger) -> Observation {
+        for marker in self.markers.iter_mut().filter(|marker| exists(finger, marker.node)) {
+            let moved = marker.displacement.map(|moved| finger.marker_position(marker.node) + moved);
+            marker.position = moved.or(marker.position);
+        }
+        self
+    }
+
     /// Converts the observation to a measurement for sensing forces. `stated_noise_mm`, the standard deviation of one coordinate in mm, applies to
     /// all markers; without it, the standard deviations of the observation apply. Both are multiplied by the scene's noise factor, and its
     /// calibration error is added. `base_is_sought` states whether the base is estimated together with the forces. If it is, the uncertainty of the

@@ -10,13 +10,14 @@ mod touched;
 mod warning;
 
 pub use crate::keys::ROD_RADIUS_MM;
-pub use camera::{Base, CameraDescription, MarkerLook, Markers, Reference, Rgb, Shade};
+pub use camera::{Base, CameraDescription, MarkerLook, Markers, Reference, Rgb, Shade, marker_offset};
 pub use contact::ContactDescription;
 pub use grasp::{GraspDescription, Support};
 pub use object::{ObjectDescription, ObjectMotion, Outline, Until};
 pub use touched::{ObjectFrame, ObjectPlace, TouchedDescription};
 pub use warning::SceneWarning;
 
+use crate::Vector;
 use crate::finger::{
     Fillets, Finger, FingerDescription, Joints, MarkerPoints, ModelError, Part, Plate, RibDescription, RibPositions,
     RigidEnds, SideFaces, StiffnessError, Strip, Zone,
@@ -52,6 +53,9 @@ pub struct Scene {
     pub camera: Option<CameraDescription>,
     /// Size, height and appearance of the markers in images; `None` if the scene does not state them.
     pub markers: Option<Markers>,
+    /// Position of each key node's marker relative to the node, on the unloaded finger, mm, finger frame. Empty if markers are centred on their nodes.
+    /// Images alone depend on these offsets: locators convert positions of markers to positions of nodes.
+    pub marker_offsets: Vec<Vector>,
     /// Reference marks on the base and the base's uncertainty, for a base that moves between images; `None` for a fixed base.
     pub base: Option<Base>,
     /// Possible deviations of the unloaded finger from its description; `None` if the scene states none.
@@ -91,6 +95,7 @@ impl Scene {
             marker_errors: MarkerErrors::default(),
             camera: None,
             markers: None,
+            marker_offsets: Vec::new(),
             base: None,
             assembly: None,
             contact: ContactDescription::default(),
@@ -135,6 +140,12 @@ impl Scene {
             line: document.line_of(&impossible.key),
             message: impossible.to_string(),
         })?;
+        if !markers.offsets.is_empty() && markers.offsets.len() != finger.key_node_count() {
+            let (offsets, expected) = (MARKERS.offsets_mm.path(), finger.key_node_count());
+            let message =
+                format!("{offsets}: expected {expected} pairs, one for each key node, found {}", markers.offsets.len());
+            return Err(SceneError { line: document.line_of(&offsets), message });
+        }
         let assembly = top.optional_table(&ASSEMBLY)?;
         let assembly = assembly.as_ref().map(|table| read_assembly(table, finger.rib_count())).transpose()?;
         let camera = top.optional_table(&CAMERA)?.as_ref().map(camera::read_camera).transpose()?;
@@ -165,6 +176,7 @@ impl Scene {
             marker_errors: markers.errors,
             camera,
             markers: markers.discs,
+            marker_offsets: markers.offsets,
             base,
             assembly,
             contact,

@@ -28,7 +28,8 @@ fn image_of(
     markers: &Markers,
     disturbances: Disturbances,
 ) -> RgbImage {
-    let request = RenderRequest { camera, finger, shape, markers, references: &[], hidden: &[], disturbances };
+    let request =
+        RenderRequest { camera, finger, shape, markers, offsets: &[], references: &[], hidden: &[], disturbances };
     render(&request).expect("a finger in sight")
 }
 
@@ -164,7 +165,7 @@ fn a_lens_and_a_pose_that_are_found_serve_as_well() {
         let (fit, _) = lens_of_grids(camera.lens.size_px(), plate.pitch_mm, &grids).expect("a lens");
         let at_rest = FingerShape::new(finger, false, |_| Default::default());
         let image = image_of(&camera, finger, &at_rest, &markers, Disturbances { seed: number, ..DISTURBED });
-        let rest = Rest::of(finger, &fit.lens, None, &markers, &image).expect("a finger at rest");
+        let rest = Rest::of((finger, &[]), &fit.lens, None, &markers, &image).expect("a finger at rest");
         let mut errors = Vec::new();
         for (seed, (node, force_n)) in [(15, 1.0), (19, 4.0), (24, 3.0)].into_iter().enumerate() {
             let shape = bent_by(finger, node, force_n);

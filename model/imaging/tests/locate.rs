@@ -79,6 +79,7 @@ fn nodes_are_found_through_tilt_lens_light_noise_and_clutter() {
             finger,
             shape: &shape,
             markers: &markers,
+            offsets: &[],
             references: &[],
             hidden: &hidden,
             disturbances,
@@ -134,6 +135,7 @@ fn compressed_images_state_their_errors() {
                 finger,
                 shape: &shape,
                 markers: &markers,
+                offsets: &[],
                 references: &[],
                 hidden: &[],
                 disturbances,
@@ -171,6 +173,7 @@ fn tracking_finds_what_a_full_search_finds() {
             finger,
             shape: &shape,
             markers: &markers,
+            offsets: &[],
             references: &[],
             hidden: &[],
             disturbances,
@@ -211,6 +214,7 @@ fn hidden_markers_come_back() {
             finger,
             shape: &shape,
             markers: &markers,
+            offsets: &[],
             references: &[],
             hidden,
             disturbances: DISTURBED,
@@ -245,7 +249,7 @@ fn fingers_whose_ribs_share_junctions_are_refused() {
     let finger = Finger::new(description).expect("a zigzag");
     assert!(matches!(Locator::new(&finger, &camera, &markers), Err(LocatorError::SharedJunctions)));
     let image = RgbImage::new(1600, 1400);
-    let at_rest = Rest::of(&finger, &camera.lens, Some(camera.pose), &markers, &image);
+    let at_rest = Rest::of((&finger, &[]), &camera.lens, Some(camera.pose), &markers, &image);
     assert!(matches!(at_rest, Err(RestError::Locator(LocatorError::SharedJunctions))));
 }
 
@@ -279,6 +283,7 @@ fn the_pose_comes_from_the_finger_at_rest() {
         finger,
         shape: &shape,
         markers: &markers,
+        offsets: &[],
         references: &[],
         hidden: &[],
         disturbances: DISTURBED,
@@ -288,7 +293,7 @@ fn the_pose_comes_from_the_finger_at_rest() {
     off.pose.translation_mm += Vector3::new(0.6, -0.5, 1.5);
     off.pose.rotation = Rotation3::from_scaled_axis(Vector3::new(0.01, -0.015, 0.01)) * off.pose.rotation;
     for start in [Some(off.pose), None] {
-        let rest = Rest::of(finger, &camera.lens, start, &markers, &image).expect("a finger at rest");
+        let rest = Rest::of((finger, &[]), &camera.lens, start, &markers, &image).expect("a finger at rest");
         for marker in &rest.located {
             let error = marker.position - finger.position(marker.node);
             assert!(error.norm() < LARGEST_MM, "node {}: {error}", marker.node);

@@ -54,6 +54,17 @@ impl FingerKind {
         }
     }
 
+    /// Errors near the base of a force whose direction is estimated, beyond those of other contacts: relative standard deviation of the force,
+    /// dimensionless, and standard deviation of the direction, degrees. There, a force along the plate moves the markers by hundredths of what a force
+    /// across it does, and these small motions depend on how plate, base and first rib join. Root mean square errors of forces on 400 random solids
+    /// (`fixtures/solids/README.md`). Zero for beams, and for rods, whose junctions are stiff.
+    const fn unknown_direction_near_base(self) -> [f64; 2] {
+        match self {
+            FingerKind::Beams | FingerKind::Rods => [0.0; 2],
+            _ => [0.05, 6.5],
+        }
+    }
+
     /// Whether the beams describe a solid.
     pub(super) fn is_solid(self) -> bool {
         self != FingerKind::Beams
@@ -93,6 +104,14 @@ impl ModelError {
     /// The error of a finger, given the value that its scene states.
     pub fn of(finger: &Finger, stated: Option<f64>) -> ModelError {
         ModelError { stated, kind: finger.kind(), side_faces: finger.side_face_error() }
+    }
+
+    /// Errors of a force near the base whose direction is estimated, in addition to the others: relative standard deviation of the force, dimensionless,
+    /// and standard deviation of the direction, degrees. They scale with the value that the scene states. `None` without such errors.
+    pub(crate) fn near_base(&self) -> Option<[f64; 2]> {
+        let usual = self.kind.model_error();
+        let errors = self.kind.unknown_direction_near_base().map(|error| error * self.stated.unwrap_or(usual) / usual);
+        (errors[0] > 0.0).then_some(errors)
     }
 
     /// Relative standard deviation of a sensed force, dimensionless.

@@ -247,6 +247,9 @@ tables! {
          is not reduced. `finray calibrate` writes this key.";
     model_error_mm: Number(LENGTH, NOT_NEGATIVE), Or(0.0),
         "Standard deviation of the finger model's error in each marker coordinate. sigma_n includes this error. `finray calibrate` writes this key.";
+    offsets_mm: Pairs("[x, y] in mm, one for each key node in ascending order", Some(("offsets", LARGEST_MARKER_MM))), Optional,
+        "Position of each marker of the unloaded finger relative to its node, along x and y of the finger frame. Without this key, markers are centred \
+         on their nodes. `finray setup` writes this key.";
 }
 
 tables! {

@@ -4,7 +4,7 @@ use super::SceneError;
 use super::reader::TableReader;
 use crate::Vector;
 use crate::camera::{Distortion, Lens, Pose};
-use crate::finger::MarkerPoints;
+use crate::finger::{MarkerPoints, NodeId};
 use crate::keys::{BASE, CAMERA, Key, Kind, MARKERS, Number, REFERENCE, SceneTable};
 use crate::measurement::{BaseUncertainty, MarkerErrors};
 
@@ -29,6 +29,11 @@ pub struct Markers {
     pub height_mm: f64,
     /// Appearance that distinguishes the markers from the background.
     pub look: MarkerLook,
+}
+
+/// Position of a marker relative to its node by [`Scene::marker_offsets`](super::Scene::marker_offsets), mm: zero without offsets.
+pub fn marker_offset(offsets: &[Vector], node: NodeId) -> Vector {
+    offsets.get(node.0 - 1).copied().unwrap_or_default()
 }
 
 /// Appearance that distinguishes markers from the background.
@@ -99,6 +104,7 @@ pub(super) fn read_camera(table: &TableReader) -> Result<(Option<f64>, Option<Ca
 pub(super) struct MarkersRead {
     pub on: MarkerPoints,
     pub errors: MarkerErrors,
+    pub offsets: Vec<Vector>,
     pub discs: Option<Markers>,
 }
 
@@ -111,13 +117,19 @@ pub(super) fn read_markers(table: &TableReader) -> Result<MarkersRead, SceneErro
     };
     // An empty table `[markers]` counts as a description of the markers' appearance. An empty table is therefore rejected, because the required keys
     // of the appearance are missing.
-    let lookless =
-        [MARKERS.on.name, MARKERS.noise_factor.name, MARKERS.noise_factor_of_mm.name, MARKERS.model_error_mm.name];
+    let offsets = table.optional(&MARKERS.offsets_mm)?.unwrap_or_default().into_iter().map(Vector::from).collect();
+    let lookless = [
+        MARKERS.on.name,
+        MARKERS.noise_factor.name,
+        MARKERS.noise_factor_of_mm.name,
+        MARKERS.model_error_mm.name,
+        MARKERS.offsets_mm.name,
+    ];
     let of_look: Vec<_> =
         MARKERS.entries().iter().map(|entry| entry.name).filter(|name| !lookless.contains(name)).collect();
     let is_lookless = table.first_of(&lookless).is_some() && table.first_of(&of_look).is_none();
     let discs = if is_lookless { None } else { Some(read_discs(table)?) };
-    Ok(MarkersRead { on, errors, discs })
+    Ok(MarkersRead { on, errors, offsets, discs })
 }
 
 fn read_discs(table: &TableReader) -> Result<Markers, SceneError> {

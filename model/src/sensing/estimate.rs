@@ -212,7 +212,7 @@ impl Estimate {
     }
 
     /// Adds a variance, N^2, to that of one force along its direction.
-    pub(super) fn add_variance(&mut self, contact: usize, variance_n2: f64) {
+    pub(crate) fn add_variance(&mut self, contact: usize, variance_n2: f64) {
         let count = self.covariance_n2.nrows();
         let mut covariance_n2 = DMatrix::zeros(count, count);
         covariance_n2[(contact, contact)] = variance_n2;

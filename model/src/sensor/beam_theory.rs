@@ -1,6 +1,8 @@
-//! The error of beam theory in marker displacements.
+//! Errors of beam theory: in marker displacements, and in forces of unknown direction near the base.
 
 use crate::measurement::Measurement;
+use crate::scene::Scene;
+use crate::sensing::{Contact, ContactUncertainty, Estimate};
 use std::borrow::Cow;
 
 /// Error of beam theory in a marker coordinate, relative to the largest displacement, as a multiple of the relative error of the
@@ -26,4 +28,23 @@ pub(super) fn with_beam_theory_error(
         marker.weight = both_mm / (noise_mm / marker.weight).hypot(beam_theory_mm);
     });
     (Cow::Owned(weighted.with_known_error(noise_mm, both_mm)), Some(both_mm))
+}
+
+/// Widens forces and directions of contacts near the base whose direction is estimated by `ModelError::near_base`. A contact is near the base if the
+/// first rib is the nearest rib.
+pub(super) fn widen_near_base(scene: &Scene, contacts: &mut [(Contact, ContactUncertainty)], estimate: &mut Estimate) {
+    let Some([share, sd_deg]) = scene.model_error.near_base() else { return };
+    for (i, (contact, uncertainty)) in contacts.iter_mut().enumerate() {
+        let positions_mm = scene.finger.plate_positions_mm(contact.position.plate());
+        let [_, first_mm, second_mm, ..] = positions_mm[..] else { continue };
+        let is_near = |s_mm: f64| s_mm < 0.5 * (first_mm + second_mm);
+        if let (Some(direction_sd_deg), Some(true)) =
+            (&mut uncertainty.direction_sd_deg, contact.position_mm(&scene.finger).map(is_near))
+        {
+            *direction_sd_deg = direction_sd_deg.hypot(sd_deg);
+            estimate.add_variance(i, (share * estimate.forces_n[i]).powi(2));
+        }
+        let of_contact = estimate.alternatives.iter_mut().filter(|alternative| alternative.contact == i);
+        of_contact.filter(|it| is_near(it.position_mm)).for_each(|alternative| alternative.widen_by(share));
+    }
 }

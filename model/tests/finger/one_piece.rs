@@ -2,6 +2,9 @@
 
 use finray_model::finger::{FingerKind, Part, Plate};
 use finray_model::frame::Section;
+use finray_model::measurement::{Marker, Measurement};
+use finray_model::sensing::{ContactPosition, ContactQuestion, Direction};
+use finray_model::sensor::{Sensor, SensorContacts, SensorOptions};
 use finray_model::statics::solve;
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector};
 use std::collections::BTreeMap;
@@ -46,8 +49,9 @@ fn scene_of(row: &[String], with_arms: bool) -> Scene {
         "name = \"solid\"\n[finger]\nbase_width_mm = {base}\nfront_length_mm = {front}\nback_length_mm = {back}\ndepth_mm = 1.0\n\
          poissons_ratio = {nu}\nside_faces = \"fixed\"\n{keys}\n[finger.front]\nthickness_mm = {front_t}\nyoungs_modulus_mpa = 1.0\n\
          [finger.back]\nthickness_mm = {back_t}\nyoungs_modulus_mpa = 1.0\n[finger.ribs]\npositions_mm = [{}]\njoints = \"rigid\"\n\
-         thickness_mm = {rib_t}\nyoungs_modulus_mpa = 1.0\n",
-        pairs.join(", ")
+         thickness_mm = {rib_t}\nyoungs_modulus_mpa = 1.0\n[contact]\n{}\n",
+        pairs.join(", "),
+        if rod_mm > 0.0 { format!("rod_radius_mm = {rod}") } else { "pad_mm = 0.0".to_owned() }
     ))
     .expect("a scene")
 }
@@ -118,6 +122,39 @@ fn forces_on_unseen_solids_keep_the_stated_model_error() {
     }
     let held = all.iter().sum::<f64>() / all.len() as f64;
     assert!(held > LEAST_HELD && all.len() == 300, "{held} of {} forces", all.len());
+}
+
+/// Share of the front plate's length by which a solid moves: solids are linear.
+const SHARE: f64 = 1e-4;
+
+/// Forces of unknown direction on unseen solids lie in their intervals. Without the error near the base, 80 to 90 % of these forces did, and half of
+/// those on the first rib of sharp fingers. Zigzag fingers are left out: their intervals hold 83 % of such forces, as their guide says.
+#[test]
+fn intervals_of_unknown_directions_hold_on_unseen_solids() {
+    let cases = cases();
+    let (mut held, mut all) = (0, 0);
+    for row in rows("fingers.csv").into_iter().filter(|row| !row[1].contains("zigzag")) {
+        let scene = scene_of(&row, true);
+        let finger = &scene.finger;
+        for case in &cases[&row[0]] {
+            let asked = ContactQuestion::new(Some(ContactPosition::Node(case.load)), Direction::Auto);
+            let contacts = SensorContacts::Asked(vec![asked]);
+            let sensor = Sensor::new(scene.clone(), contacts, SensorOptions::default()).expect("a sensor");
+            let largest = case.moved.iter().map(|(_, moved)| moved.norm()).fold(0.0, f64::max);
+            let largest_mm = SHARE * finger.plate_length_mm(Plate::Front);
+            let force_n = largest_mm / largest;
+            let marker =
+                |(node, moved): &(NodeId, Vector)| Marker { node: *node, displacement: moved * force_n, weight: 1.0 };
+            let measurement = Measurement::new(finger, case.moved.iter().map(marker)).expect("a measurement");
+            let sensed = sensor.sense_displacements(&measurement, Some(1e-3 * largest_mm), None).expect("a force");
+            let [low_n, high_n] = sensed.forces[0].interval_n();
+            held += usize::from(low_n <= force_n && force_n <= high_n);
+            all += 1;
+        }
+    }
+    println!("{held} of {all} forces");
+    // A binomial share of 0.94 in 240 cases is below 0.9 in 1 % of all cases.
+    assert!(held as f64 > 0.9 * f64::from(all) && all == 240, "{held} of {all} forces");
 }
 
 const PIECE: &str = "name = \"piece\"\n[finger]\nbase_width_mm = 60.0\nfront_length_mm = 120.0\nback_length_mm = 120.0\ndepth_mm = 20.0\n\

@@ -90,6 +90,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         finger,
         shape: &shape,
         markers: &markers,
+        offsets: &scene.marker_offsets,
         references,
         hidden: &hidden,
         disturbances: Disturbances {

@@ -3,7 +3,7 @@
 use super::frames::{Source, observed};
 use crate::commands::prelude::*;
 use finray_files::{load_scene_and_text, with_comments};
-use finray_imaging::locate::{DotColour, Observer, ObserverError, Survey};
+use finray_imaging::locate::{DotColour, ImageWarning, Observer, ObserverError, Survey};
 use finray_model::keys::{CAMERA, MARKERS};
 use finray_model::observation::Observation;
 use finray_model::scene::MarkerLook;
@@ -29,8 +29,8 @@ const GOOD_CONTRAST: f64 = 60.0;
 /// Largest share of a dot's pixels that may be clipped, and largest blur as a share of the radius.
 const CLIPPED: f64 = 0.02;
 const BLURRED: f64 = 0.15;
-/// A finger whose dots deviate from the drawing by more than this multiple of their noise is drawn or printed inaccurately.
-const DEVIATES: f64 = 2.0;
+/// Dots placed by hand are within this share of their radius from their nodes. If they deviate by more, a length of the drawing is wrong.
+const DEVIATES: f64 = 0.25;
 
 /// Write a scene with the camera's pose, dots and errors from images of the unloaded finger; check them.
 #[derive(clap::Args)]
@@ -92,6 +92,9 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         checks.extend(checks_of_video(&mine, &mut observer, video)?);
     }
     checks.extend(expected(mine, &at_rest));
+    if let Some(warning) = ImageWarning::of_rest(survey.rest.residual_sd_px) {
+        print_message(format_args!("warning: {}: {warning}", rest.display()));
+    }
     for missing in &survey.missing {
         let cause = match missing.is_swapped {
             true => "a dot of the other plate's colour is in its place",
@@ -130,14 +133,21 @@ fn scene_values(scene: &Scene, survey: &Survey) -> Vec<(String, String, String)>
         values.push((key, format!("{rgb:?}"), format!("setup: +-{sd:.0} between the dots")));
     }
     let [deviation_mm, noise_mm] = deviation(survey);
-    let known_mm = scene.marker_errors.calibration_error_mm;
-    let own_mm = (deviation_mm.powi(2) - noise_mm.powi(2)).max(0.0).sqrt();
-    // A calibrated scene states its own error.
-    if known_mm == 0.0 && own_mm > 0.0 {
-        let degrees_of_freedom = (2 * survey.rest.located.len()).saturating_sub(6) as f64;
-        let sd_mm = deviation_mm / (2.0 * degrees_of_freedom).sqrt();
-        let comment = format!("setup: +-{sd_mm:.4} mm, deviation of the dots from the drawing; 0 with --rest");
-        values.push((MARKERS.model_error_mm.path(), format!("{own_mm:?}"), comment));
+    if deviation_mm > noise_mm || !scene.marker_offsets.is_empty() {
+        let offset = |node: NodeId| {
+            let found = rest.located.iter().find(|marker| marker.node == node);
+            let [x, y] = found.map_or([0.0; 2], |at| (at.position - scene.finger.marker_position(node)).into());
+            format!("[{x:.4}, {y:.4}]")
+        };
+        let offsets: Vec<String> = (1..=scene.finger.key_node_count()).map(|node| offset(NodeId(node))).collect();
+        let comment = format!("setup: +-{noise_mm:.4} mm, centres of the dots from their nodes");
+        values.push((MARKERS.offsets_mm.path(), format!("[{}]", offsets.join(", ")), comment));
+        // A calibrated scene states its own error. Dots that are missing in this image may be as far from their nodes as the others.
+        let error_mm = if survey.missing.is_empty() { noise_mm } else { deviation_mm };
+        if scene.marker_errors.calibration_error_mm == 0.0 {
+            let comment = "setup: noise of the image from which offsets_mm are".to_owned();
+            values.push((MARKERS.model_error_mm.path(), format!("{error_mm:.3}"), comment));
+        }
     }
     values
 }
@@ -175,8 +185,8 @@ fn checks_of_dots(survey: &Survey, at_rest: &Observation) -> Vec<Check> {
     }
     let [deviation_mm, noise_mm] = deviation(survey);
     let off = when(
-        deviation_mm > DEVIATES * noise_mm,
-        "calibrate the finger, or use --rest: its nodes differ from the drawing",
+        deviation_mm > DEVIATES * rest.radius_mm,
+        "compare the lengths of the drawing with the finger, or place the dots on its nodes",
     );
     checks.push(check("noise of a coordinate in the image", at_rest.noise_mm().unwrap_or(noise_mm), "mm", None));
     checks.push(check("deviation of the dots from the drawing", deviation_mm, "mm", off));

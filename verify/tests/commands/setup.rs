@@ -58,6 +58,49 @@ fn a_drawing_becomes_a_scene_that_senses_alone() {
     assert_eq!(folder.read("again.toml").matches("setup:").count(), text.matches("setup:").count());
 }
 
+/// Dots that were placed by hand, up to 0.3 mm beside their nodes: `setup` measures their offsets, and calibration and sensing then need no image of the
+/// unloaded finger. Without the offsets, such dots once stopped `calibrate`, because those of clamped nodes seemed to have moved.
+#[test]
+fn dots_beside_their_nodes_are_measured() {
+    let folder = Folder::new();
+    let offset = |i: u32| format!("[{:.3}, {:.3}]", 0.2 * (2.1 * f64::from(i)).sin(), 0.2 * (1.3 * f64::from(i)).cos());
+    let offsets = format!("[markers]\noffsets_mm = [{}]", (0..25).map(offset).collect::<Vec<_>>().join(", "));
+    let truth = folder.put("truth.toml", CAMERA_SCENE.replace("[markers]", &offsets));
+    let photograph = |name: &str, load: &str, seed: &str| {
+        let path = folder.path(name);
+        let disturbed = ["--grey-noise", "2", "--blur-px", "0.8", "--seed", seed];
+        finray(&[&["render", &truth, "--load-at", load, "--out", &path][..], &disturbed].concat()).done();
+        path
+    };
+    let (rest, weight) = (photograph("rest.png", "80:0,0", "1"), photograph("weight.png", "100:1,0", "2"));
+    let (press, mine) = (photograph("press.png", "80:2,-20", "3"), folder.path("mine.toml"));
+    let drawing = drawing(&folder);
+    finray(&["setup", &drawing, "--rest", &rest, "--out", &mine]).warned();
+    let hung = ["--weight", "1N", "--image", &weight, "--gravity-deg", "0", "--weight-at", "100"];
+    let sensed = |scene: &str, more: &[&str]| {
+        let asked = ["sense", scene, "--image", &press, "--contact-at", "auto@-20"];
+        let row = Csv::of(&finray(&[&asked[..], more].concat()).computed());
+        ["force_n", "sigma_n"].map(|column| row.texts(column)[0].parse::<f64>().expect("a number"))
+    };
+    for more in [&[][..], &["--rest", &rest]] {
+        let weighed = folder.path("weighed.toml");
+        let calibrated = finray(&[&["calibrate", &mine, "--calibrated", &weighed][..], &hung, more].concat());
+        assert_eq!(calibrated.code, Some(0), "{}", calibrated.err);
+        for scene in [&mine, &weighed] {
+            let [force_n, sigma_n] = sensed(scene, more);
+            assert!((force_n - 2.0).abs() < 3.0 * sigma_n && sigma_n < 0.03, "{scene} {more:?}: {force_n} {sigma_n}");
+        }
+    }
+    // Measured again, the offsets do not add up.
+    let again = folder.path("again.toml");
+    finray(&["setup", &mine, "--rest", &rest, "--out", &again]).warned();
+    let line = |name: &str| folder.read(name).lines().find(|line| line.starts_with("offsets_mm")).map(str::to_owned);
+    assert_eq!(line("again.toml"), line("mine.toml"));
+    let short = folder.put("short.toml", CAMERA_SCENE.replace("[markers]", "[markers]\noffsets_mm = [[0.1, 0.0]]"));
+    let expected = ["markers.offsets_mm", "expected 25 pairs", "found 1"];
+    assert_says(&finray(&["sense", &short, "--image", &press, "--contact-at", "80@0"]).refused(), &expected);
+}
+
 /// A covered dot is named, and the standard deviations are those that `sense` later states.
 #[test]
 fn a_check_before_work_names_what_to_improve() {

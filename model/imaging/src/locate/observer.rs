@@ -4,19 +4,24 @@ use super::{
     ImageWarning, LocateError, Located, Locator, LocatorError, Rest, RestError, RimLocator, SeenBase, SeenRadii,
 };
 use crate::RgbRows;
+use finray_model::Vector;
 use finray_model::camera::Camera;
+use finray_model::finger::Plate;
 use finray_model::measurement::BaseUncertainty;
 use finray_model::observation::{EstimatedNoise, Observation, ObservedBase, ObservedMarker};
-use finray_model::scene::{Base, MarkerLook, Markers};
+use finray_model::scene::{Base, MarkerLook, Markers, marker_offset};
 use finray_model::sensor::FrameState;
 use finray_model::{Finger, Scene};
 use image::RgbImage;
+use nalgebra::Rotation2;
 
 /// Converts images of a finger to observations of its markers.
 #[derive(Debug, Clone)]
 pub struct Observer<'f> {
     finger: &'f Finger,
     locator: AnyLocator<'f>,
+    /// Markers relative to their nodes, as in [`Scene::marker_offsets`].
+    offsets: &'f [Vector],
     /// Markers of the unloaded finger; empty if no image of the unloaded finger was given.
     at_rest: Vec<Located>,
     /// Residual standard deviation of one pixel coordinate, px, in the fit of the pose to coloured markers of the unloaded finger. `None` without such an
@@ -71,19 +76,22 @@ impl<'f> Observer<'f> {
         let description = scene.camera.ok_or(ObserverError::NoCamera)?;
         let markers = scene.markers.ok_or(ObserverError::NoMarkers)?;
         if let (MarkerLook::Coloured { .. }, Some(image)) = (markers.look, rest) {
-            let rest = Rest::of(finger, &description.lens, description.pose, &markers, image)?;
+            let offsets = &scene.marker_offsets;
+            let rest = Rest::of((finger, offsets), &description.lens, description.pose, &markers, image)?;
             let observer = Observer::with(finger, &rest.camera, &markers, None)?;
-            return Ok(Observer { at_rest: rest.located, rest_residual_px: Some(rest.residual_sd_px), ..observer });
+            let rest_residual_px = Some(rest.residual_sd_px);
+            return Ok(Observer { offsets, at_rest: rest.located, rest_residual_px, ..observer });
         }
         let camera = Camera { lens: description.lens, pose: description.pose.ok_or(ObserverError::NoPose)? };
         let mut observer = Observer::with(finger, &camera, &markers, scene.base.as_ref())?;
+        observer.offsets = &scene.marker_offsets;
         if let (AnyLocator::Grey(locator), Some(image)) = (&observer.locator, rest) {
             observer.at_rest = locator.locate(image).map_err(ObserverError::GreyRest)?.located;
         }
         Ok(observer)
     }
 
-    /// An observer for a finger and a camera of known pose. `base` contains the reference marks on a moving base; only locators of grey markers use
+    /// An observer for a finger whose markers are centred on their nodes, and a camera of known pose. `base` contains the reference marks on a moving base; only locators of grey markers use
     /// it.
     ///
     /// # Errors
@@ -103,6 +111,7 @@ impl<'f> Observer<'f> {
         Ok(Observer {
             finger,
             locator,
+            offsets: &[],
             at_rest: Vec::new(),
             rest_residual_px: None,
             markers: *markers,
@@ -150,7 +159,7 @@ impl<'f> Observer<'f> {
                 (found.located, self.base.map(|_| found.base), found.radii)
             }
         };
-        let markers = located.iter().map(|seen| self.marker(seen, base.as_ref())).collect();
+        let markers = located.iter().map(|seen| self.marker(seen, &located, base.as_ref())).collect();
         let base = base.map(|base| ObservedBase {
             pose: base.pose,
             uncertainty: Some(uncertainty_at_origin(&base)),
@@ -174,10 +183,14 @@ impl<'f> Observer<'f> {
         })
     }
 
-    fn marker(&self, seen: &Located, base: Option<&SeenBase>) -> ObservedMarker {
+    fn marker(&self, seen: &Located, located: &[Located], base: Option<&SeenBase>) -> ObservedMarker {
         let at_rest = self.at_rest.iter().find(|marker| marker.node == seen.node);
-        let (from, from_sd_mm) =
-            at_rest.map_or_else(|| (self.finger.marker_position(seen.node), 0.0), |at| (at.position, at.sd_mm));
+        let offset = marker_offset(self.offsets, seen.node);
+        let (from, from_sd_mm) = at_rest
+            .map_or_else(|| (self.finger.marker_position(seen.node), 0.0), |at| (at.position - offset, at.sd_mm));
+        let is_still = offset == Vector::zeros() || self.finger.is_clamped(seen.node);
+        let turned = if is_still { offset } else { self.turn(seen, located) * offset };
+        let position = seen.position - turned;
         let sd_mm = seen.sd_mm.hypot(from_sd_mm);
         let own_sd_mm = base.map(|base| {
             let shared_mm = base.sd_at(&seen.position);
@@ -186,11 +199,24 @@ impl<'f> Observer<'f> {
         ObservedMarker {
             node: seen.node,
             pixel: Some(seen.pixel),
-            position: Some(seen.position),
-            displacement: Some(seen.position - from),
+            position: Some(position),
+            displacement: Some(position - from),
             sd_mm: Some(sd_mm),
             own_sd_mm,
         }
+    }
+
+    /// Rotation of the plate at a marker: that of the chord between the neighbouring markers on its plate. An offset is a fraction of a millimetre, so
+    /// that the difference between this rotation and that of the node hardly moves the marker.
+    fn turn(&self, seen: &Located, located: &[Located]) -> Rotation2<f64> {
+        let on_front = self.finger.plate_nodes(Plate::Front);
+        let nodes = if on_front.contains(&seen.node) { on_front } else { self.finger.plate_nodes(Plate::Back) };
+        let found: Vec<&Located> =
+            nodes.iter().filter_map(|node| located.iter().find(|marker| marker.node == *node)).collect();
+        let at = found.iter().position(|marker| marker.node == seen.node).unwrap_or_default();
+        let [first, last] = [found[at.saturating_sub(1)], found[(at + 1).min(found.len() - 1)]];
+        let rest = |of: &Located| self.finger.marker_position(of.node) + marker_offset(self.offsets, of.node);
+        Rotation2::rotation_between(&(rest(last) - rest(first)), &(last.position - first.position))
     }
 }
 

@@ -7,14 +7,15 @@ use super::pattern::at_rest;
 use super::{LocateError, Located, Locator, LocatorError, require_size};
 use crate::RgbRows;
 use crate::plane_pose::{PlanePoseError, plane_pose};
-use finray_model::Finger;
 use finray_model::camera::{Camera, Lens, Pose};
-use finray_model::scene::{MarkerLook, Markers};
+use finray_model::scene::{MarkerLook, Markers, marker_offset};
+use finray_model::{Finger, Vector};
 use image::RgbImage;
 
-/// An image is rejected if the residual standard deviation of the fitted pose exceeds this, px. A larger residual means that the finger is bent, or
-/// is not the scene's finger.
+/// An image is rejected if the residual standard deviation of the fitted pose exceeds this, px, and this share of the markers' radius. A larger
+/// residual means that the finger is bent, or is not the scene's finger; dots placed by hand are within a quarter of their radius from their nodes.
 const LARGEST_RESIDUAL_PX: f64 = 2.0;
+const LARGEST_RESIDUAL: f64 = 0.25;
 /// Number of rounds, each of which fits the pose and then locates the markers again. Several rounds are needed, because markers are measured as circles in the
 /// finger's plane, and this plane depends on the pose.
 const ROUNDS: usize = 3;
@@ -55,22 +56,25 @@ pub enum RestError {
     NoPattern,
     /// The markers do not fit the unloaded finger of the scene.
     #[error(
-        "the markers are {residual_px:.1} px rms from their positions on the scene's unloaded finger, expected at most {LARGEST_RESIDUAL_PX} px: \
+        "the markers are {residual_px:.1} px rms from their positions on the scene's unloaded finger, expected at most {largest_px:.1} px: \
          unload the finger, or correct lens or finger in the scene"
     )]
     NotAtRest {
         /// Residual standard deviation of one pixel coordinate, px.
         residual_px: f64,
+        /// Largest accepted residual, px.
+        largest_px: f64,
     },
 }
 
 impl Rest {
-    /// Fits the pose of the unloaded finger. The fit starts from the pattern of markers or, if none is found, from the stated pose.
+    /// Fits the pose of the unloaded finger, whose markers have `offsets` as in [`Scene::marker_offsets`](finray_model::Scene::marker_offsets). The fit
+    /// starts from the pattern of markers or, if none is found, from the stated pose.
     ///
     /// # Errors
     /// [`RestError`] if the image does not show the unloaded finger.
     pub fn of(
-        finger: &Finger,
+        (finger, offsets): (&Finger, &[Vector]),
         lens: &Lens,
         pose: Option<Pose>,
         markers: &Markers,
@@ -85,12 +89,15 @@ impl Rest {
         let (mut residual_sd_px, mut pose_sds) = (f64::INFINITY, [f64::INFINITY; 6]);
         let mut outline = None;
         for _ in 0..ROUNDS {
-            let points: Vec<_> =
-                located.iter().map(|marker| (finger.marker_position(marker.node), marker.pixel)).collect();
+            let at = |node| finger.marker_position(node) + marker_offset(offsets, node);
+            let points: Vec<_> = located.iter().map(|marker| (at(marker.node), marker.pixel)).collect();
             let fit = plane_pose(lens, markers.height_mm, &points)?;
             residual_sd_px = fit.residual_sd_px;
-            if residual_sd_px > LARGEST_RESIDUAL_PX {
-                return Err(RestError::NotAtRest { residual_px: residual_sd_px });
+            let mm_a_px = Camera { pose: fit.pose, ..camera }.position_sd_mm(&points[0].1, markers.height_mm, 1.0);
+            let of_radius_px = mm_a_px.map_or(0.0, |mm| LARGEST_RESIDUAL * markers.radius_mm / mm);
+            let largest_px = LARGEST_RESIDUAL_PX.max(of_radius_px);
+            if residual_sd_px > largest_px {
+                return Err(RestError::NotAtRest { residual_px: residual_sd_px, largest_px });
             }
             pose_sds = std::array::from_fn(|i| residual_sd_px * fit.unit_covariance[(i, i)].sqrt());
             camera.pose = fit.pose;

@@ -64,7 +64,7 @@ impl Survey {
         let description = scene.camera.ok_or(ObserverError::NoCamera)?;
         let markers = scene.markers.ok_or(ObserverError::NoMarkers)?;
         let finger = &scene.finger;
-        let rest = Rest::of(finger, &description.lens, description.pose, &markers, image)?;
+        let rest = Rest::of((finger, &[]), &description.lens, description.pose, &markers, image)?;
         let sds = || rest.located.iter().map(|marker| marker.sd_mm);
         let median_mm = super::disc::median(sds()).unwrap_or_default();
         let mm_a_px = rest.camera.position_sd_mm(&middle(&rest.located), markers.height_mm, 1.0);

@@ -14,9 +14,10 @@ pub use grid::{GridPlate, render_grid};
 use disc::paint_disc;
 use finray_model::camera::{Camera, Pixel};
 use finray_model::mesh::FingerShape;
-use finray_model::scene::{MarkerLook, Markers, Reference, Rgb, Shade};
+use finray_model::scene::{MarkerLook, Markers, Reference, Rgb, Shade, marker_offset};
 use finray_model::{Finger, NodeId, Vector};
 use image::{ImageBuffer, Rgb32FImage, RgbImage};
+use nalgebra::Rotation2;
 use outline::finger_mask;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -42,6 +43,8 @@ pub struct RenderRequest<'a> {
     pub shape: &'a FingerShape,
     /// Appearance and size of the finger's markers.
     pub markers: &'a Markers,
+    /// Markers relative to their nodes, as in [`Scene::marker_offsets`](finray_model::Scene::marker_offsets).
+    pub offsets: &'a [Vector],
     /// Reference marks on the finger's base.
     pub references: &'a [Reference],
     /// Nodes whose markers are not painted.
@@ -103,7 +106,7 @@ fn marker_pixels(
 /// # Errors
 /// [`RenderError`] if the camera does not see the finger.
 pub fn render(request: &RenderRequest) -> Result<RgbImage, RenderError> {
-    let &RenderRequest { camera, finger, shape, markers, references, hidden, disturbances } = request;
+    let &RenderRequest { camera, finger, shape, markers, offsets, references, hidden, disturbances } = request;
     let pixels = marker_pixels(camera, finger, shape, markers.height_mm)?;
     let [width, height] = camera.lens.size_px();
     let mut canvas: Rgb32FImage = ImageBuffer::from_pixel(width, height, BACKGROUND.map(f32::from).into());
@@ -118,7 +121,8 @@ pub fn render(request: &RenderRequest) -> Result<RgbImage, RenderError> {
     let on_front = finger.plate_nodes(finray_model::finger::Plate::Front);
     let is_seen = |node: NodeId| finger.has_marker(node) && !hidden.contains(&node);
     for motion in shape.motions().iter().filter(|motion| is_seen(motion.node)) {
-        let centre = finger.marker_position(motion.node) + motion.marker_displacement(finger);
+        let offset = Rotation2::new(motion.rotation) * marker_offset(offsets, motion.node);
+        let centre = finger.marker_position(motion.node) + motion.marker_displacement(finger) + offset;
         paint_marker(&mut canvas, camera, markers, centre, on_front.contains(&motion.node));
     }
     for reference in references {

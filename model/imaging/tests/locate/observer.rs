@@ -4,8 +4,9 @@ use crate::kit::{DISTURBED, camera_of, scene};
 use finray_fixtures::{BRACKETED_SCENE, CAMERA_SCENE};
 use finray_imaging::locate::{ImageWarning, Observer};
 use finray_imaging::render::{RenderRequest, render};
-use finray_model::observation::Observation;
-use finray_model::{Kinematics, Load, Mesh, NodeId, Scene, statics};
+use finray_model::mesh::FingerShape;
+use finray_model::observation::{Observation, ObservedMarker};
+use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Scene, Vector, statics};
 use image::RgbImage;
 use nalgebra::UnitComplex;
 
@@ -26,18 +27,24 @@ fn cameras_that_do_not_see_the_markers_are_refused() {
     }
 }
 
+/// Shape of a scene's finger under a force, N.
+fn bent(finger: &Finger, force_n: f64) -> FingerShape {
+    let mesh = Mesh::with_elements_per_member(finger, 4);
+    let load = Load::at_position(80.0, finger.direction(0.0) * force_n);
+    statics::solve(&mesh, &[load], Kinematics::Corotational).expect("an equilibrium")
+}
+
 /// Image of a scene's finger under a force, N, without the markers of some nodes.
 fn image(scene: &Scene, force_n: f64, hidden: &[usize]) -> RgbImage {
     let finger = &scene.finger;
-    let mesh = Mesh::with_elements_per_member(finger, 4);
-    let load = Load::at_position(80.0, finger.direction(0.0) * force_n);
-    let shape = statics::solve(&mesh, &[load], Kinematics::Corotational).expect("an equilibrium");
+    let shape = bent(finger, force_n);
     let references = scene.base.iter().flat_map(|base| base.references.clone()).collect::<Vec<_>>();
     let request = RenderRequest {
         camera: &camera_of(scene),
         finger,
         shape: &shape,
         markers: &scene.markers.expect("markers"),
+        offsets: &scene.marker_offsets,
         references: &references,
         hidden: &hidden.iter().map(|node| NodeId(*node)).collect::<Vec<_>>(),
         disturbances: DISTURBED,
@@ -107,4 +114,28 @@ fn an_image_upside_down_is_found_among_others() {
         [turned(1.0, true), turned(-179.0, true), turned(170.0, false), turned(-3.0, true), turned(20.0, true)];
     assert_eq!(ImageWarning::turned(&images.iter().collect::<Vec<_>>()), [false, true, false, false, false]);
     assert_eq!(ImageWarning::turned(&[&images[1]]), [false]);
+}
+
+/// Markers of a bent finger that are up to 0.6 mm away from their nodes show the displacements of the nodes. The plates turn by up to 0.2 rad, so that an
+/// offset that did not turn with them would err by 0.1 mm; the chord between the neighbours turns as the node does within 0.07 rad.
+#[test]
+fn markers_beside_their_nodes_show_the_displacements_of_the_nodes() {
+    let mut scene = scene();
+    let offset = |i: usize| Vector::new(0.4 * (2.1 * i as f64).sin(), 0.4 * (1.3 * i as f64).cos());
+    scene.marker_offsets = (0..scene.finger.key_node_count()).map(offset).collect();
+    let errors = |scene: &Scene, image: &RgbImage, rest: Option<&RgbImage>| -> f64 {
+        let shape = bent(&scene.finger, 3.0);
+        let seen = Observer::new(scene, rest).expect("an observer").observe(image).expect("a finger");
+        let error = |marker: &ObservedMarker| {
+            (marker.displacement.expect("a displacement") - shape.motion(marker.node).displacement).norm()
+        };
+        seen.markers.iter().map(error).fold(0.0, f64::max)
+    };
+    let (seen, rest) = (image(&scene, 3.0, &[]), image(&scene, 0.0, &[]));
+    let (known, from_rest) = (errors(&scene, &seen, None), errors(&scene, &seen, Some(&rest)));
+    assert!(known < 0.04 && from_rest < 0.04, "{known} {from_rest}");
+    let residual_px = Observer::new(&scene, Some(&rest)).expect("a finger").rest_residual_px.expect("a fit");
+    assert_eq!(ImageWarning::of_rest(residual_px), None);
+    scene.marker_offsets.clear();
+    assert!(errors(&scene, &seen, None) > 0.3);
 }

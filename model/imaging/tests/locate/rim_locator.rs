@@ -56,6 +56,7 @@ fn image(scene: &Scene, seed: u64, hidden: &[NodeId]) -> Image {
         finger,
         shape: &shape,
         markers: &scene.markers.expect("markers"),
+        offsets: &[],
         references: &scene.base.as_ref().expect("a base").references,
         hidden,
         disturbances: Disturbances { light_falloff: 0.2, blur_px: 0.8, grey_noise: 2.0, clutter: 25, seed },

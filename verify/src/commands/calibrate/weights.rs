@@ -105,6 +105,8 @@ pub fn views(arguments: &Arguments, scene: &Scene) -> Result<Vec<LocatedView>, F
     let mut views = Vec::new();
     for (i, seen) in images.located(scene)?.into_iter().enumerate() {
         let seen = match seen {
+            // With an image of the unloaded finger, markers count as centred on their nodes.
+            Ok(seen) if rest.is_some() => seen.on_nodes(&scene.finger),
             Ok(seen) => seen,
             // `located` has printed the reason.
             Err(RefusedImage { .. }) => continue,
