@@ -82,7 +82,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         ObserverError::Rest(error) => FileError::content(rest, error).into(),
         error => bad_input(error),
     })?;
-    let values = scene_values(&scene, &survey);
+    let values = scene_values(&scene, &survey, states_own_error(&text));
     let written = with_comments(&text, &values).map_err(bad_input)?;
     let mine = Scene::from_toml(&written).map_err(not_computed)?;
     let mut observer = Observer::new(&mine, None).map_err(bad_input)?;
@@ -92,6 +92,12 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         checks.extend(checks_of_video(&mine, &mut observer, video)?);
     }
     checks.extend(expected(mine, &at_rest));
+    if survey.rest.camera.pose.eye().z < 0.0 {
+        print_message(
+            "warning: the camera sees the finger from below (from -z), so that the scene is written mirrored: front_rgb and back_rgb are probably \
+             exchanged; the front plate is the one that touches objects",
+        );
+    }
     for missing in &survey.missing {
         let cause = match missing.is_swapped {
             true => "a dot of the other plate's colour is in its place",
@@ -108,7 +114,8 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
 }
 
 /// The keys of the scene that the image determines, each with its value and a comment on its uncertainty.
-fn scene_values(scene: &Scene, survey: &Survey) -> Vec<(String, String, String)> {
+/// `is_own` states whether an earlier run wrote the scene's `model_error_mm`, which this run then replaces.
+fn scene_values(scene: &Scene, survey: &Survey, is_own: bool) -> Vec<(String, String, String)> {
     let rest = &survey.rest;
     let in_words = |sds: &[f64]| sds.iter().map(|sd| format!("{sd:.4}")).collect::<Vec<_>>().join(", ");
     let degrees: Vec<f64> = rest.pose_sds[..3].iter().map(|sd| sd.to_degrees()).collect();
@@ -133,13 +140,18 @@ fn scene_values(scene: &Scene, survey: &Survey) -> Vec<(String, String, String)>
     let known_mm = scene.marker_errors.calibration_error_mm;
     let own_mm = (deviation_mm.powi(2) - noise_mm.powi(2)).max(0.0).sqrt();
     // A calibrated scene states its own error.
-    if known_mm == 0.0 && own_mm > 0.0 {
+    if is_own || (known_mm == 0.0 && own_mm > 0.0) {
         let degrees_of_freedom = (2 * survey.rest.located.len()).saturating_sub(6) as f64;
         let sd_mm = deviation_mm / (2.0 * degrees_of_freedom).sqrt();
         let comment = format!("setup: +-{sd_mm:.4} mm, deviation of the dots from the drawing; 0 with --rest");
         values.push((MARKERS.model_error_mm.path(), format!("{own_mm:?}"), comment));
     }
     values
+}
+
+/// Whether an earlier run of this command wrote the `model_error_mm` of a scene's text.
+fn states_own_error(text: &str) -> bool {
+    text.lines().any(|line| line.trim_start().starts_with(MARKERS.model_error_mm.name) && line.contains("# setup: "))
 }
 
 /// Deviation of the dots from their places on the drawing, and their noise, both as the standard deviation of a coordinate, mm.
