@@ -6,7 +6,7 @@ use super::{
 use crate::RgbRows;
 use finray_model::camera::Camera;
 use finray_model::measurement::BaseUncertainty;
-use finray_model::observation::{EstimatedNoise, Observation, ObservedBase, ObservedMarker};
+use finray_model::observation::{EstimatedNoise, LocatedWith, Observation, ObservedBase, ObservedMarker};
 use finray_model::scene::{Base, MarkerLook, Markers};
 use finray_model::sensor::FrameState;
 use finray_model::{Finger, Scene};
@@ -19,6 +19,10 @@ pub struct Observer<'f> {
     locator: AnyLocator<'f>,
     /// Markers of the unloaded finger; empty if no image of the unloaded finger was given.
     at_rest: Vec<Located>,
+    /// Noise of the image of the unloaded finger, as in [`Locator::noise`].
+    rest_noise: Option<EstimatedNoise>,
+    /// The scene with which markers are located. `None` if the pose is not the scene's, as for a placed finger.
+    located_with: Option<LocatedWith>,
     /// Residual standard deviation of one pixel coordinate, px, in the fit of the pose to coloured markers of the unloaded finger. `None` without such an
     /// image.
     pub rest_residual_px: Option<f64>,
@@ -73,12 +77,20 @@ impl<'f> Observer<'f> {
         if let (MarkerLook::Coloured { .. }, Some(image)) = (markers.look, rest) {
             let rest = Rest::of(finger, &description.lens, description.pose, &markers, image)?;
             let observer = Observer::with(finger, &rest.camera, &markers, None)?;
-            return Ok(Observer { at_rest: rest.located, rest_residual_px: Some(rest.residual_sd_px), ..observer });
+            return Ok(Observer {
+                at_rest: rest.located,
+                rest_noise: rest.noise,
+                located_with: LocatedWith::scene(scene).map(|with| with.from_rest(true)),
+                rest_residual_px: Some(rest.residual_sd_px),
+                ..observer
+            });
         }
         let camera = Camera { lens: description.lens, pose: description.pose.ok_or(ObserverError::NoPose)? };
         let mut observer = Observer::with(finger, &camera, &markers, scene.base.as_ref())?;
+        observer.located_with = LocatedWith::scene(scene);
         if let (AnyLocator::Grey(locator), Some(image)) = (&observer.locator, rest) {
             observer.at_rest = locator.locate(image).map_err(ObserverError::GreyRest)?.located;
+            observer.located_with = observer.located_with.map(|with| with.from_rest(false));
         }
         Ok(observer)
     }
@@ -104,6 +116,8 @@ impl<'f> Observer<'f> {
             finger,
             locator,
             at_rest: Vec::new(),
+            rest_noise: None,
+            located_with: None,
             rest_residual_px: None,
             markers: *markers,
             base,
@@ -120,12 +134,15 @@ impl<'f> Observer<'f> {
         }
     }
 
-    /// Noise in the last image, as in [`Locator::noise`]; `None` for grey markers.
-    fn noise(&self) -> Option<EstimatedNoise> {
-        match &self.locator {
-            AnyLocator::Coloured(locator) => locator.noise(),
-            AnyLocator::Grey(_) => None,
-        }
+    /// Noise of the displacements in the last image, in which `located` was found: that of the image as in [`Locator::noise`], and of the image of the
+    /// unloaded finger. `None` for grey markers.
+    fn noise(&self, located: &[Located]) -> Option<EstimatedNoise> {
+        let AnyLocator::Coloured(locator) = &self.locator else { return None };
+        let mean_mm2 = |located: &[Located]| {
+            located.iter().map(|seen| seen.sd_mm.powi(2)).sum::<f64>() / located.len().max(1) as f64
+        };
+        let images = [(locator.noise(), mean_mm2(located)), (self.rest_noise, mean_mm2(&self.at_rest))];
+        EstimatedNoise::of_difference(images)
     }
 
     /// Whether markers are searched for near their positions in the previous image. If markers are tracked from image to image, the order of the
@@ -156,7 +173,8 @@ impl<'f> Observer<'f> {
             uncertainty: Some(uncertainty_at_origin(&base)),
             is_known: base.is_known,
         });
-        let seen = Observation { image: String::new(), markers, base, noise: self.noise() };
+        let (noise, located_with) = (self.noise(&located), self.located_with);
+        let seen = Observation { image: String::new(), markers, base, noise, located_with };
         let motion_blur_px = self.motion_blur_px();
         self.warnings = ImageWarning::of_image(self.finger, &self.markers, self.base, &seen, &radii, motion_blur_px);
         self.radii = radii;
