@@ -127,7 +127,7 @@ pub struct MarkerErrors {
     /// Ratio of actual to stated marker noise, dimensionless. The ratio is below 1 if part of the stated noise is common to all images and absorbed
     /// by calibration.
     pub noise_factor: f64,
-    /// Stated noise of the images from which `noise_factor` was estimated, mm: root mean square over the markers of an image, median over the images.
+    /// Stated noise of the images from which `noise_factor` was estimated, mm: root mean square over the markers of an image, largest of the images.
     /// `None` if it is unknown; the factor then applies to any noise.
     pub noise_factor_of_mm: Option<f64>,
     /// Calibration error, mm: standard deviation of one coordinate of a marker in what the calibrated finger leaves unexplained beside the noise. The

@@ -5,16 +5,18 @@
 //! finger.
 
 mod clamped;
+mod located_with;
 
 pub use clamped::LargestClampedMotion;
+pub use located_with::{LocatedWith, LocatedWithError, SceneChange, StaleCause, StaleError};
 
 use crate::Vector;
 use crate::camera::Pixel;
-use crate::finger::{Finger, NodeId};
+use crate::finger::{Finger, NodeId, Plate};
 use crate::measurement::{BaseUncertainty, Marker, MarkerErrors, Measurement, MeasurementError};
 use crate::mesh::FingerShape;
-use crate::scene::{Base, Scene};
-use nalgebra::{Isometry2, Point2};
+use crate::scene::{Base, Scene, marker_offset};
+use nalgebra::{Isometry2, Point2, Rotation2};
 
 /// Observed markers and base of a finger in one image.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -27,6 +29,8 @@ pub struct Observation {
     pub base: Option<ObservedBase>,
     /// How well the standard deviations of the markers are known. `None` if they are exact, and the errors of the markers independent.
     pub noise: Option<EstimatedNoise>,
+    /// The scene with which the markers were located. `None` if it is unknown, or if the observation is not from an image.
+    pub located_with: Option<LocatedWith>,
 }
 
 /// Noise of an image that was estimated from the image, such as that of compression.
@@ -37,6 +41,21 @@ pub struct EstimatedNoise {
     /// Standard deviation of an error that each coordinate shares with those of all other markers, mm. It is no part of the standard deviations of the
     /// markers.
     pub shared_sd_mm: f64,
+}
+
+impl EstimatedNoise {
+    /// Noise of the difference between two images, each with its noise and the mean square of its standard deviations, mm^2. The estimates err alike, as
+    /// for two images of one camera and encoder, so that their standard deviations add. `None` if the standard deviations of both images are exact.
+    pub fn of_difference(images: [(Option<EstimatedNoise>, f64); 2]) -> Option<EstimatedNoise> {
+        let total_mm2: f64 = images.iter().map(|(_, variance_mm2)| variance_mm2).sum();
+        let estimated =
+            || images.iter().filter_map(|(noise, variance_mm2)| Some((noise.as_ref()?, variance_mm2 / total_mm2)));
+        let relative: f64 = estimated().map(|(noise, share)| share / noise.degrees_of_freedom.sqrt()).sum();
+        estimated().next().is_some().then(|| EstimatedNoise {
+            degrees_of_freedom: relative.powi(-2),
+            shared_sd_mm: estimated().map(|(noise, _)| noise.shared_sd_mm).fold(0.0, f64::hypot),
+        })
+    }
 }
 
 /// One observed marker. The marker's vectors are expressed in the finger frame at the time of the image. This frame moves with the base.
@@ -93,6 +112,9 @@ pub enum ObservationError {
     /// The standard deviations of the base's pose are negative.
     #[error("each standard deviation of the base's pose must be zero or positive")]
     Base,
+    /// The markers were located with another scene.
+    #[error(transparent)]
+    Stale(#[from] StaleError),
     /// Neither the markers nor the scene state a standard deviation.
     #[error(
         "the noise is unknown: expected a standard deviation for each marker, or noise_mm in [camera] of the scene"
@@ -206,7 +228,7 @@ impl Observation {
             stated_noise_mm: None,
             fallback_noise_mm: scene.noise_mm,
         };
-        let found = reading.of(self, scene)?;
+        let found = reading.of(self.renewed(scene)?.as_ref(), scene)?;
         let marker_noise_mm = found.marker_noise_mm.or(scene.noise_mm).ok_or(ObservationError::NoNoise)?;
         let known = found.measurement.base().unwrap_or_default();
         let base = BaseUncertainty { sd_mm: known.sd_mm.max(EXACT.0), sd_rad: known.sd_rad.max(EXACT.1), ..known };
@@ -380,6 +402,28 @@ impl Reading {
         };
         Ok(base.filter(|_| self.base_is_sought))
     }
+}
+
+/// Position of a node, mm, from the position of its marker. `offsets` are those of [`Scene::marker_offsets`], and `located` contains the positions of all
+/// markers. An offset turns with the plate. Its rotation is that of the chord between the neighbouring markers: offsets are fractions of a millimetre, so
+/// that the difference from the rotation of the node moves the marker by hundredths.
+pub fn position_of_node(
+    finger: &Finger,
+    offsets: &[Vector],
+    (node, at): &(NodeId, Vector),
+    located: &[(NodeId, Vector)],
+) -> Vector {
+    let offset = marker_offset(offsets, *node);
+    if offset == Vector::zeros() || finger.is_clamped(*node) {
+        return at - offset;
+    }
+    let on_front = finger.plate_nodes(Plate::Front);
+    let nodes = if on_front.contains(node) { on_front } else { finger.plate_nodes(Plate::Back) };
+    let found: Vec<_> = nodes.iter().filter_map(|node| located.iter().find(|(other, _)| other == node)).collect();
+    let index = found.iter().position(|(other, _)| other == node).unwrap_or_default();
+    let [first, last] = [found[index.saturating_sub(1)], found[(index + 1).min(found.len() - 1)]];
+    let rest = |node: NodeId| finger.marker_position(node) + marker_offset(offsets, node);
+    at - Rotation2::rotation_between(&(rest(last.0) - rest(first.0)), &(last.1 - first.1)) * offset
 }
 
 /// Whether the finger has a key node of this number.

@@ -8,7 +8,7 @@
 //! 0. `sigma_mm` of a marker in an image (`finray_imaging::locate`). Coloured markers: `Search::disc` (residuals of the pixels, hypot least values for blur
 //!    and size), times the `wider` of its plate, hypot motion blur (`together`), widened where something covers its rim (`UsualCover::widened_mm`). Grey
 //!    markers: `RimLocator::named` (one `wider` for all, cover) and `Rim::combined` (both edges), hypot the base that is seen in the image. Then hypot the
-//!    image of the unloaded finger (`Observer::marker`). `marker_sigma_mm` is the same without the error of the base.
+//!    image of the unloaded finger (`Observer::marker`; `EstimatedNoise::of_difference` for step 2). A table of `locate` keeps all of it. `marker_sigma_mm` is the same without the error of the base.
 //! 1. Stated noise x of one coordinate, mm: [`SensorOptions::noise_mm`] (`--noise-mm`), else `noise_mm` of `[camera]`, for all markers. Without
 //!    it, each marker has the standard deviation of the observation: `sigma_mm`, or `marker_sigma_mm` if the base is estimated. With n rest frames, a stated
 //!    noise is multiplied by sqrt(1 + 1/n); [`RestPositions::displaced`] adds the error of their mean to unstated noise, or their scatter states the noise.
@@ -327,6 +327,7 @@ impl Sensor {
     /// [`Refusal`] as for `sense`.
     pub fn sense_near(&self, seen: &Observation, near: Option<&SensedForces>) -> Result<SensedForces, Refusal> {
         let (scene, estimator) = (self.scene(), self.options.estimator);
+        let seen = &*seen.renewed(scene).map_err(ObservationError::from)?;
         let stated_noise_mm = self.options.noise_mm.or(scene.noise_mm);
         let found = seen.for_sensing(scene, estimator.searches(), stated_noise_mm)?;
         let ObservedMeasurement { measurement, marker_noise_mm, frame } = found;

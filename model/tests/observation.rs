@@ -1,7 +1,7 @@
 //! Conversion of observations to measurements: the noise of the markers, and markers on clamped nodes.
 
 use finray_model::measurement::MarkerErrors;
-use finray_model::observation::{Observation, ObservationError, ObservedMarker};
+use finray_model::observation::{EstimatedNoise, Observation, ObservationError, ObservedMarker};
 use finray_model::{Finger, NodeId, Scene, Vector};
 use finray_tests::{case_count, random_stream};
 use rand::RngExt;
@@ -63,4 +63,19 @@ fn a_stated_noise_applies_to_all_markers() {
     assert!(weights(Some(0.05)).iter().chain(&weights(Some(0.0))).all(|weight| *weight == 1.0));
     let own = weights(None);
     assert!((own[0] / own[9] - 11.0 / 2.0).abs() < 1e-12, "{own:?}");
+}
+
+/// Two images with the same noise have its degrees of freedom, because their estimates err alike, and sqrt(2) of its shared error. An image without
+/// compression adds variance that is known.
+#[test]
+fn the_noise_of_two_images_is_that_of_their_difference() {
+    let noise = EstimatedNoise { degrees_of_freedom: 9.0, shared_sd_mm: 0.02 };
+    let of_two = EstimatedNoise::of_difference([(Some(noise), 0.3), (Some(noise), 0.3)]).expect("estimated");
+    assert!((of_two.degrees_of_freedom - 9.0).abs() < 1e-12);
+    assert!((of_two.shared_sd_mm - 0.02 * 2.0_f64.sqrt()).abs() < 1e-15);
+    // Half of the variance is known: the relative standard deviation halves, and the degrees of freedom are four times as many.
+    let of_one = EstimatedNoise::of_difference([(None, 0.3), (Some(noise), 0.3)]).expect("estimated");
+    assert!((of_one.degrees_of_freedom - 36.0).abs() < 1e-12 && of_one.shared_sd_mm == 0.02);
+    assert_eq!(EstimatedNoise::of_difference([(Some(noise), 0.3), (None, 0.0)]), Some(noise));
+    assert_eq!(EstimatedNoise::of_difference([(None, 0.3), (None, 0.3)]), None);
 }

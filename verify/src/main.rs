@@ -28,7 +28,7 @@ use std::process::ExitCode;
 #[derive(Parser)]
 #[command(name = "finray", version, arg_required_else_help = true)]
 struct Arguments {
-    /// Omit the summary line on standard error
+    /// Omit notes and the summary line on standard error
     #[arg(long, global = true)]
     quiet: bool,
     #[command(subcommand)]
@@ -74,6 +74,9 @@ fn main() -> ExitCode {
         Ok(arguments) => arguments,
         Err(answer) => return commands::print_answer(&answer),
     };
+    if arguments.quiet {
+        commands::omit_notes();
+    }
     let outcome = match arguments.command {
         Command::Report(arguments) => report::run(&arguments).map(Some),
         Command::Solve(arguments) => solve::run(&arguments).map(Some),

@@ -4,7 +4,7 @@ use super::means::{MeanBase, MeanPosition};
 use super::stream::FALSE_ALARM;
 use crate::Vector;
 use crate::finger::{Finger, NodeId};
-use crate::observation::{Observation, ObservationError, ObservedBase, ObservedMarker, exists};
+use crate::observation::{EstimatedNoise, Observation, ObservationError, ObservedBase, ObservedMarker, exists};
 use crate::rigid_fit::rigid_fit;
 use crate::scene::Scene;
 use crate::sensing::ResidualTest;
@@ -37,6 +37,8 @@ pub struct RestPositions {
     changes_mm2: Vec<f64>,
     /// Rotation from the finger frame to the frame of the positions.
     turn: UnitComplex<f64>,
+    /// The least certain noise of the observations at rest. Compression repeats its errors while nothing moves, so that a mean does not reduce them.
+    noise: Option<EstimatedNoise>,
 }
 
 /// Reason for which an observation does not show the scene's finger without load.
@@ -100,6 +102,10 @@ impl RestPositions {
         }
         self.frames += 1;
         self.bases[0].add(seen.base, usize::MAX);
+        self.noise = self.noise.into_iter().chain(seen.noise).reduce(|one, other| EstimatedNoise {
+            degrees_of_freedom: one.degrees_of_freedom.min(other.degrees_of_freedom),
+            shared_sd_mm: one.shared_sd_mm.max(other.shared_sd_mm),
+        });
         let (mut changes_mm2, mut coordinates) = (0.0, 0);
         for marker in &seen.markers {
             let Some(position) = marker.position else { continue };
@@ -232,7 +238,13 @@ impl RestPositions {
             uncertainty: base.uncertainty.map(|uncertainty| self.bases[0].with(uncertainty)),
             ..base
         });
-        Observation { markers: seen.markers.iter().filter_map(displaced).collect(), base, ..seen.clone() }
+        let markers: Vec<ObservedMarker> = seen.markers.iter().filter_map(displaced).collect();
+        let of_seen_mm2 = seen.markers.iter().filter_map(|marker| marker.sd_mm).map(|sd_mm| sd_mm.powi(2)).sum::<f64>();
+        let of_rest_mm2 = self.markers.iter().map(|marker| marker.at_rest.variance_mm2).sum::<f64>();
+        let [of_seen, of_rest] = [(of_seen_mm2, seen.markers.len()), (of_rest_mm2, self.markers.len())]
+            .map(|(sum_mm2, count)| sum_mm2 / count.max(1) as f64);
+        let noise = EstimatedNoise::of_difference([(seen.noise, of_seen), (self.noise, of_rest)]);
+        Observation { markers, base, noise, ..seen.clone() }
     }
 }
 

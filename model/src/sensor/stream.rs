@@ -4,7 +4,7 @@ use super::{PreparedScene, Refusal, SensedForce, SensedForces, Sensor, SensorCon
 use crate::Vector;
 use crate::estimators::EstimatorError;
 use crate::measurement::BaseUncertainty;
-use crate::observation::Observation;
+use crate::observation::{Observation, ObservationError};
 use crate::sensing::{ContactQuestion, ResidualTest, SensingError, Warning};
 use nalgebra::{Matrix3, Vector3};
 
@@ -68,6 +68,7 @@ impl StreamSensor {
     /// # Errors
     /// [`Refusal`] as for [`Sensor::sense`], or if the markers contradict the contacts.
     pub fn sense(&self, seen: &Observation, before: Option<&SensedForces>) -> Result<Option<SensedForces>, Refusal> {
+        let seen = &*seen.renewed(self.sensors[0].scene()).map_err(ObservationError::from)?;
         let no_force = self.no_force(seen)?;
         let is_noise = |test: ResidualTest| test.p_value() >= FALSE_ALARM;
         if no_force.is_some_and(|test| is_noise(test.of_estimated_noise(f64::INFINITY))) {

@@ -133,6 +133,8 @@ impl FingerTracker {
 
     /// Senses the forces, or adds a frame of the unloaded finger. Returns the state, or the reason of a refusal.
     fn state(&mut self, seen: &Observation, before: Option<&SensedForces>) -> Result<FrameState, String> {
+        let scene = self.scene.clone();
+        let seen = &*seen.renewed(&scene).map_err(|error| error.to_string())?;
         if self.rest_frames > 0 {
             self.rest.add(&self.scene, seen).map_err(|error| error.to_string())?;
             self.rest_frames -= 1;

@@ -5,7 +5,9 @@ use super::{FileError, image_named};
 use csv::StringRecord;
 use finray_model::finger::MarkerPoints;
 use finray_model::measurement::BaseUncertainty;
-use finray_model::observation::{MarkerError, Observation, ObservationError, ObservedBase, ObservedMarker};
+use finray_model::observation::{
+    EstimatedNoise, LocatedWith, MarkerError, Observation, ObservationError, ObservedBase, ObservedMarker,
+};
 use finray_model::{Finger, Vector};
 use nalgebra::Isometry2;
 use serde::Serialize;
@@ -17,6 +19,9 @@ const POSE_COLUMNS: [&str; 3] = ["base_x_mm", "base_y_mm", "base_deg"];
 const BASE_COLUMNS: [&str; 2] = ["base_sigma_mm", "base_sigma_deg"];
 const OWN_SIGMA: &str = "marker_sigma_mm";
 const SIGMA: &str = "sigma_mm";
+pub(crate) const PIXEL: [&str; 2] = ["u_px", "v_px"];
+pub(crate) const NOISE: [&str; 2] = ["noise_degrees_of_freedom", "shared_sigma_mm"];
+pub(crate) const LOCATED_WITH: &str = "located_with";
 const REFUSED: &str = "refused";
 /// Largest number of images that a message lists.
 const SHOWN: usize = 5;
@@ -53,7 +58,7 @@ pub struct ObservationTable {
 
 impl ObservationTable {
     /// Reads the columns `node` and two coordinates. The columns `image,sigma_mm,marker_sigma_mm,base_x_mm,base_y_mm,base_deg,base_sigma_mm,
-    /// base_sigma_deg,refused` are optional; further columns are ignored.
+    /// base_sigma_deg,noise_degrees_of_freedom,shared_sigma_mm,located_with,refused` are optional; further columns are ignored.
     ///
     /// # Errors
     /// [`FileError`] if the text is not a CSV table, has no rows, or lacks a required column.
@@ -65,8 +70,9 @@ impl ObservationTable {
             Coordinates::Displacements if on_hinges => ["hinge_ux_mm", "hinge_uy_mm"],
             Coordinates::Displacements => ["ux_mm", "uy_mm"],
         };
-        let single = ["image", SIGMA, OWN_SIGMA, REFUSED];
-        table.require(&["node", xy[0], xy[1]], &[&single[..], &POSITION, &POSE_COLUMNS, &BASE_COLUMNS].concat())?;
+        let single = ["image", SIGMA, OWN_SIGMA, LOCATED_WITH, REFUSED];
+        let optional = [&single[..], &POSITION, &PIXEL, &NOISE, &POSE_COLUMNS, &BASE_COLUMNS].concat();
+        table.require(&["node", xy[0], xy[1]], &optional)?;
         let (mut images, mut rows) = (Vec::new(), HashMap::<String, Vec<usize>>::new());
         for (i, row) in table.rows.iter().enumerate().filter(|_| table.has(&["image"])) {
             let image = table.cell(row, "image");
@@ -109,8 +115,9 @@ impl ObservationTable {
         }
         let chosen = self.rows_of(image);
         let markers = chosen.iter().map(|row| self.marker(row)).collect::<Result<_, _>>()?;
-        let base = chosen.first().map(|row| self.base(row)).transpose()?.flatten();
-        Ok(Observation { image: image.unwrap_or_default().to_owned(), markers, base, ..Observation::default() })
+        let of_image = |row: &&StringRecord| Ok((self.base(row)?, self.noise(row)?, self.located_with(row)?));
+        let (base, noise, located_with) = chosen.first().map(of_image).transpose()?.unwrap_or_default();
+        Ok(Observation { image: image.unwrap_or_default().to_owned(), markers, base, noise, located_with })
     }
 
     /// Converts the model's error about an image's observation to an error that names file, line and column.
@@ -127,6 +134,7 @@ impl ObservationTable {
             }
             ObservationError::Marker { index, reason } => at(*index, reason.to_string()),
             ObservationError::Base => at(0, format!("{}: expected zero or more", BASE_COLUMNS.join(", "))),
+            ObservationError::Stale(error) => self.wrong(error),
             ObservationError::NoNoise => self.wrong(
                 "expected a column sigma_mm, as `finray locate` writes it, or noise_mm in [camera] of the scene",
             ),
@@ -183,7 +191,7 @@ impl ObservationTable {
         let beside = if has_positions { self.table.vector(row, POSITION)? } else { None };
         Ok(ObservedMarker {
             node: self.table.node(row, "node")?,
-            pixel: None,
+            pixel: if self.table.has(&PIXEL) { self.table.vector(row, PIXEL)? } else { None },
             position: at.filter(|_| is_position).or(beside),
             displacement: at.filter(|_| !is_position),
             sd_mm: number(SIGMA)?,
@@ -194,6 +202,20 @@ impl ObservationTable {
     /// Whether the table states separate standard deviations for the base and for the markers.
     fn is_base_apart(&self) -> bool {
         self.table.has(&[SIGMA, OWN_SIGMA]) && self.table.has(&BASE_COLUMNS)
+    }
+
+    /// Reads how well the standard deviations are known; all rows of an image repeat these values. Empty cells mean exact ones.
+    fn noise(&self, row: &StringRecord) -> Result<Option<EstimatedNoise>, FileError> {
+        noise(&|column| self.table.is_missing(row, column), &|column| self.table.number(row, column), &|message| {
+            self.table.wrong(row, message)
+        })
+    }
+
+    /// Reads with which scene the image was located; all rows of an image repeat it.
+    fn located_with(&self, row: &StringRecord) -> Result<Option<LocatedWith>, FileError> {
+        let with = self.table.cell(row, LOCATED_WITH);
+        let wrong = |error| self.table.wrong(row, format!("{LOCATED_WITH}: {error}, found {with:?}"));
+        (!self.table.is_missing(row, LOCATED_WITH)).then(|| with.parse().map_err(wrong)).transpose()
     }
 
     /// Reads the pose of the base and its uncertainty from a row; all rows of an image repeat these values.
@@ -212,6 +234,25 @@ impl ObservationTable {
             }
         };
         Ok(Some(ObservedBase { pose, uncertainty, is_known: true }))
+    }
+}
+
+/// Reads how well the standard deviations of an image are known from the cells of a row. `wrong` adds the line to a message.
+pub(crate) fn noise<E>(
+    is_missing: &dyn Fn(&str) -> bool,
+    number: &dyn Fn(&str) -> Result<f64, E>,
+    wrong: &dyn Fn(String) -> E,
+) -> Result<Option<EstimatedNoise>, E> {
+    if NOISE.iter().any(|column| is_missing(column)) {
+        return Ok(None);
+    }
+    let [degrees_of_freedom, shared_sd_mm] = [number(NOISE[0])?, number(NOISE[1])?];
+    let expected =
+        |column: &str, expected: &str, found: f64| wrong(format!("{column}: expected {expected}, found {found}"));
+    match (degrees_of_freedom > 0.0, shared_sd_mm >= 0.0) {
+        (false, _) => Err(expected(NOISE[0], "a number above zero", degrees_of_freedom)),
+        (_, false) => Err(expected(NOISE[1], "zero or more", shared_sd_mm)),
+        _ => Ok(Some(EstimatedNoise { degrees_of_freedom, shared_sd_mm })),
     }
 }
 
@@ -239,38 +280,74 @@ struct BaseRow {
     marker_sigma_mm: Option<f64>,
 }
 
+/// Noise of a compressed image, and the scene with which the image was located, repeated on each row of its image.
+#[derive(Serialize, Default)]
+struct ImageRow {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    noise_degrees_of_freedom: Option<Option<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    shared_sigma_mm: Option<Option<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    located_with: Option<String>,
+}
+
 /// Last column, `refused`, of a table in which at least one image was refused.
 #[derive(Serialize)]
 struct RefusedRow<'o> {
-    refused: &'o str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    refused: Option<&'o str>,
+}
+
+/// The optional columns of a table.
+#[derive(Clone, Copy)]
+struct Optional {
+    noise: bool,
+    located_with: bool,
+    refused: bool,
 }
 
 /// Observations as CSV: `image,node,u_px,v_px,x_mm,y_mm,ux_mm,uy_mm,sigma_mm`, one row per marker. If all located images show the base, the table
-/// also has the columns `base_x_mm,base_y_mm,base_deg,base_sigma_mm,base_sigma_deg,marker_sigma_mm`. If images were refused, the table also has the
-/// column `refused`; a refused image has one row.
+/// also has the columns `base_x_mm,base_y_mm,base_deg,base_sigma_mm,base_sigma_deg,marker_sigma_mm`; if the noise of an image is an estimate,
+/// `noise_degrees_of_freedom,shared_sigma_mm`; if the scene that located an image is known, `located_with`. If images were refused, the table also has
+/// the column `refused`; a refused image has one row.
 ///
 /// # Errors
 /// A `csv::Error` from the CSV writer; none is expected, because the text is written to memory.
 pub fn to_csv(seen: &[Result<Observation, RefusedImage>]) -> Result<String, csv::Error> {
     let shows_base = seen.iter().flatten().all(|seen| seen.base.is_some());
-    let rows = seen.iter().flat_map(rows_of_image);
-    match (shows_base, seen.iter().any(Result::is_err)) {
-        (false, false) => super::csv_text(rows.map(|(marker, ..)| marker)),
-        (true, false) => super::csv_text(rows.map(|(marker, base, _)| (marker, base))),
-        (false, true) => super::csv_text(rows.map(|(marker, _, refused)| (marker, refused))),
-        (true, true) => super::csv_text(rows),
+    let columns = Optional {
+        noise: seen.iter().flatten().any(|seen| seen.noise.is_some()),
+        located_with: seen.iter().flatten().any(|seen| seen.located_with.is_some()),
+        refused: seen.iter().any(Result::is_err),
+    };
+    let rows = seen.iter().flat_map(|seen| rows_of_image(seen, columns));
+    match shows_base {
+        false => super::csv_text(rows.map(|(marker, _, image, refused)| (marker, image, refused))),
+        true => super::csv_text(rows),
     }
 }
 
-fn rows_of_image(seen: &Result<Observation, RefusedImage>) -> Vec<(MarkerRow<'_>, BaseRow, RefusedRow<'_>)> {
+type Cells<'o> = (MarkerRow<'o>, BaseRow, ImageRow, RefusedRow<'o>);
+
+fn rows_of_image(seen: &Result<Observation, RefusedImage>, columns: Optional) -> Vec<Cells<'_>> {
+    let of_image = |seen: Option<&Observation>| {
+        let noise = |of: fn(EstimatedNoise) -> f64| columns.noise.then(|| Some(of(seen?.noise?)));
+        let with = || seen.and_then(|seen| seen.located_with).map_or_else(String::new, |with| with.to_string());
+        ImageRow {
+            noise_degrees_of_freedom: noise(|noise| noise.degrees_of_freedom),
+            shared_sigma_mm: noise(|noise| noise.shared_sd_mm),
+            located_with: columns.located_with.then(with),
+        }
+    };
+    let refused = |reason| RefusedRow { refused: Some(reason).filter(|_| columns.refused) };
     match seen {
         Ok(seen) => {
             let base = |marker| seen.base.map(|base| base_row(&base, marker)).unwrap_or_default();
-            let row = |marker| (marker_row(&seen.image, marker), base(marker), RefusedRow { refused: "" });
+            let row = |marker| (marker_row(&seen.image, marker), base(marker), of_image(Some(seen)), refused(""));
             seen.markers.iter().map(row).collect()
         }
         Err(RefusedImage { image, reason }) => {
-            vec![(MarkerRow { image, ..MarkerRow::default() }, BaseRow::default(), RefusedRow { refused: reason })]
+            vec![(MarkerRow { image, ..MarkerRow::default() }, BaseRow::default(), of_image(None), refused(reason))]
         }
     }
 }

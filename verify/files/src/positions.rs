@@ -3,9 +3,10 @@
 mod json;
 mod time;
 
+use crate::observations::{LOCATED_WITH, NOISE, PIXEL, noise};
 use crate::table::{Columns, NODE};
 use csv::StringRecord;
-use finray_model::observation::{Observation, ObservedMarker};
+use finray_model::observation::{EstimatedNoise, LocatedWith, Observation, ObservedMarker};
 use finray_model::{NodeId, Vector};
 use std::io::{BufRead, Read};
 use time::TimeName;
@@ -15,6 +16,8 @@ const AT: [&str; 2] = ["x_mm", "y_mm"];
 const SIGMA: &str = "sigma_mm";
 const FINGER: &str = "finger";
 const IMAGE: &str = "image";
+/// Column of a table whose positions are relative to a moving base.
+const MOVING_BASE: &str = "base_x_mm";
 
 /// Longest line, bytes.
 const LONGEST_LINE: u64 = 1 << 20;
@@ -57,7 +60,7 @@ const MOST_FINGERS: usize = 64;
 ///
 /// JSON has one line per frame: `{"t_s": 0.04, "markers": [{"node": 13, "x_mm": 146.1, "y_mm": 3.2, "sigma_mm": 0.02}, ...]}`. The time, `image` and `sigma_mm`
 /// may be omitted; both coordinates of a hidden marker are `null` or `NaN`. CSV has a header and one line per marker. The columns, in any order, are a time or
-/// `image`, `node`, `x_mm`, `y_mm`, and optionally `sigma_mm`; cells are those of a [table](crate::table). A CSV frame ends where the time changes, or, without
+/// `image`, `node`, `x_mm`, `y_mm`, and optionally `sigma_mm` and those of `locate` for pixels, noise and scene; cells are those of a [table](crate::table). A CSV frame ends where the time changes, or, without
 /// a time, where `image` changes. In a stream of several fingers, each marker also has the key or column `finger`. Further keys and columns are ignored.
 ///
 /// The time is `time_s`, `time_ms`, `time_us` or `time_ns` (or `t_s` and so on), or a text in ISO 8601 under one of these names, `time`, `timestamp` or `stamp`.
@@ -182,9 +185,12 @@ impl<R: BufRead> PositionReader<R> {
             if first.is_none() {
                 first = Some((of.to_owned(), line));
             }
-            let marker = split.and_then(|()| table.marker(&cells).map_err(in_line));
+            let read = split
+                .and_then(|()| Ok((table.marker(&cells).map_err(in_line)?, table.of_image(&cells).map_err(in_line)?)));
             seen = seen.and_then(|mut fingers| {
-                fingers.add(table.columns.cell(&cells, FINGER), marker?).map_err(in_line)?;
+                let (marker, of_image) = read?;
+                fingers.add(table.columns.cell(&cells, FINGER), marker).map_err(in_line)?;
+                fingers.of_image = of_image;
                 Ok(fingers)
             });
         }
@@ -199,28 +205,33 @@ impl<R: BufRead> PositionReader<R> {
 
 /// Markers of a frame by finger.
 #[derive(Default)]
-struct Fingers(Vec<(String, Vec<ObservedMarker>)>);
+struct Fingers {
+    markers: Vec<(String, Vec<ObservedMarker>)>,
+    /// Noise of the image, and the scene with which it was located.
+    of_image: (Option<EstimatedNoise>, Option<LocatedWith>),
+}
 
 impl Fingers {
     /// Adds a marker of a finger; `None` for a hidden marker.
     fn add(&mut self, finger: &str, marker: Option<ObservedMarker>) -> Result<(), String> {
-        let is_full = self.0.len() == MOST_FINGERS;
-        match self.0.iter_mut().find(|(name, _)| name == finger) {
+        let is_full = self.markers.len() == MOST_FINGERS;
+        match self.markers.iter_mut().find(|(name, _)| name == finger) {
             Some((_, markers)) => markers.extend(marker),
             None if is_full => {
                 return Err(format!("expected at most {MOST_FINGERS} fingers in a frame"));
             }
-            None => self.0.push((finger.to_owned(), marker.into_iter().collect())),
+            None => self.markers.push((finger.to_owned(), marker.into_iter().collect())),
         }
         Ok(())
     }
 
     fn observations(self, image: &str) -> Vec<FingerObservation> {
+        let (noise, located_with) = self.of_image;
         let of = |(finger, markers)| {
-            let seen = Observation { image: image.to_owned(), markers, base: None, ..Observation::default() };
+            let seen = Observation { image: image.to_owned(), markers, base: None, noise, located_with };
             FingerObservation { finger, seen }
         };
-        self.0.into_iter().map(of).collect()
+        self.markers.into_iter().map(of).collect()
     }
 }
 
@@ -235,7 +246,8 @@ impl PositionTable {
                 "expected a column time_s (or time_ms, time_ns, time, t_s) or image, found the columns {found}"
             )));
         }
-        columns.require(&[NODE, AT[0], AT[1]], &[SIGMA, FINGER, IMAGE]).map_err(in_line)?;
+        let optional = [&[SIGMA, FINGER, IMAGE, LOCATED_WITH][..], &PIXEL, &NOISE].concat();
+        columns.require(&[NODE, AT[0], AT[1]], &optional).map_err(in_line)?;
         Ok(PositionTable { columns, frame: time.map_or(IMAGE, |time| time.name), time })
     }
 
@@ -245,7 +257,20 @@ impl PositionTable {
         let Some(at) = self.columns.vector(row, AT)? else { return Ok(None) };
         let has_sigma = !self.columns.is_missing(row, SIGMA);
         let sigma_mm = has_sigma.then(|| self.columns.number(row, SIGMA)).transpose()?;
-        Ok(Some(marker(node, at, sigma_mm)))
+        // The pixels of a moving base are unknown, so that the pixels of its markers have no position.
+        let has_pixels = self.columns.has(&PIXEL) && !self.columns.has(&[MOVING_BASE]);
+        let pixel = if has_pixels { self.columns.vector(row, PIXEL)? } else { None };
+        Ok(Some(ObservedMarker { pixel, ..marker(node, at, sigma_mm) }))
+    }
+
+    /// Noise of the row's image, and the scene with which it was located.
+    fn of_image(&self, row: &StringRecord) -> Result<(Option<EstimatedNoise>, Option<LocatedWith>), String> {
+        let number = |column: &str| self.columns.number(row, column);
+        let noise = noise(&|column| self.columns.is_missing(row, column), &number, &|message| message)?;
+        let with = self.columns.cell(row, LOCATED_WITH);
+        let wrong = |error| format!("{LOCATED_WITH}: {error}, found {with:?}");
+        let is_stated = !self.columns.is_missing(row, LOCATED_WITH);
+        Ok((noise, is_stated.then(|| with.parse().map_err(wrong)).transpose()?))
     }
 }
 

@@ -3,6 +3,7 @@
 use super::print_message;
 use finray_files::observations::RefusedImage;
 use finray_files::{Elsewhere, name_of, of_another_finger};
+use finray_model::observation::Observation;
 use finray_model::scene::SceneWarning;
 use finray_model::{Finger, Scene};
 use std::path::Path;
@@ -31,6 +32,17 @@ pub fn of_displacements(path: &Path, text: &str, finger: &Finger) {
             own.x,
             own.y
         ));
+    }
+}
+
+/// Says that the markers of a file were located with another scene, and what follows.
+pub fn of_other_scene(path: &Path, seen: &Observation, scene: &Scene) {
+    if let Some(change) = seen.change(scene).filter(|_| seen.renewed(scene).is_ok()) {
+        let how = match change.pose || change.lens {
+            true => "its markers are located again from u_px, v_px",
+            false => "its displacements are from this scene's finger",
+        };
+        print_message(format_args!("note: {}: located with another {change} than the scene's: {how}", name_of(path)));
     }
 }
 

@@ -165,16 +165,23 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
             }
         };
         let unknown = unknown_finger(&frame.content, &fingers);
-        let result = |(finger, observer)| {
-            let (finger, observer): (&mut FingerTracker, &mut Option<Observer>) = (finger, observer);
+        let result = |(finger, observer, scene)| {
+            let (finger, observer, scene): (&mut FingerTracker, &mut Option<Observer>, &Scene) =
+                (finger, observer, scene);
             let seen = match &unknown {
                 None => observed(&frame.content, finger.name(), observer.as_mut()),
                 Some(reason) => Err((FrameState::Refused, reason.clone())),
             };
+            if let (0, Ok(seen)) = (frame.info.number, &seen) {
+                hints::of_other_scene(&arguments.input, seen, scene);
+            }
             finger.evaluate(seen)
         };
-        let results: Vec<FingerResult> =
-            watched.iter_mut().map(|(finger, observer)| result((finger, observer))).collect();
+        let results: Vec<FingerResult> = watched
+            .iter_mut()
+            .zip(&scenes)
+            .map(|((finger, observer), (_, scene))| result((finger, observer, scene)))
+            .collect();
         let line = Line::new(&frame.info, &results);
         counts[line.state as usize] += 1;
         dropped += frame.info.dropped;

@@ -45,6 +45,7 @@ use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Reason why a command ends without a result.
 pub enum Failure {
@@ -73,9 +74,27 @@ impl Failure {
     }
 }
 
-/// Prints a message on standard error. A failed write, for example on a full disk, changes neither result nor exit code.
+/// Beginning of a message that `--quiet` omits.
+const NOTE: &str = "note: ";
+/// Whether notes are omitted.
+static OMITS_NOTES: AtomicBool = AtomicBool::new(false);
+
+/// Omits all later notes, for `--quiet`.
+pub fn omit_notes() {
+    OMITS_NOTES.store(true, Ordering::Relaxed);
+}
+
+/// Prints a message on standard error, unless it is a note and notes are omitted.
 pub fn print_message(message: impl Display) {
-    let _ = io::stderr().write_all(format!("{message}\n").as_bytes());
+    let message = message.to_string();
+    if !(message.starts_with(NOTE) && OMITS_NOTES.load(Ordering::Relaxed)) {
+        print_line(message);
+    }
+}
+
+/// Prints a line on standard error. A failed write, for example on a full disk, changes neither result nor exit code.
+pub fn print_line(line: impl Display) {
+    let _ = io::stderr().write_all(format!("{line}\n").as_bytes());
 }
 
 /// Prints clap's output (help, version or usage error) and returns its exit code. If help or version cannot be written to standard output, the exit

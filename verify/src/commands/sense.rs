@@ -195,12 +195,16 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let done = if arguments.alternatives {
         let seen = table.observation(arguments.image_name.as_deref())?;
         let found = question.sensor(&seen)?.alternatives(&seen).map_err(|refusal| failure(refusal, &seen, &table))?;
+        hints::of_other_scene(displacements, &seen, &scene);
         let answers = found.len();
         let rows: Vec<AlternativeRow> = found.into_iter().map(AlternativeRow::from).collect();
         write_file(&arguments.out, &csv_text(rows)?)?;
         format!("{} found", count(answers, "answer"))
     } else if arguments.all_images {
         let rows = all_images(&question, &table)?;
+        if let Some(seen) = table.images()?.iter().find_map(|image| table.observation(Some(image)).ok()) {
+            hints::of_other_scene(displacements, &seen, &scene);
+        }
         let refused = rows.iter().filter(|row| row.refused.as_deref() != Some("")).count();
         let asked = rows.len();
         write_file(&arguments.out, &csv_text(rows)?)?;
@@ -215,6 +219,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         let seen = table.observation(arguments.image_name.as_deref())?;
         let sensor = question.sensor(&seen)?;
         let sensed = sensor.sense(&seen).map_err(|refusal| failure(refusal, &seen, &table))?;
+        hints::of_other_scene(displacements, &seen, &scene);
         warn("", &sensed.warnings);
         write_file(&arguments.out, &csv_text(rows(&question, &sensed))?)?;
         let warnings = sensor.validity_warnings(&sensed);

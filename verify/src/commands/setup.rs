@@ -82,7 +82,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         ObserverError::Rest(error) => FileError::content(rest, error).into(),
         error => bad_input(error),
     })?;
-    let values = scene_values(&scene, &survey);
+    let values = scene_values(&scene, &survey, states_own_error(&text));
     let written = with_comments(&text, &values).map_err(bad_input)?;
     let mine = Scene::from_toml(&written).map_err(not_computed)?;
     let mut observer = Observer::new(&mine, None).map_err(bad_input)?;
@@ -94,6 +94,12 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     checks.extend(expected(mine, &at_rest));
     if let Some(warning) = ImageWarning::of_rest(survey.rest.residual_sd_px) {
         print_message(format_args!("warning: {}: {warning}", rest.display()));
+    }
+    if survey.rest.camera.pose.eye().z < 0.0 {
+        print_message(
+            "warning: the camera sees the finger from below (from -z), so that the scene is written mirrored: front_rgb and back_rgb are probably \
+             exchanged; the front plate is the one that touches objects",
+        );
     }
     for missing in &survey.missing {
         let cause = match missing.is_swapped {
@@ -111,7 +117,8 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
 }
 
 /// The keys of the scene that the image determines, each with its value and a comment on its uncertainty.
-fn scene_values(scene: &Scene, survey: &Survey) -> Vec<(String, String, String)> {
+/// `is_own` states whether an earlier run wrote the scene's `model_error_mm`, which this run then replaces.
+fn scene_values(scene: &Scene, survey: &Survey, is_own: bool) -> Vec<(String, String, String)> {
     let rest = &survey.rest;
     let in_words = |sds: &[f64]| sds.iter().map(|sd| format!("{sd:.4}")).collect::<Vec<_>>().join(", ");
     let degrees: Vec<f64> = rest.pose_sds[..3].iter().map(|sd| sd.to_degrees()).collect();
@@ -133,7 +140,7 @@ fn scene_values(scene: &Scene, survey: &Survey) -> Vec<(String, String, String)>
         values.push((key, format!("{rgb:?}"), format!("setup: +-{sd:.0} between the dots")));
     }
     let [deviation_mm, noise_mm] = deviation(survey);
-    if deviation_mm > noise_mm || !scene.marker_offsets.is_empty() {
+    if is_own || deviation_mm > noise_mm || !scene.marker_offsets.is_empty() {
         let offset = |node: NodeId| {
             let found = rest.located.iter().find(|marker| marker.node == node);
             let [x, y] = found.map_or([0.0; 2], |at| (at.position - scene.finger.marker_position(node)).into());
@@ -144,12 +151,17 @@ fn scene_values(scene: &Scene, survey: &Survey) -> Vec<(String, String, String)>
         values.push((MARKERS.offsets_mm.path(), format!("[{}]", offsets.join(", ")), comment));
         // A calibrated scene states its own error. Dots that are missing in this image may be as far from their nodes as the others.
         let error_mm = if survey.missing.is_empty() { noise_mm } else { deviation_mm };
-        if scene.marker_errors.calibration_error_mm == 0.0 {
+        if is_own || scene.marker_errors.calibration_error_mm == 0.0 {
             let comment = "setup: noise of the image from which offsets_mm are".to_owned();
             values.push((MARKERS.model_error_mm.path(), format!("{error_mm:.3}"), comment));
         }
     }
     values
+}
+
+/// Whether an earlier run of this command wrote the `model_error_mm` of a scene's text.
+fn states_own_error(text: &str) -> bool {
+    text.lines().any(|line| line.trim_start().starts_with(MARKERS.model_error_mm.name) && line.contains("# setup: "))
 }
 
 /// Deviation of the dots from their places on the drawing, and their noise, both as the standard deviation of a coordinate, mm.

@@ -15,6 +15,7 @@ mod grasp_stream;
 mod gripper;
 mod guide;
 mod live;
+mod located;
 mod map;
 mod output;
 mod photographs;

@@ -149,3 +149,108 @@ fn compressed_images_are_sensed_with_a_calibration_on_clean_ones() {
     let reduced = states(&scene("noise_factor = 0.1"));
     assert!(reduced.texts("state").contains(&"refused"), "{reduced:?}");
 }
+
+/// Changes pixels of a PNG file.
+fn painted(folder: &Folder, path: &str, name: &str, change: impl Fn(&mut image::RgbImage)) -> String {
+    let (mut image, out) = (image::open(path).expect("an image").to_rgb8(), folder.path(name));
+    change(&mut image);
+    image.save(&out).expect("written");
+    out
+}
+
+/// The pixels within 1.2 radii of the dot of a node, in the order of the rows.
+fn dot(folder: &Folder, path: &str, node: &str) -> Vec<(u32, u32)> {
+    let table = folder.path("dots.csv");
+    finray(&["locate", CAMERA, "--image", path, "--out", &table]).done();
+    let located = Csv::of(&folder.read("dots.csv"));
+    let row = located.texts("node").iter().position(|other| *other == node).expect("a dot");
+    let [u, v] = ["u_px", "v_px"].map(|column| located.numbers(column)[row]);
+    // The discs of the camera's scene have a radius of 12 px.
+    let reach = 15_i64;
+    let around = |at: f64| (at.round() as i64 - reach)..=(at.round() as i64 + reach);
+    let pixels = around(v).flat_map(|y| around(u).map(move |x| (x, y)));
+    let is_inside = |(x, y): &(i64, i64)| (*x as f64 - u).hypot(*y as f64 - v) < 1.2 * 12.0;
+    pixels.filter(is_inside).map(|(x, y)| (x as u32, y as u32)).collect()
+}
+
+/// A speckled dot is weak, a dot of the other colour is swapped, and saturated pixels are counted; a clean image has none of these.
+#[test]
+fn weak_swapped_and_clipped_dots_are_named() {
+    let folder = Folder::new();
+    let (drawing, mine) = (drawing(&folder), folder.path("mine.toml"));
+    let rest = rendered(&folder, "rest.png", 0.0, &[]);
+    let pixels = dot(&folder, &rest, "6");
+    let speckled = painted(&folder, &rest, "speckled.png", |image| {
+        for (i, (x, y)) in pixels.iter().enumerate() {
+            // Every other pixel is 10 grey levels brighter or darker, in an irregular order.
+            let is_brighter = (i * i + i / 3) % 5 < 2;
+            for light in &mut image.get_pixel_mut(*x, *y).0 {
+                *light = if is_brighter { light.saturating_add(10) } else { light.saturating_sub(10) };
+            }
+        }
+    });
+    let (_, warnings) = finray(&["setup", &drawing, "--rest", &speckled, "--out", &mine]).warned();
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    assert_says(&warnings[0], &["node 6", "weak"]);
+    // Node 20 is on the front plate, node 6 on the back plate.
+    let swapped = painted(&folder, &rest, "swapped.png", |image| {
+        pixels.iter().for_each(|(x, y)| image.put_pixel(*x, *y, image::Rgb([226, 186, 46])));
+    });
+    let (_, warnings) = finray(&["setup", &drawing, "--rest", &swapped, "--out", &mine]).warned();
+    assert_says(&warnings.join(" "), &["node 6 is missing", "other plate's colour"]);
+    let bright =
+        folder.put("bright.toml", CAMERA_SCENE.replace("front_rgb = [226, 186, 46]", "front_rgb = [255, 190, 40]"));
+    let clipped = folder.path("clipped.png");
+    finray(&["render", &bright, "--grey-noise", "2", "--blur-px", "0.8", "--out", &clipped]).done();
+    let checks = Csv::of(&finray(&["setup", &bright, "--rest", &clipped, "--out", &mine]).done());
+    let of = |name: &str| checks.texts("check").iter().position(|check| *check == name).expect("a check");
+    let [front, back] = ["front", "back"].map(|plate| of(&format!("clipped pixels of the {plate} dots")));
+    assert!(checks.numbers("value")[front] > 50.0 && checks.numbers("value")[back] < 2.0, "{checks:?}");
+    assert!(checks.texts("advice")[front].contains("exposure") && checks.texts("advice")[back].is_empty());
+}
+
+/// With the two colours exchanged, a symmetric finger fits its mirror image, so that only the side of the camera shows the error.
+#[test]
+fn exchanged_colours_are_named() {
+    let folder = Folder::new();
+    let exchanged = CAMERA_SCENE
+        .replace("front_rgb = [226, 186, 46]", "front_rgb = []")
+        .replace("back_rgb = [198, 52, 44]", "back_rgb = [226, 186, 46]")
+        .replace("front_rgb = []", "front_rgb = [198, 52, 44]");
+    let (exchanged, mine) = (folder.put("exchanged.toml", exchanged), folder.path("mine.toml"));
+    let rest = rendered(&folder, "rest.png", 0.0, &[]);
+    let (_, warnings) = finray(&["setup", &exchanged, "--rest", &rest, "--out", &mine]).warned();
+    assert_says(&warnings.join(" "), &["from below", "front_rgb and back_rgb", "exchanged"]);
+}
+
+/// A second run replaces the deviation from the drawing that the first run wrote, but not one that a calibration wrote.
+#[test]
+fn setup_replaces_its_own_model_error() {
+    let folder = Folder::new();
+    let (mine, again) = (folder.path("mine.toml"), folder.path("again.toml"));
+    // The drawing is wider than the finger in the image.
+    let wide = folder.put("wide.toml", CAMERA_SCENE.replace("base_width_mm = 58.0", "base_width_mm = 58.2"));
+    let rest = rendered(&folder, "rest.png", 0.0, &[]);
+    finray(&["setup", &wide, "--rest", &rest, "--out", &mine]).done();
+    let value = |name: &str| {
+        let text = folder.read(name);
+        let line = text.lines().find(|line| line.starts_with("model_error_mm")).expect("the key").to_owned();
+        line.split(['=', '#']).nth(1).expect("a value").trim().parse::<f64>().expect("a number")
+    };
+    let first = value("mine.toml");
+    assert!(first > 0.01, "{first}");
+    let text = folder.read("mine.toml");
+    let stated = |comment: &str| {
+        folder.put(
+            "mine.toml",
+            text.replace(&format!("model_error_mm = {first:?}"), "model_error_mm = 0.5")
+                .replace("# setup: +-", comment),
+        )
+    };
+    stated("# setup: +-");
+    finray(&["setup", &mine, "--rest", &rest, "--out", &again]).done();
+    assert!((value("again.toml") / first - 1.0).abs() < 0.05, "{} {first}", value("again.toml"));
+    stated("# calibrated: +-");
+    finray(&["setup", &mine, "--rest", &rest, "--out", &again]).done();
+    assert_eq!(value("again.toml"), 0.5);
+}

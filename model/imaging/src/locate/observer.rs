@@ -4,16 +4,15 @@ use super::{
     ImageWarning, LocateError, Located, Locator, LocatorError, Rest, RestError, RimLocator, SeenBase, SeenRadii,
 };
 use crate::RgbRows;
-use finray_model::Vector;
 use finray_model::camera::Camera;
-use finray_model::finger::Plate;
 use finray_model::measurement::BaseUncertainty;
-use finray_model::observation::{EstimatedNoise, Observation, ObservedBase, ObservedMarker};
+use finray_model::observation::{
+    EstimatedNoise, LocatedWith, Observation, ObservedBase, ObservedMarker, position_of_node,
+};
 use finray_model::scene::{Base, MarkerLook, Markers, marker_offset};
 use finray_model::sensor::FrameState;
-use finray_model::{Finger, Scene};
+use finray_model::{Finger, NodeId, Scene, Vector};
 use image::RgbImage;
-use nalgebra::Rotation2;
 
 /// Converts images of a finger to observations of its markers.
 #[derive(Debug, Clone)]
@@ -24,6 +23,10 @@ pub struct Observer<'f> {
     offsets: &'f [Vector],
     /// Markers of the unloaded finger; empty if no image of the unloaded finger was given.
     at_rest: Vec<Located>,
+    /// Noise of the image of the unloaded finger, as in [`Locator::noise`].
+    rest_noise: Option<EstimatedNoise>,
+    /// The scene with which markers are located. `None` if the pose is not the scene's, as for a placed finger.
+    located_with: Option<LocatedWith>,
     /// Residual standard deviation of one pixel coordinate, px, in the fit of the pose to coloured markers of the unloaded finger. `None` without such an
     /// image.
     pub rest_residual_px: Option<f64>,
@@ -79,14 +82,22 @@ impl<'f> Observer<'f> {
             let offsets = &scene.marker_offsets;
             let rest = Rest::of((finger, offsets), &description.lens, description.pose, &markers, image)?;
             let observer = Observer::with(finger, &rest.camera, &markers, None)?;
-            let rest_residual_px = Some(rest.residual_sd_px);
-            return Ok(Observer { offsets, at_rest: rest.located, rest_residual_px, ..observer });
+            return Ok(Observer {
+                offsets,
+                at_rest: rest.located,
+                rest_noise: rest.noise,
+                located_with: LocatedWith::scene(scene).map(|with| with.from_rest(true)),
+                rest_residual_px: Some(rest.residual_sd_px),
+                ..observer
+            });
         }
         let camera = Camera { lens: description.lens, pose: description.pose.ok_or(ObserverError::NoPose)? };
         let mut observer = Observer::with(finger, &camera, &markers, scene.base.as_ref())?;
         observer.offsets = &scene.marker_offsets;
+        observer.located_with = LocatedWith::scene(scene);
         if let (AnyLocator::Grey(locator), Some(image)) = (&observer.locator, rest) {
             observer.at_rest = locator.locate(image).map_err(ObserverError::GreyRest)?.located;
+            observer.located_with = observer.located_with.map(|with| with.from_rest(false));
         }
         Ok(observer)
     }
@@ -113,6 +124,8 @@ impl<'f> Observer<'f> {
             locator,
             offsets: &[],
             at_rest: Vec::new(),
+            rest_noise: None,
+            located_with: None,
             rest_residual_px: None,
             markers: *markers,
             base,
@@ -129,12 +142,15 @@ impl<'f> Observer<'f> {
         }
     }
 
-    /// Noise in the last image, as in [`Locator::noise`]; `None` for grey markers.
-    fn noise(&self) -> Option<EstimatedNoise> {
-        match &self.locator {
-            AnyLocator::Coloured(locator) => locator.noise(),
-            AnyLocator::Grey(_) => None,
-        }
+    /// Noise of the displacements in the last image, in which `located` was found: that of the image as in [`Locator::noise`], and of the image of the
+    /// unloaded finger. `None` for grey markers.
+    fn noise(&self, located: &[Located]) -> Option<EstimatedNoise> {
+        let AnyLocator::Coloured(locator) = &self.locator else { return None };
+        let mean_mm2 = |located: &[Located]| {
+            located.iter().map(|seen| seen.sd_mm.powi(2)).sum::<f64>() / located.len().max(1) as f64
+        };
+        let images = [(locator.noise(), mean_mm2(located)), (self.rest_noise, mean_mm2(&self.at_rest))];
+        EstimatedNoise::of_difference(images)
     }
 
     /// Whether markers are searched for near their positions in the previous image. If markers are tracked from image to image, the order of the
@@ -159,13 +175,15 @@ impl<'f> Observer<'f> {
                 (found.located, self.base.map(|_| found.base), found.radii)
             }
         };
-        let markers = located.iter().map(|seen| self.marker(seen, &located, base.as_ref())).collect();
+        let positions: Vec<_> = located.iter().map(|seen| (seen.node, seen.position)).collect();
+        let markers = located.iter().map(|seen| self.marker(seen, &positions, base.as_ref())).collect();
         let base = base.map(|base| ObservedBase {
             pose: base.pose,
             uncertainty: Some(uncertainty_at_origin(&base)),
             is_known: base.is_known,
         });
-        let seen = Observation { image: String::new(), markers, base, noise: self.noise() };
+        let (noise, located_with) = (self.noise(&located), self.located_with);
+        let seen = Observation { image: String::new(), markers, base, noise, located_with };
         let motion_blur_px = self.motion_blur_px();
         self.warnings = ImageWarning::of_image(self.finger, &self.markers, self.base, &seen, &radii, motion_blur_px);
         self.radii = radii;
@@ -183,14 +201,12 @@ impl<'f> Observer<'f> {
         })
     }
 
-    fn marker(&self, seen: &Located, located: &[Located], base: Option<&SeenBase>) -> ObservedMarker {
+    fn marker(&self, seen: &Located, positions: &[(NodeId, Vector)], base: Option<&SeenBase>) -> ObservedMarker {
         let at_rest = self.at_rest.iter().find(|marker| marker.node == seen.node);
         let offset = marker_offset(self.offsets, seen.node);
         let (from, from_sd_mm) = at_rest
             .map_or_else(|| (self.finger.marker_position(seen.node), 0.0), |at| (at.position - offset, at.sd_mm));
-        let is_still = offset == Vector::zeros() || self.finger.is_clamped(seen.node);
-        let turned = if is_still { offset } else { self.turn(seen, located) * offset };
-        let position = seen.position - turned;
+        let position = position_of_node(self.finger, self.offsets, &(seen.node, seen.position), positions);
         let sd_mm = seen.sd_mm.hypot(from_sd_mm);
         let own_sd_mm = base.map(|base| {
             let shared_mm = base.sd_at(&seen.position);
@@ -204,19 +220,6 @@ impl<'f> Observer<'f> {
             sd_mm: Some(sd_mm),
             own_sd_mm,
         }
-    }
-
-    /// Rotation of the plate at a marker: that of the chord between the neighbouring markers on its plate. An offset is a fraction of a millimetre, so
-    /// that the difference between this rotation and that of the node hardly moves the marker.
-    fn turn(&self, seen: &Located, located: &[Located]) -> Rotation2<f64> {
-        let on_front = self.finger.plate_nodes(Plate::Front);
-        let nodes = if on_front.contains(&seen.node) { on_front } else { self.finger.plate_nodes(Plate::Back) };
-        let found: Vec<&Located> =
-            nodes.iter().filter_map(|node| located.iter().find(|marker| marker.node == *node)).collect();
-        let at = found.iter().position(|marker| marker.node == seen.node).unwrap_or_default();
-        let [first, last] = [found[at.saturating_sub(1)], found[(at + 1).min(found.len() - 1)]];
-        let rest = |of: &Located| self.finger.marker_position(of.node) + marker_offset(self.offsets, of.node);
-        Rotation2::rotation_between(&(rest(last) - rest(first)), &(last.position - first.position))
     }
 }
 

@@ -8,6 +8,7 @@ use super::{LocateError, Located, Locator, LocatorError, require_size};
 use crate::RgbRows;
 use crate::plane_pose::{PlanePoseError, plane_pose};
 use finray_model::camera::{Camera, Lens, Pose};
+use finray_model::observation::EstimatedNoise;
 use finray_model::scene::{MarkerLook, Markers, marker_offset};
 use finray_model::{Finger, Vector};
 use image::RgbImage;
@@ -27,6 +28,8 @@ pub struct Rest {
     pub camera: Camera,
     /// The markers as located with the fitted pose.
     pub located: Vec<Located>,
+    /// Noise of the image, as in [`Locator::noise`].
+    pub noise: Option<EstimatedNoise>,
     /// Residual standard deviation of one pixel coordinate in the fit of the pose, px.
     pub residual_sd_px: f64,
     /// Standard deviations of the pose, from that residual: of a small rotation about each axis of the camera, rad, and of the translation, mm.
@@ -87,7 +90,7 @@ impl Rest {
         let mut camera = Camera { lens: *lens, pose };
         let mut located = Locator::new(finger, &camera, markers)?.locate_about(image, false)?;
         let (mut residual_sd_px, mut pose_sds) = (f64::INFINITY, [f64::INFINITY; 6]);
-        let mut outline = None;
+        let (mut outline, mut noise) = (None, None);
         for _ in 0..ROUNDS {
             let at = |node| finger.marker_position(node) + marker_offset(offsets, node);
             let points: Vec<_> = located.iter().map(|marker| (at(marker.node), marker.pixel)).collect();
@@ -103,10 +106,10 @@ impl Rest {
             camera.pose = fit.pose;
             let mut locator = Locator::new(finger, &camera, markers)?;
             located = locator.locate(image)?;
-            outline = locator.common.map(|common| common.outline);
+            (outline, noise) = (locator.common.map(|common| common.outline), locator.noise());
         }
         let [radius_mm, blur_px] = outline.map_or([f64::NAN; 2], |outline| [outline.radius_mm, outline.blurs_px[0]]);
-        Ok(Rest { camera, located, residual_sd_px, pose_sds, radius_mm, blur_px })
+        Ok(Rest { camera, located, noise, residual_sd_px, pose_sds, radius_mm, blur_px })
     }
 }
 

@@ -4,7 +4,7 @@ use super::{
     BaseCompliance, ForceError, FrictionEstimate, FrictionQuestion, LocatedView, Quantity, Sought, View, ViewEstimate,
     ViewModel, compliance_of, friction_of, refined_views, views,
 };
-use crate::calibration::{CalibrationError, SceneValues, median, modulus_values};
+use crate::calibration::{CalibrationError, SceneValues, modulus_values};
 use crate::estimators::ELEMENTS;
 use crate::finger::{BracketLengths, RibPositions};
 use crate::keys::{ASSEMBLY, BASE, CAMERA, CONTACT, MARKERS, REFERENCE, RIBS};
@@ -107,7 +107,8 @@ pub fn calibrate_rig(
     };
     let sought: Vec<Sought> = question.sought.iter().map(with_prior).collect();
     let mut found = refined_views(&scene.finger, &all, &sought, &model)?;
-    found.new_marker_errors.noise_factor_of_mm = median(all.iter().map(|view| view.noise_mm));
+    // With the median, the noise factor would not hold for half of the images from which it was estimated.
+    found.new_marker_errors.noise_factor_of_mm = all.iter().map(|view| view.noise_mm).reduce(f64::max);
     check_side(scene, &all, &sought, &model, &found)?;
     let measured = || seen.iter().zip(&found.views).filter(|(seen, _)| seen.view.force.is_some());
     let leans: Vec<_> = measured()

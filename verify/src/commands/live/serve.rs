@@ -4,6 +4,7 @@
 //! frames never waits for the server: each client has a bounded queue, and events that do not fit into the queue are dropped.
 
 use crate::commands::prelude::*;
+use crate::commands::print_line;
 use finray_model::finger::Plate;
 use std::hash::{BuildHasher, RandomState};
 use std::io::{ErrorKind, Read, Write};
@@ -100,7 +101,8 @@ impl Server {
                 "warning: --serve {address}: every machine that reaches this address can read the page, without password or encryption"
             ));
         }
-        print_message(format_args!("note: the page is at http://{address}/"));
+        // Without the address, nobody can open the page, so `--quiet` does not omit it.
+        print_line(format_args!("note: the page is at http://{address}/"));
         Ok(Server(shared))
     }
 

@@ -12,7 +12,7 @@ fn an_image_leads_back_to_the_force() {
     let nodes = folder.path("nodes.csv");
     finray(&["locate", CAMERA, "--image", &image, "--out", &nodes]).done();
     let located = Csv::of(&folder.read("nodes.csv"));
-    assert_eq!(located.header.join(","), "image,node,u_px,v_px,x_mm,y_mm,ux_mm,uy_mm,sigma_mm");
+    assert_eq!(located.header.join(","), "image,node,u_px,v_px,x_mm,y_mm,ux_mm,uy_mm,sigma_mm,located_with");
     assert_eq!(located.rows.len(), 23);
     assert!(!located.texts("node").contains(&"7") && !located.texts("node").contains(&"18"));
     assert_located(&located, "image.png", &shape);
@@ -92,7 +92,10 @@ fn grey_markers_lead_back_to_the_force() {
     finray(&["locate", BRACKETED, "--image", &image, "--out", &nodes]).done();
     let located = Csv::of(&folder.read("nodes.csv"));
     let base = "base_x_mm,base_y_mm,base_deg,base_sigma_mm,base_sigma_deg,marker_sigma_mm";
-    assert_eq!(located.header.join(","), format!("image,node,u_px,v_px,x_mm,y_mm,ux_mm,uy_mm,sigma_mm,{base}"));
+    assert_eq!(
+        located.header.join(","),
+        format!("image,node,u_px,v_px,x_mm,y_mm,ux_mm,uy_mm,sigma_mm,{base},located_with")
+    );
     assert_eq!(located.texts("node"), ["2", "3", "4", "5", "7", "8", "9", "10"]);
     for (column, truth, tolerance) in [("base_x_mm", 40.0, 0.03), ("base_y_mm", -70.0, 0.03), ("base_deg", 95.0, 0.1)] {
         assert_close(&[located.numbers(column)[0]], &[truth], tolerance / truth.abs());
