@@ -270,6 +270,35 @@ fn geometry_is_found_without_forces() {
     assert!(estimate.quantities[..2].iter().all(|found| found.sigma < 0.1), "{:?}", estimate.quantities);
 }
 
+/// Fits with each force measured in turn confirm which measurement makes the forces most accurate, and how accurate they become.
+#[test]
+fn the_force_to_measure_next_is_the_most_useful_one() {
+    let mut truth = truth();
+    (truth.more_height_mm, truth.base) = (0.0, Isometry2::identity());
+    let presses = PRESSES.map(|(s_mm, force_n, _)| (s_mm, force_n, 8.0));
+    let all = [sought(&ribs(), Some(0.2)), sought(&[Quantity::Preload], Some(10.0))].concat();
+    let lean = Lean { from: Normal::Undeformed, ..Lean::within([0.139, 0.142]) };
+    let estimate = |measured: Option<usize>| {
+        let mut seen = views_at(&presses, &truth, true, &mut ChaCha8Rng::seed_from_u64(11));
+        for (i, view) in seen.iter_mut().enumerate() {
+            view.force = view.force.filter(|_| Some(i) == measured);
+        }
+        views(&scene_finger(), &seen, &all, &model(lean)).expect("identifiable")
+    };
+    let rms = |found: &ViewEstimate| {
+        let squares = found.views.iter().map(|view| (view.force_sigma_n / view.force.norm()).powi(2));
+        (squares.sum::<f64>() / presses.len() as f64).sqrt()
+    };
+    let found = estimate(None);
+    let next = found.next_force.expect("no force was measured");
+    assert!((next.now / rms(&found) - 1.0).abs() < 1e-6, "{next:?}");
+    let then: Vec<f64> = (0..presses.len()).map(|view| rms(&estimate(Some(view)))).collect();
+    // The forecast is linear and the measured force counts as exact in the fit, so both agree to a fraction of their size.
+    let best = then.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!(then[next.view] < 1.15 * best && next.then < next.now, "{next:?} {then:?}");
+    assert!((next.then / then[next.view]).ln().abs() < 0.5, "{next:?} {then:?}");
+}
+
 /// All forces are of one object and lean near one end of the stated range of friction. Leans were once treated as independent, and the standard
 /// deviation of their mean was 2.4 times too small.
 #[test]

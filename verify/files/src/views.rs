@@ -4,6 +4,7 @@ use super::observations::{Coordinates, ObservationTable, RefusedImage};
 use super::table::Table;
 use super::{FileError, image_named};
 use finray_model::calibration::LocatedView;
+use finray_model::observation::{Observation, ObservationError};
 use finray_model::{Scene, Vector};
 use std::path::Path;
 
@@ -49,12 +50,23 @@ pub fn load(located: &Path, forces: Option<&Path>, scene: &Scene) -> Result<Loca
     let located = images.iter().filter(|image| table.refused(image).is_none());
     let view = |image: &str| {
         let seen = table.observation(Some(image))?;
-        let measured = forces.iter().find(|measured| measured.image == image);
-        let view = LocatedView::new(seen, scene, measured.map(|measured| measured.force))
-            .map_err(|error| table.error(Some(image), &error))?;
-        Ok(LocatedView { object: measured.and_then(|measured| measured.object.clone()), ..view })
+        view_with_force(seen, scene, &forces).map_err(|error| table.error(Some(image), &error))
     };
     Ok(LocatedViews { views: located.map(|image| view(image)).collect::<Result<_, _>>()?, refused, misplaced_mm })
+}
+
+/// Converts an observation to a view, with the force that was measured in its image.
+///
+/// # Errors
+/// [`ObservationError`] if the observation does not fit the scene's finger or states no standard deviations.
+pub fn view_with_force(
+    seen: Observation,
+    scene: &Scene,
+    forces: &[MeasuredForce],
+) -> Result<LocatedView, ObservationError> {
+    let measured = forces.iter().find(|measured| measured.image == seen.image);
+    let view = LocatedView::new(seen, scene, measured.map(|measured| measured.force))?;
+    Ok(LocatedView { object: measured.and_then(|measured| measured.object.clone()), ..view })
 }
 
 /// Reads the columns `image,fx_n,fy_n` and, if present, `object`. Forces are in the frame in which the scene states the camera's pose, N; for a base that does not move, this is

@@ -136,9 +136,26 @@ pub struct ViewEstimate {
     pub force_error: Option<ForceError>,
     /// Uncertainty of finger and rig that `force_error` does not cover: independent errors of one standard deviation each.
     pub unloaded_errors: Vec<UnloadedError>,
+    /// Force whose measurement makes the forces of the other views most accurate. `None` without a view whose force was not measured.
+    pub next_force: Option<NextForce>,
     /// Measured forces and markers that deviate more than the scatter of the other forces and markers suggests.
     pub outliers: Vec<Outlier>,
 }
+
+/// Force of a view that is to be measured next, to within 1 %. Standard deviations are root mean squares over the views without a measured
+/// force, relative to each force, dimensionless.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NextForce {
+    /// Index of the view.
+    pub view: usize,
+    /// Standard deviation of the forces now.
+    pub now: f64,
+    /// Standard deviation of the forces once this force is measured, by a linearised fit.
+    pub then: f64,
+}
+
+/// Relative standard deviation of a force that is measured with a common load cell or a weight.
+const MEASURED_SHARE: f64 = 0.01;
 
 /// Relative standard deviations of one force, dimensionless. They cover errors that the noise, the position and the base of a view do not explain.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -306,12 +323,36 @@ fn views_from(
             None => unloaded_errors(&problem, &fitted, &candidate.base),
         },
         force_error,
+        next_force: next_force(&problem, &fitted.point, &covariance),
         outliers: outliers(&problem, &fitted, &covariance),
         marker_height_mm: candidate.marker_height_mm,
         base: candidate.base,
         finger: candidate.mesh.finger().clone(),
     };
     Ok((estimate, settled))
+}
+
+/// The force whose measurement makes the forces that were not measured most accurate. A measurement of one unknown conditions the covariance on it.
+fn next_force(problem: &Problem, point: &Point, covariance: &DMatrix<f64>) -> Option<NextForce> {
+    let parts = problem.parts(point).enumerate();
+    let unknown: Vec<(usize, usize, f64)> = parts
+        .filter(|(_, (view, ..))| view.force.is_none())
+        .map(|(i, (_, own, _, column))| (i, column + OWN, own.force_n))
+        .collect();
+    let rms = |variance: &dyn Fn(usize) -> f64| {
+        let squares = unknown.iter().map(|(_, column, force_n)| variance(*column) / force_n.powi(2));
+        (squares.sum::<f64>() / unknown.len() as f64).sqrt()
+    };
+    let now = rms(&|column| covariance[(column, column)]);
+    let measured = |&(view, of, force_n): &(usize, usize, f64)| {
+        let total = covariance[(of, of)] + (MEASURED_SHARE * force_n).powi(2);
+        NextForce {
+            view,
+            now,
+            then: rms(&|column| covariance[(column, column)] - covariance[(column, of)].powi(2) / total),
+        }
+    };
+    unknown.iter().map(measured).min_by(|a, b| a.then.total_cmp(&b.then))
 }
 
 /// Estimates for a view with a candidate (finger and rig). `None` if the candidate has no equilibrium.

@@ -1,14 +1,15 @@
-//! `finray calibrate --located` and `--weight`: calibrates a finger and its rig from images.
+//! `finray calibrate --located` and `--image`: calibrates a finger and its rig from images.
 
 use super::{Arguments, Row, correlations, failure, notes, weights};
+use crate::commands::locate::Images;
 use crate::commands::prelude::*;
 use finray_files::views::LocatedViews;
 use finray_files::{load_scene_and_text, views, with_values};
 use finray_model::calibration::{
-    self, BaseCompliance, FoundView, FrictionEstimate, FrictionQuestion, LocatedView, Quantity, RigEstimate,
+    self, BaseCompliance, FoundView, FrictionEstimate, FrictionQuestion, LocatedView, NextForce, Quantity, RigEstimate,
     RigQuestion, Sought, ViewEstimate,
 };
-use finray_model::finger::{Plate, RibPositions};
+use finray_model::finger::{Joints, Plate, RibPositions};
 use finray_model::scene::SceneWarning;
 use finray_model::sensing::{Lean, Normal};
 
@@ -142,6 +143,15 @@ struct ImageRow {
     residual_rms_mm: f64,
 }
 
+/// Standard deviations of a new mounting by hand, if `[assembly]` states none: of each joint and of the height, mm. The preload is that of a plate
+/// that was bent to this radius, mm, before it was mounted: 10 N mm for the spring steel of the guide.
+const REMOUNTED_JOINT_MM: f64 = 0.2;
+const REMOUNTED_HEIGHT_MM: f64 = 2.0;
+const REMOUNTED_RADIUS_MM: f64 = 400.0;
+
+/// A measurement of one more force is recommended if it leaves at most this share of the standard deviation of the other forces.
+const WORTH_IT: f64 = 0.7;
+
 /// Parameters that are estimated without `--fit`.
 const BY_DEFAULT: &str = "modulus";
 
@@ -149,12 +159,14 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let Arguments { located, forces, image, rest, .. } = arguments;
     require_one_standard_input([&arguments.scene].into_iter().chain(located).chain(forces).chain(image).chain(rest))?;
     let (scene, text) = load_scene_and_text(&arguments.scene)?;
-    let fit = parse(arguments.fit.as_deref().unwrap_or(BY_DEFAULT), &scene)?;
+    let remounted = arguments.remounted.then(|| of_mounting(&scene)).transpose()?;
+    let fit = parse(arguments.fit.as_deref().or(remounted.as_deref()).unwrap_or(BY_DEFAULT), &scene)?;
     // A calibrated modulus replaces its uncertainty and absorbs the state of the side faces.
     let absorbed = seeks(&fit, Quantity::is_modulus);
     let is_absorbed = |warning: &SceneWarning| absorbed && warning.is_of_stiffness();
     hints::of_scene_without(&arguments.scene, &scene, is_absorbed);
     let seen = match located {
+        None if arguments.weight.is_empty() => pressed(arguments, &scene)?,
         None => weights::views(arguments, &scene)?,
         Some(located) => {
             let LocatedViews { views, refused, .. } = views::load(located, forces.as_deref(), &scene)?;
@@ -179,8 +191,8 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     };
     let found = calibration::calibrate_rig(&scene, &seen, &fit, lean).map_err(failure)?;
     let RigEstimate { views: estimate, compliance, .. } = &found;
-    notes::print(&found);
-    if arguments.fit.is_none() {
+    notes::print(&found, remounted.as_deref());
+    if arguments.fit.is_none() && !arguments.remounted {
         print_message(format_args!(
             "note: only {BY_DEFAULT} is estimated; thicknesses, ribs, base and height of the markers keep the scene's values (--fit)"
         ));
@@ -190,6 +202,14 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
             "warning: no force was measured: forces sensed with this calibration share a large error; one measured force (--forces) removes most of \
              this error",
         );
+    }
+    if let Some(NextForce { view, now, then }) = estimate.next_force.filter(|next| next.then < WORTH_IT * next.now) {
+        print_message(format_args!(
+            "note: to measure one more force, choose {}: the forces that were not measured would be uncertain by {:.1} instead of {:.1} % (rms)",
+            seen[view].view.name,
+            100.0 * then,
+            100.0 * now
+        ));
     }
     if !arguments.weight.is_empty() {
         weights::warn_of_strings(&scene, &seen);
@@ -218,6 +238,53 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let (images, forces) = (count(seen.len(), "image"), count(measured, "measured force"));
     let done = format!("{} estimated from {images} and {forces}", count(rows(&found).len(), "parameter"));
     Ok(summary(done, files.iter().map(|(path, _)| path)))
+}
+
+/// Locates the finger in the images with the scene that is calibrated, and adds the measured forces.
+fn pressed(arguments: &Arguments, scene: &Scene) -> Result<Vec<LocatedView>, Failure> {
+    let Arguments { image, rest, forces, .. } = arguments;
+    let located = Images { scene: &arguments.scene, images: image, rest: rest.as_deref() }.located(scene)?;
+    let names: Vec<&str> = located
+        .iter()
+        .map(|seen| seen.as_ref().map_or_else(|refused| refused.image.as_str(), |seen| seen.image.as_str()))
+        .collect();
+    let forces = forces.as_deref().map(|path| views::forces(path, &names)).transpose()?.unwrap_or_default();
+    let view = |seen| views::view_with_force(seen, scene, &forces).map_err(bad_input);
+    located.into_iter().flatten().map(view).collect()
+}
+
+/// What `--fit` names for a finger that was mounted again: whatever the scene states of the mounting. Standard deviations are those of `[assembly]`,
+/// by default those that the guide states for a finger mounted by hand.
+///
+/// # Errors
+/// [`Failure`] if the scene states nothing that a new mounting changes.
+fn of_mounting(scene: &Scene) -> Result<String, Failure> {
+    let ribs = &scene.finger.description().ribs;
+    let assembly = scene.assembly.clone().unwrap_or_default();
+    let stated = |sd: f64, default: f64| if sd > 0.0 { sd } else { default };
+    let joint_mm = stated(assembly.joint_sd_mm, REMOUNTED_JOINT_MM);
+    let height_mm = stated(assembly.height_sd_mm, REMOUNTED_HEIGHT_MM);
+    let has_rig = scene.markers.is_some() && scene.camera.is_some_and(|camera| camera.pose.is_some());
+    let [depth_mm, thickness_mm] = [scene.finger.description().depth_mm, scene.finger.description().front.thickness_mm];
+    let stiffness_nmm2 = scene.finger.description().front.youngs_modulus_mpa * depth_mm * thickness_mm.powi(3) / 12.0;
+    let preload_nmm = stated(assembly.preload_sd_nmm, stiffness_nmm2 / REMOUNTED_RADIUS_MM);
+    // A finger of one piece keeps its joints. Its preload is that of printing, which a mounting does not change.
+    let is_assembled = ribs.joints == Joints::Hinged;
+    let moves_along = matches!(ribs.positions, RibPositions::Positions(_)) && !scene.finger.has_shared_junctions();
+    let names = [
+        (has_rig, "base".to_owned()),
+        (has_rig, format!("height={height_mm}")),
+        (is_assembled, format!("preload={preload_nmm:.3}")),
+        (is_assembled && scene.finger.has_brackets(), format!("brackets={joint_mm}")),
+        (is_assembled && moves_along, format!("ribs={joint_mm}")),
+    ];
+    let names: Vec<String> = names.into_iter().filter(|(is_stated, _)| *is_stated).map(|(_, name)| name).collect();
+    match names.is_empty() {
+        true => Err(bad_input(
+            "--remounted: expected a scene with markers and a camera with its pose, or with hinged ribs; found nothing that a new mounting changes",
+        )),
+        false => Ok(names.join(",")),
+    }
 }
 
 /// One row per estimated parameter. The rows of the error parameters, and of the force over which friction builds up, have no standard deviation.

@@ -32,27 +32,26 @@ base, base-compliance, preload, friction, friction-build-up, force-error.
 Examples:
   finray calibrate fixtures/scenes/paper.toml --measurements weights.csv
   finray calibrate mine.toml --weight 0.2kg --image hung.jpg --plumb 412,80,415,900
-  finray calibrate fixtures/scenes/bracketed.toml --located nodes.csv --forces forces.csv
-      --fit modulus,bracket,ribs=0.2,friction --calibrated calibrated.toml
+  finray calibrate mine.toml --image a.jpg b.jpg --forces forces.csv --fit modulus,ribs=0.2,friction
 
 Guide: finray guide calibrate";
 
 /// Estimate moduli, geometry and friction of a finger from weights or images of the pressed finger.
 #[derive(clap::Args)]
 #[command(after_help = AFTER_HELP)]
-#[command(group = clap::ArgGroup::new("several").args(["zones", "located", "weight"]).multiple(true))]
-#[command(group = clap::ArgGroup::new("seen").args(["located", "weight"]))]
+#[command(group = clap::ArgGroup::new("several").args(["zones", "located", "image"]).multiple(true))]
+#[command(group = clap::ArgGroup::new("seen").args(["located", "image"]))]
 pub struct Arguments {
     /// Scene file (TOML); - for standard input
     scene: PathBuf,
     /// Hung weights with unit (0.2kg, 200g, 1.96N), one or one for each image
     #[arg(long, help_heading = "From photographs of hung weights", value_name = "WEIGHT", value_parser = weights::weight, num_args = 1.., requires = "image", conflicts_with_all = ["measurements", "zones", "kinematics", "noise_mm"])]
     weight: Vec<f64>,
-    /// Photographs (PNG, JPEG) of the finger with a hung weight
-    #[arg(long, help_heading = "From photographs of hung weights", value_name = "FILE", num_args = 1.., requires = "weight")]
+    /// Photographs (PNG, JPEG) of the finger, pressed or with a weight
+    #[arg(long, help_heading = "From images", value_name = "FILE", num_args = 1.., conflicts_with_all = ["located", "measurements", "zones", "kinematics", "noise_mm"])]
     image: Vec<PathBuf>,
     /// Image of the unloaded finger, as for `locate`
-    #[arg(long, help_heading = "From photographs of hung weights", value_name = "FILE", requires = "weight")]
+    #[arg(long, help_heading = "From images", value_name = "FILE", requires = "image")]
     rest: Option<PathBuf>,
     /// Positions of the string along the front plate [default: estimated]
     #[arg(long, help_heading = "From photographs of hung weights", value_name = "S_MM", num_args = 1.., value_parser = positive, requires = "weight")]
@@ -72,8 +71,11 @@ pub struct Arguments {
     /// Parameters to estimate, such as modulus,ribs=0.2 [default: modulus]
     #[arg(long, help_heading = "From images", value_name = "NAMES", requires = "seen")]
     fit: Option<String>,
+    /// Estimate joints, preload, height and base of a finger mounted again
+    #[arg(long, help_heading = "From images", conflicts_with_all = ["fit", "weight"], requires = "seen")]
+    remounted: bool,
     /// Measured forces in the frame of the camera's pose (CSV: image,fx_n,fy_n)
-    #[arg(long, help_heading = "From images", value_name = "FILE", requires = "located")]
+    #[arg(long, help_heading = "From images", value_name = "FILE", requires = "seen", conflicts_with = "weight")]
     forces: Option<PathBuf>,
     /// Write the calibrated scene (TOML) to FILE
     #[arg(long, value_name = "FILE")]
@@ -116,13 +118,13 @@ struct Correlation {
 }
 
 pub fn run(arguments: &Arguments) -> Result<String, Failure> {
-    if arguments.located.is_some() || !arguments.weight.is_empty() {
+    if arguments.located.is_some() || !arguments.image.is_empty() {
         return images::run(arguments);
     }
     let Some(measured) = &arguments.measurements else {
         return Err(bad_input(
-            "expected --weight WEIGHT with --image FILE (photographs of a hung weight), --measurements FILE (shapes under known loads), or --located \
-             FILE with --fit NAMES (images of the pressed finger)",
+            "expected --weight WEIGHT with --image FILE (photographs of a hung weight), --measurements FILE (shapes under known loads), or --image FILE \
+             (or --located FILE) with --fit NAMES (images of the pressed finger)",
         ));
     };
     require_one_standard_input([&arguments.scene, measured])?;

@@ -9,9 +9,14 @@ const HARDLY_BETTER: f64 = 0.8;
 /// A parameter that ends farther from the scene's value than this many standard deviations of its prior is doubted.
 const DOUBTFUL: f64 = 2.0;
 
-/// Prints the notes about priors, base and friction.
-pub fn print(found: &RigEstimate) {
-    print_priors(&found.views);
+/// Prints the notes about priors, base and friction. `remounted` names what `--remounted` estimates, with the priors, which are then not listed one by one.
+pub fn print(found: &RigEstimate, remounted: Option<&str>) {
+    if let Some(names) = remounted {
+        print_message(format_args!(
+            "note: --remounted estimates {names} (standard deviations of priors in mm and N mm)"
+        ));
+    }
+    print_priors(&found.views, remounted.is_none());
     print_base(found);
     if let Some(friction) = &found.friction {
         print_friction(friction);
@@ -30,13 +35,14 @@ pub fn warn_of_change(parameter: &str, value: f64, change: f64, prior_sd: f64) {
     }
 }
 
-/// Names the parameters with a prior, those whose prior the images hardly improve, and those that contradict their prior.
-fn print_priors(estimate: &ViewEstimate) {
+/// Names the parameters that contradict their prior and, if `all`, each parameter with a prior, and whether the images hardly improve it.
+fn print_priors(estimate: &ViewEstimate, all: bool) {
     for found in &estimate.quantities {
         let Some(prior_sd) = found.sought.prior_sd else { continue };
         let quantity = found.sought.quantity;
         warn_of_change(&quantity.to_string(), found.value, found.change, prior_sd);
         match found.sigma > HARDLY_BETTER * prior_sd {
+            _ if !all => {}
             true => print_message(format_args!(
                 "note: {quantity}: prior of {prior_sd} (standard deviation), which the images hardly improve"
             )),
