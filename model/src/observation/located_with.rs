@@ -1,6 +1,6 @@
 //! The scene with which the markers of an image were located, and observations that were located with another scene.
 
-use super::{Observation, ObservedMarker, exists, position_of_node};
+use super::{Observation, ObservedMarker, exists, nodes_of_markers};
 use crate::camera::{Camera, Lens, Pose, ViewError};
 use crate::finger::{Finger, NodeId};
 use crate::scene::Scene;
@@ -235,8 +235,11 @@ impl Observation {
                 marker.position = Some(position.map_err(|error| stale(StaleCause::View(error)))?);
             }
             let located: Vec<_> = renewed.markers.iter().filter_map(|it| Some((it.node, it.position?))).collect();
-            for (marker, at) in renewed.markers.iter_mut().zip(&located).filter(|(it, _)| exists(finger, it.node)) {
-                marker.position = Some(position_of_node(finger, &scene.marker_offsets, at, &located));
+            let nodes = nodes_of_markers(finger, &scene.marker_offsets, &located);
+            for (marker, (position, sd_mm)) in renewed.markers.iter_mut().zip(nodes) {
+                marker.position = Some(position);
+                let sds = marker.sd_mm.as_mut().into_iter().chain(&mut marker.own_sd_mm);
+                sds.for_each(|marker_sd_mm| *marker_sd_mm = marker_sd_mm.hypot(sd_mm));
             }
             // A standard deviation is that of a pixel, so it changes with the scale of the image.
             let scale = spread(&renewed.markers) / spread(&self.markers);

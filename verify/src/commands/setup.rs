@@ -153,7 +153,7 @@ fn scene_values(scene: &Scene, survey: &Survey, is_own: bool) -> Vec<(String, St
         let error_mm = if survey.missing.is_empty() { noise_mm } else { deviation_mm };
         if is_own || scene.marker_errors.calibration_error_mm == 0.0 {
             let comment = "setup: noise of the image from which offsets_mm are".to_owned();
-            values.push((MARKERS.model_error_mm.path(), format!("{error_mm:.3}"), comment));
+            values.push((MARKERS.model_error_mm.path(), format!("{:?}", (1e4 * error_mm).ceil() / 1e4), comment));
         }
     }
     values

@@ -7,11 +7,11 @@ use crate::RgbRows;
 use finray_model::camera::Camera;
 use finray_model::measurement::BaseUncertainty;
 use finray_model::observation::{
-    EstimatedNoise, LocatedWith, Observation, ObservedBase, ObservedMarker, position_of_node,
+    EstimatedNoise, LocatedWith, Observation, ObservedBase, ObservedMarker, nodes_of_markers,
 };
 use finray_model::scene::{Base, MarkerLook, Markers, marker_offset};
 use finray_model::sensor::FrameState;
-use finray_model::{Finger, NodeId, Scene, Vector};
+use finray_model::{Finger, Scene, Vector};
 use image::RgbImage;
 
 /// Converts images of a finger to observations of its markers.
@@ -176,7 +176,8 @@ impl<'f> Observer<'f> {
             }
         };
         let positions: Vec<_> = located.iter().map(|seen| (seen.node, seen.position)).collect();
-        let markers = located.iter().map(|seen| self.marker(seen, &positions, base.as_ref())).collect();
+        let nodes = nodes_of_markers(self.finger, self.offsets, &positions);
+        let markers = located.iter().zip(nodes).map(|(seen, node)| self.marker(seen, node, base.as_ref())).collect();
         let base = base.map(|base| ObservedBase {
             pose: base.pose,
             uncertainty: Some(uncertainty_at_origin(&base)),
@@ -201,13 +202,14 @@ impl<'f> Observer<'f> {
         })
     }
 
-    fn marker(&self, seen: &Located, positions: &[(NodeId, Vector)], base: Option<&SeenBase>) -> ObservedMarker {
+    /// `node` contains the position of the marker's node, and the standard deviation of its conversion from the position of the marker, both mm.
+    fn marker(&self, seen: &Located, node: (Vector, f64), base: Option<&SeenBase>) -> ObservedMarker {
+        let (position, node_sd_mm) = node;
         let at_rest = self.at_rest.iter().find(|marker| marker.node == seen.node);
         let offset = marker_offset(self.offsets, seen.node);
         let (from, from_sd_mm) = at_rest
             .map_or_else(|| (self.finger.marker_position(seen.node), 0.0), |at| (at.position - offset, at.sd_mm));
-        let position = position_of_node(self.finger, self.offsets, &(seen.node, seen.position), positions);
-        let sd_mm = seen.sd_mm.hypot(from_sd_mm);
+        let sd_mm = seen.sd_mm.hypot(from_sd_mm).hypot(node_sd_mm);
         let own_sd_mm = base.map(|base| {
             let shared_mm = base.sd_at(&seen.position);
             (sd_mm * sd_mm - shared_mm * shared_mm).sqrt()
