@@ -92,7 +92,8 @@ fn the_shared_error_of_the_rest_image_counts() {
 #[test]
 fn a_table_of_another_scene_is_located_again() {
     let images = Images::new();
-    let changes: [(&str, &[(&str, &str)], &str); 4] = [
+    type Change<'c> = (&'c str, &'c [(&'c str, &'c str)], &'c str);
+    let changes: [Change; 4] = [
         (
             "moved",
             &[("translation_mm = [-75.0, 0.0, 170.0]", "translation_mm = [-75.1, 0.1, 170.5]")],
