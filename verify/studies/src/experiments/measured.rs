@@ -8,7 +8,7 @@ pub mod picture;
 
 use crate::prelude::*;
 use finray_model::calibration::{self, CalibrationError, LocatedView, View, ViewModel};
-use finray_model::observation::ObservedBase;
+use finray_model::observation::{Observation, ObservedBase};
 use finray_model::sensing::{ContactQuestion, Direction, Lean};
 use finray_model::sensor::{Sensor, SensorContacts, SensorOptions};
 use image::RgbImage;
@@ -161,7 +161,8 @@ fn sensed(
     let question = ContactQuestion::new(None, direction);
     // Displacements are computed relative to the assumed finger; the model error of this finger counts as noise of the markers.
     let mut scene = Scene { finger: finger.clone(), ..scene.clone() };
-    let mut observation = seen.observation.clone();
+    // A scene that knows less is not a change of the scene with which the markers were located.
+    let mut observation = Observation { located_with: None, ..seen.observation.clone() };
     if !knowledge.base_is_sought {
         scene.base = None;
         observation.base = observation.base.map(|base| ObservedBase { uncertainty: None, ..base });
