@@ -27,16 +27,7 @@ fn camera(criterion: &mut Criterion) {
     let frame = |force_n: f64| -> RgbImage {
         let load = Load::at_position(CONTACT_MM, finger.direction(0.0) * force_n);
         let shape = statics::solve(&mesh, &[load], Kinematics::Corotational).expect("carried");
-        let request = RenderRequest {
-            camera: &camera,
-            finger,
-            shape: &shape,
-            markers: &markers,
-            offsets: &[],
-            references: &[],
-            hidden: &[],
-            disturbances,
-        };
+        let request = RenderRequest { disturbances, ..RenderRequest::of(&camera, finger, &shape, &markers) };
         render(&request).expect("in sight")
     };
     let frames = FORCES_N.map(frame);

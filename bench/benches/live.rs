@@ -27,15 +27,10 @@ fn images(scene: &Scene) -> Vec<RgbImage> {
     let image = |(seed, force_n): (u64, f64)| {
         let load = Load::at_position(CONTACT_MM, finger.direction(0.0) * force_n);
         let shape = statics::solve(&mesh, &[load], Kinematics::Corotational).expect("carried");
+        let markers = scene.markers.expect("markers");
         let request = RenderRequest {
-            camera: &camera,
-            finger,
-            shape: &shape,
-            markers: &scene.markers.expect("markers"),
-            offsets: &[],
-            references: &[],
-            hidden: &[],
             disturbances: Disturbances { blur_px: 0.8, grey_noise: 2.0, seed, ..Disturbances::default() },
+            ..RenderRequest::of(&camera, finger, &shape, &markers)
         };
         render(&request).expect("in sight")
     };

@@ -28,8 +28,7 @@ fn image_of(
     markers: &Markers,
     disturbances: Disturbances,
 ) -> RgbImage {
-    let request =
-        RenderRequest { camera, finger, shape, markers, offsets: &[], references: &[], hidden: &[], disturbances };
+    let request = RenderRequest { disturbances, ..RenderRequest::of(camera, finger, shape, markers) };
     render(&request).expect("a finger in sight")
 }
 

@@ -74,16 +74,8 @@ fn nodes_are_found_through_tilt_lens_light_noise_and_clutter() {
         let shape = bent(finger, &mut chance)?;
         let hidden: Vec<NodeId> = (0..number % 4).map(|_| NodeId(chance.random_range(1.0..26.0) as usize)).collect();
         let disturbances = Disturbances { seed: number, ..DISTURBED };
-        let request = RenderRequest {
-            camera: &camera,
-            finger,
-            shape: &shape,
-            markers: &markers,
-            offsets: &[],
-            references: &[],
-            hidden: &hidden,
-            disturbances,
-        };
+        let request =
+            RenderRequest { hidden: &hidden, disturbances, ..RenderRequest::of(&camera, finger, &shape, &markers) };
         let image = render(&request).expect("a finger in sight");
         let located = Locator::new(finger, &camera, &markers).expect("a locator").locate(&image).expect("a finger");
         Some(errors(&shape, &hidden, &located))
@@ -130,16 +122,7 @@ fn compressed_images_state_their_errors() {
             let camera = tilted(&mut chance);
             let shape = bent(finger, &mut chance)?;
             let disturbances = Disturbances { seed: number, ..DISTURBED };
-            let request = RenderRequest {
-                camera: &camera,
-                finger,
-                shape: &shape,
-                markers: &markers,
-                offsets: &[],
-                references: &[],
-                hidden: &[],
-                disturbances,
-            };
+            let request = RenderRequest { disturbances, ..RenderRequest::of(&camera, finger, &shape, &markers) };
             let image = compressed(&render(&request).expect("a finger in sight"), quality, colour);
             let located = Locator::new(finger, &camera, &markers).expect("a locator").locate(&image).expect("a finger");
             Some(errors(&shape, &[], &located))
@@ -168,16 +151,7 @@ fn tracking_finds_what_a_full_search_finds() {
         let load = Load::at_position(80.0, finger.direction(0.0) * force_n);
         let shape = statics::solve(&mesh, &[load], Kinematics::Corotational).expect("carried");
         let disturbances = Disturbances { seed: step.into(), ..DISTURBED };
-        let request = RenderRequest {
-            camera: &camera,
-            finger,
-            shape: &shape,
-            markers: &markers,
-            offsets: &[],
-            references: &[],
-            hidden: &[],
-            disturbances,
-        };
+        let request = RenderRequest { disturbances, ..RenderRequest::of(&camera, finger, &shape, &markers) };
         let image = render(&request).expect("in sight");
         let tracked = tracker.track(&image).expect("a finger");
         let searched = Locator::new(finger, &camera, &markers).expect("a locator").locate(&image).expect("a finger");
@@ -209,16 +183,8 @@ fn hidden_markers_come_back() {
     let mut seen = |force_n: f64, hidden: &[NodeId]| {
         let load = Load::at_position(80.0, finger.direction(0.0) * force_n);
         let shape = statics::solve(&mesh, &[load], Kinematics::Corotational).expect("carried");
-        let request = RenderRequest {
-            camera: &camera,
-            finger,
-            shape: &shape,
-            markers: &markers,
-            offsets: &[],
-            references: &[],
-            hidden,
-            disturbances: DISTURBED,
-        };
+        let request =
+            RenderRequest { hidden, disturbances: DISTURBED, ..RenderRequest::of(&camera, finger, &shape, &markers) };
         let located = tracker.track(&render(&request).expect("in sight")).expect("a finger");
         let errors = errors(&shape, hidden, &located);
         assert!(errors.mm.iter().all(|error| error.abs() < LARGEST_MM), "{:?}", errors.mm);
@@ -278,16 +244,7 @@ fn the_pose_comes_from_the_finger_at_rest() {
     let scene = scene();
     let (finger, markers, camera) = (&scene.finger, scene.markers.expect("markers"), camera_of(&scene));
     let shape = FingerShape::new(finger, false, |_| Default::default());
-    let request = RenderRequest {
-        camera: &camera,
-        finger,
-        shape: &shape,
-        markers: &markers,
-        offsets: &[],
-        references: &[],
-        hidden: &[],
-        disturbances: DISTURBED,
-    };
+    let request = RenderRequest { disturbances: DISTURBED, ..RenderRequest::of(&camera, finger, &shape, &markers) };
     let image = render(&request).expect("in sight");
     let mut off = camera;
     off.pose.translation_mm += Vector3::new(0.6, -0.5, 1.5);

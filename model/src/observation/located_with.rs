@@ -23,7 +23,8 @@ pub struct LocatedWith {
     nodes: usize,
     /// Digest of the positions of the unloaded finger's markers.
     finger: u32,
-    /// Digest of the camera's pose, the reference marks of the base, and the offsets of the markers from their nodes. `None` if the pose was fitted to an image of the unloaded finger.
+    /// Digest of the camera's pose, the reference marks of the base, and the offsets of the markers from their nodes. `None` if the pose was fitted to
+    /// an image of the unloaded finger.
     pose: Option<u32>,
     /// Digest of the lens and the height of the markers.
     lens: u32,
@@ -89,21 +90,14 @@ pub enum StaleCause {
 ///
 /// # Reference
 /// Fowler, Noll and Vo: hash FNV-1a (RFC 9923).
-#[derive(Clone, Copy)]
-struct Digest(u32);
-
-impl Digest {
-    fn of(numbers: impl IntoIterator<Item = f64>) -> u32 {
-        let bytes = numbers.into_iter().flat_map(|number| ((number / STEP).round() as i64).to_le_bytes());
-        bytes
-            .fold(Digest(0x811c_9dc5), |Digest(hash), byte| Digest((hash ^ u32::from(byte)).wrapping_mul(0x0100_0193)))
-            .0
-    }
+fn digest(numbers: impl IntoIterator<Item = f64>) -> u32 {
+    let bytes = numbers.into_iter().flat_map(|number| ((number / STEP).round() as i64).to_le_bytes());
+    bytes.fold(0x811c_9dc5, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
 }
 
 fn digest_of_finger(finger: &Finger) -> u32 {
     let positions = (1..=finger.key_node_count()).map(|node| finger.marker_position(NodeId(node)));
-    Digest::of(positions.flat_map(|position| [position.x, position.y]))
+    digest(positions.flat_map(|position| [position.x, position.y]))
 }
 
 fn digest_of_pose(pose: &Pose, scene: &Scene) -> u32 {
@@ -111,7 +105,7 @@ fn digest_of_pose(pose: &Pose, scene: &Scene) -> u32 {
     let references = scene.base.iter().flat_map(|base| &base.references);
     let references = references.flat_map(|it| [it.at.x, it.at.y, it.markers.height_mm]);
     let translation = <[f64; 3]>::from(pose.translation_mm);
-    Digest::of(pose.rotation_vector_rad().into_iter().chain(translation).chain(references).chain(offsets))
+    digest(pose.rotation_vector_rad().into_iter().chain(translation).chain(references).chain(offsets))
 }
 
 fn digest_of_lens(lens: &Lens, height_mm: f64) -> u32 {
@@ -119,7 +113,7 @@ fn digest_of_lens(lens: &Lens, height_mm: f64) -> u32 {
         [lens.size_px().map(f64::from).to_vec(), vec![f64::from(u8::from(lens.distortion().is_fisheye()))]];
     let [focal, principal] = [lens.focal_px(), lens.principal_point_px()];
     let numbers = [size, kind, focal.to_vec(), principal.to_vec(), lens.distortion().coefficients(), vec![height_mm]];
-    Digest::of(numbers.into_iter().flatten())
+    digest(numbers.into_iter().flatten())
 }
 
 impl LocatedWith {
@@ -234,13 +228,6 @@ impl Observation {
                 let position = camera.on_plane(&pixel, height_mm);
                 marker.position = Some(position.map_err(|error| stale(StaleCause::View(error)))?);
             }
-            let located: Vec<_> = renewed.markers.iter().filter_map(|it| Some((it.node, it.position?))).collect();
-            let nodes = nodes_of_markers(finger, &scene.marker_offsets, &located);
-            for (marker, (position, sd_mm)) in renewed.markers.iter_mut().zip(nodes) {
-                marker.position = Some(position);
-                let sds = marker.sd_mm.as_mut().into_iter().chain(&mut marker.own_sd_mm);
-                sds.for_each(|marker_sd_mm| *marker_sd_mm = marker_sd_mm.hypot(sd_mm));
-            }
             // A standard deviation is that of a pixel, so it changes with the scale of the image.
             let scale = spread(&renewed.markers) / spread(&self.markers);
             let scaled = |sd_mm: &mut f64| *sd_mm *= if scale.is_finite() { scale } else { 1.0 };
@@ -248,6 +235,13 @@ impl Observation {
                 marker.sd_mm.as_mut().into_iter().chain(&mut marker.own_sd_mm).for_each(scaled);
             }
             renewed.noise.iter_mut().map(|noise| &mut noise.shared_sd_mm).for_each(scaled);
+            let located: Vec<_> = renewed.markers.iter().filter_map(|it| Some((it.node, it.position?))).collect();
+            let nodes = nodes_of_markers(finger, &scene.marker_offsets, &located);
+            for (marker, (position, sd_mm)) in renewed.markers.iter_mut().zip(nodes) {
+                marker.position = Some(position);
+                let sds = marker.sd_mm.as_mut().into_iter().chain(&mut marker.own_sd_mm);
+                sds.for_each(|marker_sd_mm| *marker_sd_mm = marker_sd_mm.hypot(sd_mm));
+            }
         }
         for marker in renewed.markers.iter_mut().filter(|marker| exists(finger, marker.node)) {
             let position = marker.position.ok_or(stale(StaleCause::NoPixels))?;

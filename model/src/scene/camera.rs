@@ -33,7 +33,7 @@ pub struct Markers {
 
 /// Position of a marker relative to its node by [`Scene::marker_offsets`](super::Scene::marker_offsets), mm: zero without offsets.
 pub fn marker_offset(offsets: &[Vector], node: NodeId) -> Vector {
-    offsets.get(node.0 - 1).copied().unwrap_or_default()
+    node.0.checked_sub(1).and_then(|index| offsets.get(index)).copied().unwrap_or_default()
 }
 
 /// Appearance that distinguishes markers from the background.

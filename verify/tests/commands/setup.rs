@@ -92,6 +92,12 @@ fn dots_beside_their_nodes_are_measured() {
             assert!((force_n - 2.0).abs() < 3.0 * sigma_n && sigma_n < 0.03, "{scene} {more:?}: {force_n} {sigma_n}");
         }
     }
+    // With an image of the unloaded finger, the calibration of a scene without offsets uses displacements from that image.
+    let text = folder.read("mine.toml");
+    let lines: Vec<&str> = text.lines().filter(|line| !line.starts_with("offsets_mm")).collect();
+    let bare = folder.put("bare.toml", lines.join("\n"));
+    let calibrated = finray(&[&["calibrate", &bare, "--rest", &rest][..], &hung].concat());
+    assert_eq!(calibrated.code, Some(0), "{}", calibrated.err);
     // Measured again, the offsets do not add up.
     let again = folder.path("again.toml");
     finray(&["setup", &mine, "--rest", &rest, "--out", &again]).warned();

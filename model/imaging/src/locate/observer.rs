@@ -102,8 +102,8 @@ impl<'f> Observer<'f> {
         Ok(observer)
     }
 
-    /// An observer for a finger whose markers are centred on their nodes, and a camera of known pose. `base` contains the reference marks on a moving base; only locators of grey markers use
-    /// it.
+    /// An observer for a finger whose markers are centred on their nodes, and a camera of known pose. `base` contains the reference marks on a moving base;
+    /// only locators of grey markers use it.
     ///
     /// # Errors
     /// [`LocatorError`] for markers that no locator supports, or a camera that does not see the finger.

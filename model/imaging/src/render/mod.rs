@@ -53,6 +53,14 @@ pub struct RenderRequest<'a> {
     pub disturbances: Disturbances,
 }
 
+impl<'a> RenderRequest<'a> {
+    /// A finger with all markers, centred on their nodes, without reference marks, in an undisturbed image.
+    pub fn of(camera: &'a Camera, finger: &'a Finger, shape: &'a FingerShape, markers: &'a Markers) -> Self {
+        let disturbances = Disturbances::default();
+        RenderRequest { camera, finger, shape, markers, offsets: &[], references: &[], hidden: &[], disturbances }
+    }
+}
+
 /// Disturbances of a rendered image.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Disturbances {

@@ -103,16 +103,8 @@ fn tally(look: MarkerLook, images: u64) -> Tally {
         let Some(shape) = bent(finger, &mut chance) else { continue };
         let disturbances = Disturbances { seed: number, clutter: 0, ..DISTURBED };
         let (references, hidden): (&[_], &[_]) = (&[], &[]);
-        let request = RenderRequest {
-            camera,
-            finger,
-            shape: &shape,
-            markers: &markers,
-            offsets: &[],
-            references,
-            hidden,
-            disturbances,
-        };
+        let request =
+            RenderRequest { references, hidden, disturbances, ..RenderRequest::of(camera, finger, &shape, &markers) };
         let mut image = render(&request).expect("a finger in sight");
         let centres: Vec<(Vector, Pixel)> = shape
             .motions()

@@ -43,16 +43,7 @@ fn image_of(scene: &Scene, camera: &Camera, force_n: f64, hidden: &[NodeId]) -> 
     let shape = statics::solve(&Mesh::key_nodes(finger), &[load], Kinematics::Corotational).expect("carried");
     let markers = scene.markers.expect("markers");
     let disturbances = Disturbances { clutter: 8, ..DISTURBED };
-    let request = RenderRequest {
-        camera,
-        finger,
-        shape: &shape,
-        markers: &markers,
-        offsets: &[],
-        references: &[],
-        hidden,
-        disturbances,
-    };
+    let request = RenderRequest { hidden, disturbances, ..RenderRequest::of(camera, finger, &shape, &markers) };
     render(&request).expect("a finger in sight")
 }
 

@@ -39,15 +39,13 @@ fn image(scene: &Scene, force_n: f64, hidden: &[usize]) -> RgbImage {
     let finger = &scene.finger;
     let shape = bent(finger, force_n);
     let references = scene.base.iter().flat_map(|base| base.references.clone()).collect::<Vec<_>>();
+    let (camera, markers) = (camera_of(scene), scene.markers.expect("markers"));
     let request = RenderRequest {
-        camera: &camera_of(scene),
-        finger,
-        shape: &shape,
-        markers: &scene.markers.expect("markers"),
         offsets: &scene.marker_offsets,
         references: &references,
         hidden: &hidden.iter().map(|node| NodeId(*node)).collect::<Vec<_>>(),
         disturbances: DISTURBED,
+        ..RenderRequest::of(&camera, finger, &shape, &markers)
     };
     render(&request).expect("a finger in sight")
 }

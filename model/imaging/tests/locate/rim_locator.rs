@@ -51,15 +51,12 @@ fn image(scene: &Scene, seed: u64, hidden: &[NodeId]) -> Image {
     let load = Load::at_position(chance.random_range(50.0..100.0), force);
     let shape = statics::solve(&Mesh::key_nodes(finger), &[load], Kinematics::Corotational).expect("carried");
     let moved = Camera { pose: camera.pose.of_moved_base(&base), ..camera };
+    let markers = scene.markers.expect("markers");
     let request = RenderRequest {
-        camera: &moved,
-        finger,
-        shape: &shape,
-        markers: &scene.markers.expect("markers"),
-        offsets: &[],
         references: &scene.base.as_ref().expect("a base").references,
         hidden,
         disturbances: Disturbances { light_falloff: 0.2, blur_px: 0.8, grey_noise: 2.0, clutter: 25, seed },
+        ..RenderRequest::of(&moved, finger, &shape, &markers)
     };
     let image = render(&request).expect("in sight");
     Image { camera, base, shape, image }

@@ -240,17 +240,7 @@ fn frame_times(finger: &Finger, shape: &FingerShape, camera: &Camera, markers: &
     const TIMED: usize = 9;
     let image = |seed: u64| {
         let disturbances = conditions::ORDINARY.disturbances(seed);
-        render(&RenderRequest {
-            camera,
-            finger,
-            shape,
-            markers,
-            offsets: &[],
-            references: &[],
-            hidden: &[],
-            disturbances,
-        })
-        .ok()
+        render(&RenderRequest { disturbances, ..RenderRequest::of(camera, finger, shape, markers) }).ok()
     };
     let (first, second) = rayon::join(|| image(1), || image(2));
     let images = [first?, second?];

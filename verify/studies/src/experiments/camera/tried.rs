@@ -98,17 +98,7 @@ fn in_image(
     seed: u64,
 ) -> Option<Seen> {
     let disturbances = change.disturbances(seed);
-    let image = render(&RenderRequest {
-        camera,
-        finger,
-        shape,
-        markers,
-        offsets: &[],
-        references: &[],
-        hidden: &[],
-        disturbances,
-    })
-    .ok()?;
+    let image = render(&RenderRequest { disturbances, ..RenderRequest::of(camera, finger, shape, markers) }).ok()?;
     let mut observer = Observer::with(finger, camera, markers, None).ok()?;
     let observed = observer.observe(&change.compressed(image)?).ok()?;
     let clamped = finger.clamped_nodes();

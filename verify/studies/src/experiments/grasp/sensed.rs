@@ -72,8 +72,7 @@ impl Eyes {
         };
         let seed = (noise.evenly([0.0, 1.0]) * f64::from(u32::MAX)) as u64;
         let disturbances = Disturbances { grey_noise, blur_px, seed, ..Disturbances::default() };
-        let request =
-            RenderRequest { camera, finger, shape, markers, offsets: &[], references: &[], hidden: &[], disturbances };
+        let request = RenderRequest { disturbances, ..RenderRequest::of(camera, finger, shape, markers) };
         (renders_free || !is_free).then(|| render(&request).map_err(not_seen))
     }
 
