@@ -56,7 +56,7 @@ impl FingerKind {
 
     /// Errors near the base of a force whose direction is estimated, beyond those of other contacts: relative standard deviation of the force,
     /// dimensionless, and standard deviation of the direction, degrees. There, a force along the plate moves the markers by hundredths of what a force
-    /// across it does, and these small motions depend on how plate, base and first rib join. Chosen from 400 random solids, judged on 200
+    /// across it does, and these small motions depend on how plate, base and first rib join. Chosen from 360 random solids, judged on 200
     /// others (`fixtures/solids/README.md`). Zero for beams, and for rods, whose junctions are stiff.
     const fn unknown_direction_near_base(self) -> [f64; 2] {
         match self {
