@@ -20,7 +20,7 @@ pub use warning::SceneWarning;
 use crate::Vector;
 use crate::finger::{
     Fillets, Finger, FingerDescription, Joints, MarkerPoints, ModelError, Part, Plate, RibDescription, RibPositions,
-    RigidEnds, SideFaces, StiffnessError, Strip, Zone,
+    RigidEnds, SideFaces, StiffnessError, Strip, ThicknessError, Zone,
 };
 use crate::gripper::Gripper;
 use crate::keys::{
@@ -45,6 +45,8 @@ pub struct Scene {
     pub model_error: ModelError,
     /// Relative standard deviation that all sensed forces share, because the moduli and the depth are uncertain.
     pub stiffness_error: StiffnessError,
+    /// Uncertainty of the thicknesses of front plate, back plate and ribs.
+    pub thickness_error: ThicknessError,
     /// Standard deviation of one measured marker coordinate, mm; `None` if the scene does not state it.
     pub noise_mm: Option<f64>,
     /// Factor on the stated noise of the markers, and error of the finger model at a marker.
@@ -89,6 +91,7 @@ impl Scene {
             name: String::new(),
             model_error: ModelError::of(&finger, None),
             stiffness_error: StiffnessError::default(),
+            thickness_error: ThicknessError::default(),
             finger,
             strain_limits: StrainLimits::default(),
             noise_mm: None,
@@ -115,7 +118,7 @@ impl Scene {
         Scene { name, camera, markers, contact, object, gripper, grasp, ..finger }
     }
 
-    /// A scene of this finger alone, with the stated errors of its model and stiffness.
+    /// A scene of this finger alone, with the stated errors of its model and of moduli and depth.
     pub fn of_same_finger(&self) -> Scene {
         let &Scene { model_error, stiffness_error, .. } = self;
         Scene { model_error, stiffness_error, ..Scene::of_finger(self.finger.clone()) }
@@ -136,6 +139,10 @@ impl Scene {
         let model_error = table.optional(&FINGER.model_error)?;
         let modulus_error = table.optional(&FINGER.youngs_modulus_sigma)?;
         let depth_sd_mm = table.get(&FINGER.depth_sigma_mm)?;
+        let thickness_error = ThicknessError {
+            sd: table.get(&FINGER.thickness_sigma)?,
+            modulus_slopes: table.optional(&FINGER.modulus_per_thickness)?.unwrap_or_default(),
+        };
         let finger = Finger::new(description).map_err(|impossible| SceneError {
             line: document.line_of(&impossible.key),
             message: impossible.to_string(),
@@ -171,6 +178,7 @@ impl Scene {
             strain_limits,
             model_error: ModelError::of(&finger, model_error),
             stiffness_error: StiffnessError::of(&finger, modulus_error, depth_sd_mm),
+            thickness_error,
             finger,
             noise_mm,
             marker_errors: markers.errors,
