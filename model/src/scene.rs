@@ -30,6 +30,7 @@ use crate::keys::{
 use crate::measurement::MarkerErrors;
 use crate::sensing::{AssemblyErrors, UnloadedError};
 use crate::validity::{SHEAR_CORRECTION, StrainLimits};
+use nalgebra::Vector6;
 use reader::{Document, TableReader};
 
 /// Contents of a scene file, checked.
@@ -53,6 +54,8 @@ pub struct Scene {
     pub marker_errors: MarkerErrors,
     /// The camera; `None` if the scene has none.
     pub camera: Option<CameraDescription>,
+    /// Independent errors of the camera's pose, one standard deviation each, as motions of [`Pose::moved`](crate::camera::Pose::moved).
+    pub pose_errors: Vec<Vector6<f64>>,
     /// Size, height and appearance of the markers in images; `None` if the scene does not state them.
     pub markers: Option<Markers>,
     /// Position of each key node's marker relative to the node, on the unloaded finger, mm, finger frame. Empty if markers are centred on their nodes.
@@ -97,6 +100,7 @@ impl Scene {
             noise_mm: None,
             marker_errors: MarkerErrors::default(),
             camera: None,
+            pose_errors: Vec::new(),
             markers: None,
             marker_offsets: Vec::new(),
             base: None,
@@ -155,7 +159,9 @@ impl Scene {
         }
         let assembly = top.optional_table(&ASSEMBLY)?;
         let assembly = assembly.as_ref().map(|table| read_assembly(table, finger.rib_count())).transpose()?;
-        let camera = top.optional_table(&CAMERA)?.as_ref().map(camera::read_camera).transpose()?;
+        let camera = top.optional_table(&CAMERA)?;
+        let pose_errors = camera.as_ref().map(camera::read_pose_errors).transpose()?.unwrap_or_default();
+        let camera = camera.as_ref().map(camera::read_camera).transpose()?;
         let (noise_mm, camera) = camera.unwrap_or_default();
         let base = top.optional_table(&BASE)?.as_ref().map(camera::read_base).transpose()?;
         let (contact, touched) = match top.optional_table(&CONTACT)? {
@@ -183,6 +189,7 @@ impl Scene {
             noise_mm,
             marker_errors: markers.errors,
             camera,
+            pose_errors,
             markers: markers.discs,
             marker_offsets: markers.offsets,
             base,

@@ -124,7 +124,8 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
 fn scene_values(scene: &Scene, survey: &Survey, is_own: bool) -> Vec<(String, String, String)> {
     let rest = &survey.rest;
     let in_words = |sds: &[f64]| sds.iter().map(|sd| format!("{sd:.4}")).collect::<Vec<_>>().join(", ");
-    let degrees: Vec<f64> = rest.pose_sds[..3].iter().map(|sd| sd.to_degrees()).collect();
+    let pose_sds = rest.pose_sds();
+    let degrees: Vec<f64> = pose_sds[..3].iter().map(|sd| sd.to_degrees()).collect();
     let mut values = vec![
         (
             CAMERA.rotation_vector_rad.path(),
@@ -134,7 +135,19 @@ fn scene_values(scene: &Scene, survey: &Survey, is_own: bool) -> Vec<(String, St
         (
             CAMERA.translation_mm.path(),
             format!("{:?}", <[f64; 3]>::from(rest.camera.pose.translation_mm)),
-            format!("setup: +-{} mm", in_words(&rest.pose_sds[3..])),
+            format!("setup: +-{} mm", in_words(&pose_sds[3..])),
+        ),
+        (
+            CAMERA.pose_errors.path(),
+            format!(
+                "[{}]",
+                rest.pose_errors()
+                    .iter()
+                    .map(|row| format!("[{}]", row.map(|x| format!("{x:.3e}")).join(", ")))
+                    .collect::<Vec<_>>()
+                    .join(", ")
+            ),
+            "setup: one standard deviation each, with the translation in mm".to_owned(),
         ),
         (MARKERS.radius_mm.path(), format!("{:?}", rest.radius_mm), format!("setup: +-{:.4} mm", survey.radius_sd_mm)),
     ];
