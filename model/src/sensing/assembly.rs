@@ -1,10 +1,10 @@
 //! Errors of assembly, mounting and thickness: differences between the real finger and the finger of the scene.
 //!
 //! Assembly and mounting displace each joint by some tenths of a millimetre, leave a preload in the plates, and change the finger's distance from the
-//! camera. Members are some per cent thicker or thinner than drawn. To first order, each error displaces the markers of a bent finger in a fixed pattern, and the plate at each contact, which an object of known
-//! shape touches. [`UnloadedFinger`] computes both from the equilibrium of a finger with this error. The nonlinear estimator estimates the amplitude of
-//! each error together with the forces. Each amplitude has a prior. Errors that remain after a calibration are correlated; [`AssemblyErrors::further`]
-//! lists independent combinations of these errors.
+//! camera. Members are some per cent thicker or thinner than drawn. To first order, each error displaces the markers of a bent finger in a fixed
+//! pattern, and the plate at each contact, which an object of known shape touches. [`UnloadedFinger`] computes both from the equilibrium of a finger
+//! with this error. The nonlinear estimator estimates the amplitude of each error together with the forces. Each amplitude has a prior. Errors that
+//! remain after a calibration are correlated; [`AssemblyErrors::further`] lists independent combinations of these errors.
 
 use super::{ContactQuestion, PadForce, SensingError};
 use crate::finger::{Finger, Plate, PlatePosition, StiffnessChange, ThicknessError};
@@ -139,7 +139,8 @@ impl UnloadedError {
         sum
     }
 
-    /// A copy of `finger` in which this error displaces the joints, lengthens the clips, and changes thicknesses and moduli. `None` if the changed finger is geometrically impossible.
+    /// A copy of `finger` in which this error displaces the joints, lengthens the clips, and changes thicknesses and moduli. `None` if the changed
+    /// finger is geometrically impossible.
     pub(crate) fn finger(&self, finger: &Finger) -> Option<Finger> {
         let mut description = finger.description().clone();
         for (rib, joints_mm) in self.joints_mm.iter().enumerate() {
@@ -240,8 +241,9 @@ impl UnloadedFinger {
             offset.iter_mut().zip(pattern_mm).for_each(|(offset, of_error)| *offset += of_error * *start);
             plate_offsets.iter_mut().zip(plate).for_each(|(offset, of_error)| *offset = offset.and(-start, *of_error));
         }
-        // The markers hardly tell thicknesses from forces. Thicknesses linearised at their amplitudes beside forces of the scene's finger would diverge;
-        // displacements are linear in them, and need no offset. The same holds for errors that the measurement states.
+        // Thicknesses are linearised at zero amplitude: at their amplitudes, beside derivatives of the scene's finger by the force, the rounds would
+        // diverge where markers hardly distinguish thicknesses from forces. Displacements are linear in them, so that they need no offset, as little
+        // as errors that the measurement states.
         for stiffness in self.thickness.changes(finger) {
             let change = |times| UnloadedError { stiffness: stiffness.times(times), ..here.clone() };
             shared.push(shared_error(&change, true, 0.0)?);
@@ -257,8 +259,8 @@ impl UnloadedFinger {
         self.thickness.sd > 0.0 || !self.independent_errors(finger).is_empty()
     }
 
-    /// All independent errors of assembly and mounting, each with the size of one standard deviation. A joint without a bracket lies on its plate, so its error
-    /// perpendicular to the plate is zero. Ribs with a common junction move together, and a joint in a corner of the base does not move.
+    /// All independent errors of assembly and mounting, each with the size of one standard deviation. A joint without a bracket lies on its plate, so
+    /// its error perpendicular to the plate is zero. Ribs with a common junction move together, and a joint in a corner of the base does not move.
     fn independent_errors(&self, finger: &Finger) -> Vec<UnloadedError> {
         let ribs = finger.rib_count();
         let AssemblyErrors { joint_sd_mm, preload_sd_nmm, height_sd_mm, further, .. } = &self.assembly;
