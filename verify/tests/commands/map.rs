@@ -289,7 +289,7 @@ fn an_uncertain_modulus_is_named_with_the_share_of_a_weighed_finger() {
         let number = line.split_once(words).and_then(|(_, rest)| rest.split_once(" %")).expect("a share").0;
         number.parse().expect("a number")
     };
-    for (knows, noise_mm) in [("known", "0.2"), ("auto@normal", "0.1")] {
+    for (knows, noise_mm) in [("known", "0.15"), ("auto@normal", "0.1"), ("auto@friction", "0.03")] {
         let (guessed, weighed) = (said("0.1", knows, noise_mm), said("0.02", knows, noise_mm));
         assert!(guessed.contains("; the modulus is known to 10 % only; with one hung weight (2 %): "), "{guessed}");
         assert!(!weighed.contains("modulus"), "{weighed}");
