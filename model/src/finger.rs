@@ -7,12 +7,14 @@ mod placement;
 mod sections;
 mod side_faces;
 mod stiffness_error;
+mod thickness_error;
 
 pub use description::*;
 pub use model_error::{FingerKind, ModelError};
 pub(crate) use sections::SectionFactors;
 pub use side_faces::{SIDE_FACE_ERROR, SideFaces};
 pub use stiffness_error::StiffnessError;
+pub use thickness_error::{StiffnessChange, ThicknessError};
 
 use crate::Vector;
 use one_piece::OnePiece;
@@ -370,11 +372,7 @@ impl Finger {
     /// [`ImpossibleFinger`] if a modulus is no longer positive and finite.
     pub fn with_modulus_factor(&self, factor: f64) -> Result<Finger, ImpossibleFinger> {
         let mut description = self.description.clone();
-        description.front.youngs_modulus_mpa *= factor;
-        description.back.youngs_modulus_mpa *= factor;
-        if let Some(strip) = &mut description.ribs.strip {
-            strip.youngs_modulus_mpa *= factor;
-        }
+        description.multiply_moduli(factor);
         Finger::new(description)
     }
 }

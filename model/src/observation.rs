@@ -6,6 +6,7 @@
 
 mod clamped;
 mod located_with;
+mod pose_errors;
 
 pub use clamped::LargestClampedMotion;
 pub use located_with::{LocatedWith, LocatedWithError, SceneChange, StaleCause, StaleError};
@@ -211,7 +212,10 @@ impl Observation {
     ) -> Result<ObservedMeasurement, ObservationError> {
         let noise_mm = stated_noise_mm.or_else(|| self.noise_mm());
         let errors = noise_mm.map_or(scene.marker_errors, |noise_mm| scene.marker_errors.of_image(noise_mm));
-        Reading { errors, base_is_sought, by_position: false, stated_noise_mm, fallback_noise_mm: None }.of(self, scene)
+        let reading = Reading { errors, base_is_sought, by_position: false, stated_noise_mm, fallback_noise_mm: None };
+        let found = reading.of(self, scene)?;
+        let shared = if base_is_sought { self.pose_errors(scene) } else { Vec::new() };
+        Ok(ObservedMeasurement { measurement: found.measurement.with_shared_errors(shared), ..found })
     }
 
     /// Converts the observation to a measurement for calibrating the scene. Uses the stated standard deviations and the positions of the markers.

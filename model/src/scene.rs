@@ -20,7 +20,7 @@ pub use warning::SceneWarning;
 use crate::Vector;
 use crate::finger::{
     Fillets, Finger, FingerDescription, Joints, MarkerPoints, ModelError, Part, Plate, RibDescription, RibPositions,
-    RigidEnds, SideFaces, StiffnessError, Strip, Zone,
+    RigidEnds, SideFaces, StiffnessError, Strip, ThicknessError, Zone,
 };
 use crate::gripper::Gripper;
 use crate::keys::{
@@ -30,6 +30,7 @@ use crate::keys::{
 use crate::measurement::MarkerErrors;
 use crate::sensing::{AssemblyErrors, UnloadedError};
 use crate::validity::{SHEAR_CORRECTION, StrainLimits};
+use nalgebra::Vector6;
 use reader::{Document, TableReader};
 
 /// Contents of a scene file, checked.
@@ -45,12 +46,16 @@ pub struct Scene {
     pub model_error: ModelError,
     /// Relative standard deviation that all sensed forces share, because the moduli and the depth are uncertain.
     pub stiffness_error: StiffnessError,
+    /// Uncertainty of the thicknesses of front plate, back plate and ribs.
+    pub thickness_error: ThicknessError,
     /// Standard deviation of one measured marker coordinate, mm; `None` if the scene does not state it.
     pub noise_mm: Option<f64>,
     /// Factor on the stated noise of the markers, and error of the finger model at a marker.
     pub marker_errors: MarkerErrors,
     /// The camera; `None` if the scene has none.
     pub camera: Option<CameraDescription>,
+    /// Independent errors of the camera's pose, one standard deviation each, as motions of [`Pose::moved`](crate::camera::Pose::moved).
+    pub pose_errors: Vec<Vector6<f64>>,
     /// Size, height and appearance of the markers in images; `None` if the scene does not state them.
     pub markers: Option<Markers>,
     /// Position of each key node's marker relative to the node, on the unloaded finger, mm, finger frame. Empty if markers are centred on their nodes.
@@ -89,11 +94,13 @@ impl Scene {
             name: String::new(),
             model_error: ModelError::of(&finger, None),
             stiffness_error: StiffnessError::default(),
+            thickness_error: ThicknessError::default(),
             finger,
             strain_limits: StrainLimits::default(),
             noise_mm: None,
             marker_errors: MarkerErrors::default(),
             camera: None,
+            pose_errors: Vec::new(),
             markers: None,
             marker_offsets: Vec::new(),
             base: None,
@@ -115,7 +122,7 @@ impl Scene {
         Scene { name, camera, markers, contact, object, gripper, grasp, ..finger }
     }
 
-    /// A scene of this finger alone, with the stated errors of its model and stiffness.
+    /// A scene of this finger alone, with the stated errors of its model and of moduli and depth.
     pub fn of_same_finger(&self) -> Scene {
         let &Scene { model_error, stiffness_error, .. } = self;
         Scene { model_error, stiffness_error, ..Scene::of_finger(self.finger.clone()) }
@@ -136,6 +143,10 @@ impl Scene {
         let model_error = table.optional(&FINGER.model_error)?;
         let modulus_error = table.optional(&FINGER.youngs_modulus_sigma)?;
         let depth_sd_mm = table.get(&FINGER.depth_sigma_mm)?;
+        let thickness_error = ThicknessError {
+            sd: table.get(&FINGER.thickness_sigma)?,
+            modulus_slopes: table.optional(&FINGER.modulus_per_thickness)?.unwrap_or_default(),
+        };
         let finger = Finger::new(description).map_err(|impossible| SceneError {
             line: document.line_of(&impossible.key),
             message: impossible.to_string(),
@@ -148,7 +159,9 @@ impl Scene {
         }
         let assembly = top.optional_table(&ASSEMBLY)?;
         let assembly = assembly.as_ref().map(|table| read_assembly(table, finger.rib_count())).transpose()?;
-        let camera = top.optional_table(&CAMERA)?.as_ref().map(camera::read_camera).transpose()?;
+        let camera = top.optional_table(&CAMERA)?;
+        let pose_errors = camera.as_ref().map(camera::read_pose_errors).transpose()?.unwrap_or_default();
+        let camera = camera.as_ref().map(camera::read_camera).transpose()?;
         let (noise_mm, camera) = camera.unwrap_or_default();
         let base = top.optional_table(&BASE)?.as_ref().map(camera::read_base).transpose()?;
         let (contact, touched) = match top.optional_table(&CONTACT)? {
@@ -171,10 +184,12 @@ impl Scene {
             strain_limits,
             model_error: ModelError::of(&finger, model_error),
             stiffness_error: StiffnessError::of(&finger, modulus_error, depth_sd_mm),
+            thickness_error,
             finger,
             noise_mm,
             marker_errors: markers.errors,
             camera,
+            pose_errors,
             markers: markers.discs,
             marker_offsets: markers.offsets,
             base,

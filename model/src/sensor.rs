@@ -18,7 +18,7 @@
 //!    with own standard deviations m_i have m = their root mean square, and the weight w_i = m / m_i; else w_i = 1.
 //!    The noise of compressed images is itself an estimate from k degrees of freedom (`together::located`); errors that are known raise k
 //!    ([`Measurement::noise_degrees_of_freedom`]). An error that all markers of such an image share adds to the uncertainty of the base
-//!    (`observation::shared_error`).
+//!    (`observation::shared_error`). Errors of the camera's pose become errors that all markers share (`observation::pose_errors`).
 //! 3. `beam_theory`: b = 0.34 `model_error` (largest displacement); m becomes hypot(m, b), and w_i follows. `model_error` is the scene's, see
 //!    [`Scene::model_error`](crate::scene::Scene). The result is the `marker_noise_mm` of the estimator, which scales priors and decides which minima explain the markers.
 //! 4. [`ResidualTest`](crate::sensing::ResidualTest): r = sqrt(Q / n), with the sum of squares Q of weighted residuals, priors and conditions of
@@ -27,8 +27,8 @@
 //!    estimated from k degrees of freedom, the F distribution decides, and t^2 = (Q + k m^2) / (n + k), at least m^2, times the square of t_0.975(n + k) / 1.96. Without a
 //!    stated noise, or with a zero one, t = r t_0.975(n) / 1.96 with Student's quantile.
 //! 5. `sensing::force::assessment`: the covariance of the unknowns is t^2 (A^T A)^-1. A has one row for each coordinate (derivative times w_i), prior and
-//!    condition of an object. Poses of base and object, leans and errors of the assembly are
-//!    unknowns with priors, and widen the forces here. sigma^2 is the force's diagonal entry, plus 0.75 (variance across / F)^2 for an unknown direction of a force F.
+//!    condition of an object. Poses of base and object, leans, errors of the assembly and
+//!    thicknesses (`sensing::assembly`) are unknowns with priors, and widen the forces here. sigma^2 is the force's diagonal entry, plus 0.75 (variance across / F)^2 for an unknown direction of a force F.
 //! 6. Widening by what the linearisation does not see (`sensing::force::estimator`), with the growth g of Q / t^2 towards other forces:
 //!    - one unknown position: if the position is poorly determined, the forces over all positions are a mixture with weights (length of plate) exp(-g / 2),
 //!      and the interval follows from its quantiles, at least the linearised interval (`position`, `position_profile`). While markers are hidden and fewer than
@@ -337,7 +337,7 @@ impl Sensor {
             _ => measurement,
         };
         let object = scene.touched.as_ref().and_then(|touched| touched.seen_from(&frame));
-        let unloaded = scene.assembly.clone().map(|assembly| self.unloaded(assembly, &frame, seen));
+        let unloaded = self.unloaded(&frame, seen);
         let is_from_rest = unloaded.as_ref().is_some_and(|it| it.measured_in_frame_sd_rad.is_some());
         let measurement = match is_from_rest.then(|| seen.base.and_then(|base| base.uncertainty)) {
             None => measurement,
@@ -358,7 +358,7 @@ impl Sensor {
         marker_noise_mm: Option<f64>,
         near: Option<&SensedForces>,
     ) -> Result<SensedForces, Refusal> {
-        self.estimate(measurement, marker_noise_mm, None, None, near)
+        self.estimate(measurement, marker_noise_mm, None, self.of_uncertain_thickness().as_ref(), near)
     }
 
     fn estimate(

@@ -34,6 +34,7 @@ mod sensing {
     mod stated_sigma;
     mod stiffness;
     mod surface;
+    mod thickness;
     mod valleys;
 }
 mod sensor {

@@ -1,5 +1,7 @@
 //! Conversion of observations to measurements: the noise of the markers, and markers on clamped nodes.
 
+mod pose_errors;
+
 use finray_model::measurement::MarkerErrors;
 use finray_model::observation::{EstimatedNoise, Observation, ObservationError, ObservedMarker};
 use finray_model::{Finger, NodeId, Scene, Vector};

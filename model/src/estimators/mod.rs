@@ -181,7 +181,7 @@ pub enum EstimatorError {
     /// The estimator does not support a pad between object and plate.
     #[error("a scene whose contacts have a pad (pad_mm, pad_length_mm) needs the estimator {name}", name = EstimatorId::Nonlinear)]
     NoPad,
-    /// The estimator does not support an unloaded finger that differs from the scene's finger.
-    #[error("a scene with the table [assembly] needs the estimator {name}", name = EstimatorId::Nonlinear)]
+    /// The estimator does not support a finger that differs from the scene's finger.
+    #[error("a scene with the table [assembly] or with thickness_sigma needs the estimator {name}", name = EstimatorId::Nonlinear)]
     NoAssembly,
 }

@@ -155,6 +155,28 @@ pub struct FingerDescription {
 }
 
 impl FingerDescription {
+    /// Multiplies all moduli by a dimensionless factor.
+    pub(crate) fn multiply_moduli(&mut self, factor: f64) {
+        let plates = [&mut self.front, &mut self.back];
+        plates.into_iter().chain(&mut self.ribs.strip).for_each(|strip| strip.youngs_modulus_mpa *= factor);
+    }
+
+    /// Multiplies all thicknesses of a part by a dimensionless factor. The middle lines stay.
+    pub(crate) fn multiply_thickness(&mut self, part: Part, factor: f64) {
+        let strip = match part {
+            Part::Front => Some(&mut self.front),
+            Part::Back => Some(&mut self.back),
+            Part::Ribs => self.ribs.strip.as_mut(),
+        };
+        if let Some(strip) = strip {
+            strip.thickness_mm *= factor;
+            strip.tip_thickness_mm.iter_mut().for_each(|thickness_mm| *thickness_mm *= factor);
+        }
+        if part == Part::Ribs {
+            self.ribs.thicknesses_mm.iter_mut().flatten().for_each(|thickness_mm| *thickness_mm *= factor);
+        }
+    }
+
     /// Moves one end of a rib by `by_mm` along a plate, away from the base; `rib` is the number of the rib, from 0. `finger` must be the finger with
     /// this description.
     pub(crate) fn move_rib(&mut self, finger: &Finger, plate: Plate, rib: usize, by_mm: f64) {

@@ -133,6 +133,13 @@ tables! {
          shear_correction; otherwise 0. `finray calibrate` writes this key.";
     depth_sigma_mm: Number(LENGTH, NOT_NEGATIVE), Or(0.0),
         "Standard deviation of depth_mm, which scales all forces as youngs_modulus_sigma does. `finray calibrate` removes this key if it estimates a modulus.";
+    thickness_sigma: Number(Quantity("share", ""), Within(0.0, 0.2)), Or(0.0),
+        "Relative standard deviation of thickness_mm of the front plate, of the back plate and of the ribs: three independent factors, which change the shape \
+         of the bent finger. `finray sense`, `finray live` and `finray setup --check` estimate them together with the force, and include them in sigma_n; \
+         they then need the estimator `nonlinear` and the noise of the markers. Maps, sweeps and reports neglect this key. `finray setup` writes 0.02 for a printed finger.";
+    modulus_per_thickness: Numbers<3>(Quantity("relative changes of the moduli", "per relative thickness of front plate, back plate and ribs"), AtMost(100.0)), Optional,
+        "Relative change of all moduli per relative change of the thickness of front plate, back plate and ribs. A calibration under known loads determines \
+         the product of moduli and thicknesses: of a plate that is thicker, it gives smaller moduli. `finray calibrate` writes this key if it estimates a modulus.";
 }
 
 tables! {
@@ -221,6 +228,10 @@ tables! {
         "Rodrigues vector of the rotation R in X_camera = R X_finger + t. Images of the finger require R and t, except for `finray locate --rest` with coloured markers.";
     translation_mm: Numbers<3>(Quantity("a translation", "mm"), AtMost(FARTHEST_MM)), RequiredIf("with rotation_vector_rad"),
         "Translation t in X_camera = R X_finger + t.";
+    pose_errors: Rows("of 6 numbers each"), Or(Vec::new()),
+        "Independent errors of the pose. Each row is one standard deviation of one error: a rotation vector of the finger in the camera frame (rad), then a \
+         translation (mm). They scale and shear the displacements of markers that were located in images. `finray sense` and `finray live` estimate \
+         them together with the force, unless the scene has a table [base]. `finray setup` writes this key.";
 }
 
 tables! {

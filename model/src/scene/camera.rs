@@ -7,6 +7,7 @@ use crate::camera::{Distortion, Lens, Pose};
 use crate::finger::{MarkerPoints, NodeId};
 use crate::keys::{BASE, CAMERA, Key, Kind, MARKERS, Number, REFERENCE, SceneTable};
 use crate::measurement::{BaseUncertainty, MarkerErrors};
+use nalgebra::Vector6;
 
 /// The camera of a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -96,6 +97,14 @@ pub(super) fn read_camera(table: &TableReader) -> Result<(Option<f64>, Option<Ca
         true => Some(Pose::new(table.get(&CAMERA.rotation_vector_rad)?, table.get(&CAMERA.translation_mm)?)),
     };
     Ok((noise_mm, Some(CameraDescription { lens, pose })))
+}
+
+/// Reads the errors of the camera's pose.
+pub(super) fn read_pose_errors(table: &TableReader) -> Result<Vec<Vector6<f64>>, SceneError> {
+    let wrong =
+        |row: &Vec<f64>| table.wrong(CAMERA.pose_errors.name, "rows of 6 numbers", &format!("a row of {}", row.len()));
+    let motion = |row: &Vec<f64>| (row.len() == 6).then(|| Vector6::from_column_slice(row)).ok_or_else(|| wrong(row));
+    table.get(&CAMERA.pose_errors)?.iter().map(motion).collect()
 }
 
 /// Contents of the table `[markers]`: the points of the finger that carry markers, the errors of the markers and, if described, their appearance in

@@ -1,13 +1,13 @@
-//! Errors of assembly and mounting: differences between the unloaded real finger and the finger of the scene.
+//! Errors of assembly, mounting and thickness: differences between the real finger and the finger of the scene.
 //!
 //! Assembly and mounting displace each joint by some tenths of a millimetre, leave a preload in the plates, and change the finger's distance from the
-//! camera. To first order, each error displaces the markers of a bent finger in a fixed pattern, and the plate at each contact, which an object of known
+//! camera. Members are some per cent thicker or thinner than drawn. To first order, each error displaces the markers of a bent finger in a fixed pattern, and the plate at each contact, which an object of known
 //! shape touches. [`UnloadedFinger`] computes both from the equilibrium of a finger with this error. The nonlinear estimator estimates the amplitude of
 //! each error together with the forces. Each amplitude has a prior. Errors that remain after a calibration are correlated; [`AssemblyErrors::further`]
 //! lists independent combinations of these errors.
 
 use super::{ContactQuestion, PadForce, SensingError};
-use crate::finger::{Finger, Plate, PlatePosition};
+use crate::finger::{Finger, Plate, PlatePosition, StiffnessChange, ThicknessError};
 use crate::measurement::{Measurement, PlateMotion, SharedError};
 use crate::mesh::{Load, Mesh};
 use crate::statics::Statics;
@@ -31,7 +31,7 @@ pub struct AssemblyErrors {
     pub further: Vec<UnloadedError>,
 }
 
-/// One error of the unloaded finger and its mounting, with the size of one standard deviation. All fields of one error are fully correlated: they
+/// One error of the finger and its mounting, with the size of one standard deviation. All fields of one error are fully correlated: they
 /// change together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnloadedError {
@@ -48,13 +48,17 @@ pub struct UnloadedError {
     pub base: Vector,
     /// Rotation of the base from its assumed orientation, in rad, positive from x to y.
     pub base_turn_rad: f64,
+    /// Changes of thicknesses and moduli. Rows of numbers do not contain them.
+    pub stiffness: StiffnessChange,
 }
 
-/// Possible errors of the unloaded finger, as seen in one image.
+/// Possible errors of the finger, as seen in one image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnloadedFinger {
     /// Uncertainty of the unloaded finger.
     pub assembly: AssemblyErrors,
+    /// Uncertainty of the thicknesses.
+    pub thickness: ThicknessError,
     /// The camera above the markers. `None` neglects the effect of the markers' height.
     pub camera: Option<CameraAbove>,
     /// Standard deviation, in rad, of the rotation of the frame in which displacements are measured. Applies to displacements from an image of the
@@ -91,6 +95,7 @@ impl UnloadedError {
             height_mm: 0.0,
             base: Vector::zeros(),
             base_turn_rad: 0.0,
+            stiffness: StiffnessChange::default(),
         }
     }
 
@@ -107,6 +112,7 @@ impl UnloadedError {
             height_mm,
             base: Vector::new(x, y),
             base_turn_rad: turn_deg.to_radians(),
+            stiffness: StiffnessChange::default(),
         })
     }
 
@@ -133,7 +139,7 @@ impl UnloadedError {
         sum
     }
 
-    /// A copy of `finger` in which this error displaces the joints and lengthens the clips. `None` if the changed finger is geometrically impossible.
+    /// A copy of `finger` in which this error displaces the joints, lengthens the clips, and changes thicknesses and moduli. `None` if the changed finger is geometrically impossible.
     pub(crate) fn finger(&self, finger: &Finger) -> Option<Finger> {
         let mut description = finger.description().clone();
         for (rib, joints_mm) in self.joints_mm.iter().enumerate() {
@@ -149,6 +155,7 @@ impl UnloadedError {
         for (clip_mm, more_mm) in description.ribs.clip_mm.iter_mut().zip(self.clip_mm) {
             *clip_mm += more_mm;
         }
+        self.stiffness.apply(&mut description);
         Finger::new(description).ok()
     }
 
@@ -208,12 +215,10 @@ impl UnloadedFinger {
         let (here, found) = if all.finger(finger).is_some() { (all, found) } else { (none, &[][..]) };
         let bent = self.bent(finger, &here, pushed)?;
         let seen = self.seen(&here, &bent.markers_mm);
-        let mut shared: Vec<SharedError> = Vec::new();
-        let starts = found.iter().copied().chain(std::iter::repeat(0.0));
-        for (error, start) in errors.iter().zip(starts) {
+        let shared_error = |change: &dyn Fn(f64) -> UnloadedError, bends: bool, start: f64| {
             let moved = |times: f64| -> Result<SharedError, SensingError> {
-                let there = here.and(times, error);
-                let bent_there = if error.bends() { self.bent(finger, &there, pushed)? } else { bent.clone() };
+                let there = change(times);
+                let bent_there = if bends { self.bent(finger, &there, pushed)? } else { bent.clone() };
                 let seen_there = self.seen(&there, &bent_there.markers_mm);
                 let moved = |(there, here): (&Vector, &Vector)| (there - here) * times;
                 let pattern_mm = seen_there.iter().zip(&seen).map(moved).collect();
@@ -221,7 +226,12 @@ impl UnloadedFinger {
                 Ok(SharedError { pattern_mm, plate: plate.collect(), start })
             };
             // If a finger with the error is impossible or has no equilibrium, the effect follows from the error of opposite sign.
-            shared.push(moved(1.0).or_else(|_| moved(-1.0))?);
+            moved(1.0).or_else(|_| moved(-1.0))
+        };
+        let starts = found.iter().copied().chain(std::iter::repeat(0.0));
+        let mut shared = Vec::new();
+        for (error, start) in errors.iter().zip(starts) {
+            shared.push(shared_error(&|times| here.and(times, error), error.bends(), start)?);
         }
         let of_scene = self.bent_under(finger, 0.0, pushed)?;
         let mut offset: Vec<Vector> = of_scene.markers_mm.iter().zip(&seen).map(|(scene, seen)| scene - seen).collect();
@@ -230,6 +240,13 @@ impl UnloadedFinger {
             offset.iter_mut().zip(pattern_mm).for_each(|(offset, of_error)| *offset += of_error * *start);
             plate_offsets.iter_mut().zip(plate).for_each(|(offset, of_error)| *offset = offset.and(-start, *of_error));
         }
+        // The markers hardly tell thicknesses from forces. Thicknesses linearised at their amplitudes beside forces of the scene's finger would diverge;
+        // displacements are linear in them, and need no offset. The same holds for errors that the measurement states.
+        for stiffness in self.thickness.changes(finger) {
+            let change = |times| UnloadedError { stiffness: stiffness.times(times), ..here.clone() };
+            shared.push(shared_error(&change, true, 0.0)?);
+        }
+        shared.extend(measurement.shared_errors().iter().cloned());
         let allowed_for = |marker: &crate::measurement::Marker| marker.displacement + offset[marker.node.0 - 1];
         let measurement = measurement.clone().with_markers(|marker| marker.displacement = allowed_for(marker));
         Ok(measurement.with_shared_errors(shared).with_plate_offsets(plate_offsets))
@@ -237,10 +254,10 @@ impl UnloadedFinger {
 
     /// Whether an error has a standard deviation, so that it is estimated together with the forces.
     pub(crate) fn is_uncertain(&self, finger: &Finger) -> bool {
-        !self.independent_errors(finger).is_empty()
+        self.thickness.sd > 0.0 || !self.independent_errors(finger).is_empty()
     }
 
-    /// All independent errors, each with the size of one standard deviation. A joint without a bracket lies on its plate, so its error
+    /// All independent errors of assembly and mounting, each with the size of one standard deviation. A joint without a bracket lies on its plate, so its error
     /// perpendicular to the plate is zero. Ribs with a common junction move together, and a joint in a corner of the base does not move.
     fn independent_errors(&self, finger: &Finger) -> Vec<UnloadedError> {
         let ribs = finger.rib_count();

@@ -67,6 +67,7 @@ pub fn run(
 ) -> Result<String, Failure> {
     let (networks, digest) = networks_of(arguments.network.as_deref(), estimator_ids)?;
     let (scene, text) = scene_or_papers(arguments.scene.as_deref(), |_| false)?;
+    hints::of_neglected_thickness(&scene);
     let finger = &scene.finger;
     let truth_meshes = truth_ids.iter().map(|id| id.mesh(finger)).collect::<Result<Vec<_>, _>>()?;
     let truths = truth_ids.iter().zip(&truth_meshes).map(|(id, mesh)| id.on(mesh, &scene));

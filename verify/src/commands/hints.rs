@@ -3,6 +3,7 @@
 use super::print_message;
 use finray_files::observations::RefusedImage;
 use finray_files::{Elsewhere, name_of, of_another_finger};
+use finray_model::keys::FINGER;
 use finray_model::observation::Observation;
 use finray_model::scene::SceneWarning;
 use finray_model::{Finger, Scene};
@@ -17,6 +18,16 @@ pub fn of_scene(path: &Path, scene: &Scene) {
 pub fn of_scene_without(path: &Path, scene: &Scene, no_matter: impl Fn(&SceneWarning) -> bool) {
     for warning in scene.warnings().iter().filter(|warning| !no_matter(warning)) {
         print_message(format_args!("warning: {}: {warning}", name_of(path)));
+    }
+}
+
+/// Says that a simulated study neglects uncertain thicknesses.
+pub fn of_neglected_thickness(scene: &Scene) {
+    if scene.thickness_error.sd > 0.0 {
+        print_message(format_args!(
+            "note: {} is neglected: it enters `finray sense`, `finray live` and `finray setup`",
+            FINGER.thickness_sigma.path()
+        ));
     }
 }
 

@@ -59,6 +59,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     };
     if let Some(path) = &arguments.scene {
         hints::of_scene(path, &scene.scene);
+        hints::of_neglected_thickness(&scene.scene);
     }
     let seen = match &arguments.measurements {
         None => None,

@@ -4,7 +4,7 @@ use super::frames::{Source, observed};
 use crate::commands::prelude::*;
 use finray_files::{load_scene_and_text, with_comments};
 use finray_imaging::locate::{DotColour, ImageWarning, Observer, ObserverError, Survey};
-use finray_model::keys::{CAMERA, MARKERS};
+use finray_model::keys::{CAMERA, FINGER, MARKERS};
 use finray_model::observation::Observation;
 use finray_model::scene::MarkerLook;
 use finray_model::sensor::{PreparedScene, RestPositions, expected_sigma};
@@ -29,6 +29,9 @@ const GOOD_CONTRAST: f64 = 60.0;
 /// Largest share of a dot's pixels that may be clipped, and largest blur as a share of the radius.
 const CLIPPED: f64 = 0.02;
 const BLURRED: f64 = 0.15;
+/// Relative standard deviation of a printed member's thickness, written if the drawing does not state one. An assumption: 0.04 mm of a plate of 2 mm,
+/// which callipers hardly show on soft material. No printed fingers were measured.
+const PRINTED_THICKNESS: f64 = 0.02;
 /// Dots placed by hand are within this share of their radius from their nodes. If they deviate by more, a length of the drawing is wrong.
 const DEVIATES: f64 = 0.25;
 
@@ -121,7 +124,8 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
 fn scene_values(scene: &Scene, survey: &Survey, is_own: bool) -> Vec<(String, String, String)> {
     let rest = &survey.rest;
     let in_words = |sds: &[f64]| sds.iter().map(|sd| format!("{sd:.4}")).collect::<Vec<_>>().join(", ");
-    let degrees: Vec<f64> = rest.pose_sds[..3].iter().map(|sd| sd.to_degrees()).collect();
+    let pose_sds = rest.pose_sds();
+    let degrees: Vec<f64> = pose_sds[..3].iter().map(|sd| sd.to_degrees()).collect();
     let mut values = vec![
         (
             CAMERA.rotation_vector_rad.path(),
@@ -131,13 +135,29 @@ fn scene_values(scene: &Scene, survey: &Survey, is_own: bool) -> Vec<(String, St
         (
             CAMERA.translation_mm.path(),
             format!("{:?}", <[f64; 3]>::from(rest.camera.pose.translation_mm)),
-            format!("setup: +-{} mm", in_words(&rest.pose_sds[3..])),
+            format!("setup: +-{} mm", in_words(&pose_sds[3..])),
+        ),
+        (
+            CAMERA.pose_errors.path(),
+            format!(
+                "[{}]",
+                rest.pose_errors()
+                    .iter()
+                    .map(|row| format!("[{}]", row.map(|x| format!("{x:.3e}")).join(", ")))
+                    .collect::<Vec<_>>()
+                    .join(", ")
+            ),
+            "setup: one standard deviation each, with the translation in mm".to_owned(),
         ),
         (MARKERS.radius_mm.path(), format!("{:?}", rest.radius_mm), format!("setup: +-{:.4} mm", survey.radius_sd_mm)),
     ];
     for (key, colour) in [MARKERS.front_rgb.path(), MARKERS.back_rgb.path()].into_iter().zip(survey.colours) {
         let Some(DotColour { rgb, sd, .. }) = colour else { continue };
         values.push((key, format!("{rgb:?}"), format!("setup: +-{sd:.0} between the dots")));
+    }
+    if scene.stiffness_error.is_assumed && scene.thickness_error.sd == 0.0 {
+        let comment = "setup: assumed of a printed finger; state what callipers show".to_owned();
+        values.push((FINGER.thickness_sigma.path(), format!("{PRINTED_THICKNESS:?}"), comment));
     }
     let [deviation_mm, noise_mm] = deviation(survey);
     if is_own || deviation_mm > noise_mm || !scene.marker_offsets.is_empty() {

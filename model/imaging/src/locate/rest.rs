@@ -12,6 +12,7 @@ use finray_model::observation::EstimatedNoise;
 use finray_model::scene::{MarkerLook, Markers, marker_offset};
 use finray_model::{Finger, Vector};
 use image::RgbImage;
+use nalgebra::{Matrix6, Vector6};
 
 /// An image is rejected if the residual standard deviation of the fitted pose exceeds this, px, and this share of the markers' radius. A larger
 /// residual means that the finger is bent, or is not the scene's finger; dots placed by hand are within a quarter of their radius from their nodes.
@@ -32,8 +33,8 @@ pub struct Rest {
     pub noise: Option<EstimatedNoise>,
     /// Residual standard deviation of one pixel coordinate in the fit of the pose, px.
     pub residual_sd_px: f64,
-    /// Standard deviations of the pose, from that residual: of a small rotation about each axis of the camera, rad, and of the translation, mm.
-    pub pose_sds: [f64; 6],
+    /// Covariance of the pose, from that residual: of a small rotation about each axis of the camera, rad, and of the translation, mm.
+    pub pose_covariance: Matrix6<f64>,
     /// Median radius of the markers, mm.
     pub radius_mm: f64,
     /// Standard deviation of the blur of the markers' edges, px.
@@ -89,7 +90,7 @@ impl Rest {
         let pose = pose_of_pattern(finger, lens, markers, image)?.or(pose).ok_or(RestError::NoPattern)?;
         let mut camera = Camera { lens: *lens, pose };
         let mut located = Locator::new(finger, &camera, markers)?.locate_about(image, false)?;
-        let (mut residual_sd_px, mut pose_sds) = (f64::INFINITY, [f64::INFINITY; 6]);
+        let (mut residual_sd_px, mut pose_covariance) = (f64::INFINITY, Matrix6::zeros());
         let (mut outline, mut noise) = (None, None);
         for _ in 0..ROUNDS {
             let at = |node| finger.marker_position(node) + marker_offset(offsets, node);
@@ -102,14 +103,29 @@ impl Rest {
             if residual_sd_px > largest_px {
                 return Err(RestError::NotAtRest { residual_px: residual_sd_px, largest_px });
             }
-            pose_sds = std::array::from_fn(|i| residual_sd_px * fit.unit_covariance[(i, i)].sqrt());
+            pose_covariance = residual_sd_px.powi(2) * fit.unit_covariance;
             camera.pose = fit.pose;
             let mut locator = Locator::new(finger, &camera, markers)?;
             located = locator.locate(image)?;
             (outline, noise) = (locator.common.map(|common| common.outline), locator.noise());
         }
         let [radius_mm, blur_px] = outline.map_or([f64::NAN; 2], |outline| [outline.radius_mm, outline.blurs_px[0]]);
-        Ok(Rest { camera, located, noise, residual_sd_px, pose_sds, radius_mm, blur_px })
+        Ok(Rest { camera, located, noise, residual_sd_px, pose_covariance, radius_mm, blur_px })
+    }
+
+    /// Standard deviations of the pose, in the order and units of [`Rest::pose_covariance`].
+    pub fn pose_sds(&self) -> [f64; 6] {
+        std::array::from_fn(|i| self.pose_covariance[(i, i)].sqrt())
+    }
+
+    /// Independent errors of the pose, one standard deviation each. Empty for an exact pose.
+    pub fn pose_errors(&self) -> Vec<[f64; 6]> {
+        // In units of the standard deviations, because rad and mm differ by orders of magnitude.
+        let sds = Vector6::from(self.pose_sds());
+        let correlation = self.pose_covariance.component_div(&(sds * sds.transpose()));
+        let factor = correlation.cholesky().map(|factor| factor.l());
+        let error = |column: Vector6<f64>| <[f64; 6]>::from(column.component_mul(&sds));
+        factor.iter().flat_map(|factor| (0..6).map(|i| error(factor.column(i).into_owned()))).collect()
     }
 }
 

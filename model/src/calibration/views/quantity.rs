@@ -94,13 +94,7 @@ pub struct Sought {
 /// Changes one quantity of a finger's description: by the logarithm `change` for a factor, by `change` in mm for a length.
 pub(super) fn changed(description: &mut FingerDescription, rib_count: usize, quantity: Quantity, change: f64) {
     match quantity {
-        Quantity::Modulus => {
-            description.front.youngs_modulus_mpa *= change.exp();
-            description.back.youngs_modulus_mpa *= change.exp();
-            if let Some(strip) = &mut description.ribs.strip {
-                strip.youngs_modulus_mpa *= change.exp();
-            }
-        }
+        Quantity::Modulus => description.multiply_moduli(change.exp()),
         Quantity::PlateModulus(Plate::Front) => description.front.youngs_modulus_mpa *= change.exp(),
         Quantity::PlateModulus(Plate::Back) => description.back.youngs_modulus_mpa *= change.exp(),
         Quantity::Bracket(plate) => {

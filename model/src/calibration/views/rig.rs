@@ -6,11 +6,11 @@ use super::{
 };
 use crate::calibration::{CalibrationError, SceneValues, modulus_values};
 use crate::estimators::ELEMENTS;
-use crate::finger::{BracketLengths, RibPositions};
+use crate::finger::{BracketLengths, RibPositions, ThicknessError};
 use crate::keys::{ASSEMBLY, BASE, CAMERA, CONTACT, MARKERS, REFERENCE, RIBS};
 use crate::measurement::BaseUncertainty;
 use crate::sensing::{Lean, Pad, UnloadedError};
-use crate::{Scene, Vector};
+use crate::{Finger, Scene, Vector};
 use nalgebra::Point2;
 use toml::Value;
 
@@ -53,6 +53,8 @@ pub struct RigEstimate {
     /// Relative standard deviation of a factor on all moduli, dimensionless: the part of the error of a force in a new image that a fitted `modulus`
     /// leaves, and zero if the moduli of single plates are fitted. `None` if no modulus is sought.
     pub modulus_sd: Option<f64>,
+    /// Uncertainty of the thicknesses, and how a fitted `modulus` depends on them.
+    pub thickness: ThicknessError,
     /// Relative standard deviation of a force in a new image beyond `modulus_sd`, including the variation from object to object, dimensionless.
     /// `None` if it is unknown.
     pub force_error: Option<f64>,
@@ -135,7 +137,15 @@ pub fn calibrate_rig(
             [Some(of_modulus), Some(rest.hypot(between_objects))]
         }
     };
-    Ok(RigEstimate { views: found, friction, compliance, modulus_sd, force_error, is_base_unstated })
+    let modulus_of = |finger: &Finger| -> Result<f64, CalibrationError> {
+        let found = views(finger, &all, &sought, &model)?;
+        Ok(found.quantities.iter().find(|it| it.sought.quantity == Quantity::Modulus).map_or(1.0, |it| it.value))
+    };
+    let thickness = match modulus_sd {
+        None => scene.thickness_error,
+        Some(_) => scene.thickness_error.calibrated(&scene.finger, modulus_of)?,
+    };
+    Ok(RigEstimate { views: found, friction, compliance, modulus_sd, thickness, force_error, is_base_unstated })
 }
 
 /// Refuses measured forces that scatter far less after mirroring about the normal, because one of their components then has the wrong sign.
@@ -236,7 +246,7 @@ impl RigEstimate {
     fn finger_values(&self) -> SceneValues {
         let description = self.views.finger.description();
         let pairs = |of: &[[f64; 2]]| Value::from(of.iter().map(|pair| pair.to_vec()).collect::<Vec<_>>());
-        let moduli = self.modulus_sd.map(|modulus_sd| modulus_values(&self.views.finger, 1.0, modulus_sd));
+        let moduli = self.modulus_sd.map(|sd| modulus_values(&self.views.finger, 1.0, sd, self.thickness));
         let mut values: SceneValues = moduli.unwrap_or_default();
         let mut put = |key: String, value: Value| values.push((key, Some(value)));
         if self.sought(|quantity| matches!(quantity, Quantity::Bracket(_) | Quantity::OwnBracket(..))) {

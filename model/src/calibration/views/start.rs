@@ -7,7 +7,7 @@ use super::shape_motion::misfit_of_shape;
 use super::unloaded::unloaded_error;
 use super::{FIRST_CALIBRATION_ERROR_MM, View, ViewError};
 use crate::calibration::CalibrationError;
-use crate::finger::Plate;
+use crate::finger::{Plate, ThicknessError};
 use crate::measurement::Marker;
 use crate::sensing::{
     AssemblyErrors, CameraAbove, ContactQuestion, Direction, ForceUnknowns, Lean, NonlinearEstimator, UnloadedError,
@@ -109,6 +109,7 @@ fn start_of_unknown(problem: &Problem, stated: &Candidate, view: &View) -> Resul
     let height_mm = problem.model.camera_height_mm - problem.model.marker_height_mm;
     let unloaded = UnloadedFinger {
         assembly: AssemblyErrors { further: errors, ..AssemblyErrors::default() },
+        thickness: ThicknessError::default(),
         camera: Some(CameraAbove { eye: view.eye, middle: view.eye, distance_mm: height_mm }),
         measured_in_frame_sd_rad: None,
     };

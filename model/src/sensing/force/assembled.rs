@@ -60,6 +60,8 @@ pub(crate) fn linearise_assembly(
     let mut problem = ForceProblem::new(&mesh, questions)?.with_object(object);
     let (mut contacts, mut forces_n, mut errors) = (Vec::new(), Vec::new(), Vec::new());
     let mut forces: Vec<PadForce> = Vec::new();
+    // An earlier frame of a stream may have shown another number of contacts.
+    let near = near.filter(|near| near.contacts.len() == questions.len());
     if let Some(near) = near {
         (contacts, forces_n) = (near.contacts.to_vec(), near.forces_n.to_vec());
         let nuisances = Nuisances::expected(contacts.len(), &[]);

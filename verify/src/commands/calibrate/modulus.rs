@@ -51,9 +51,15 @@ pub fn run(
             _ => {}
         }
     }
+    let factor_of = |finger: &Finger| match arguments.kinematics {
+        Kinematics::Linear => calibration::youngs_modulus(finger, cases),
+        _ => calibration::corotational_modulus(finger, cases, ELEMENTS, noise_mm),
+    };
+    let thickness =
+        scene.thickness_error.calibrated(finger, |finger| Ok(factor_of(finger)?.factor)).map_err(failure)?;
     Ok(WeightFit {
         files: vec![(arguments.out.clone(), csv_text(modulus_rows(finger, factor, sigma))?)],
-        values: modulus_values(finger, factor, sigma / factor),
+        values: modulus_values(finger, factor, sigma / factor, thickness),
         done: format!("modulus estimated from {}", count(cases.len(), "case")),
     })
 }

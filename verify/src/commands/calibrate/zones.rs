@@ -9,6 +9,7 @@ use finray_model::Kinematics;
 use finray_model::calibration::{
     CalibrationCase, FactorEstimate, FactorModel, RobustFactors, UnknownFactor, modulus_values, robust_factors,
 };
+use finray_model::finger::ThicknessError;
 
 /// Estimates the factors. Prints a warning if the linear finger was chosen, the co-rotational finger fits the measured displacements better, and a
 /// factor differs by more than sigma.
@@ -55,7 +56,9 @@ pub fn run(
         files.push((path.clone(), csv_text(correlations(&names, &estimate.correlation))?));
     }
     files.push((arguments.out.clone(), csv_text(factor_rows(finger, &estimate))?));
-    let values = modulus_values(&estimate.finger, 1.0, estimate.relative_sigmas[0]);
+    // The factors of zones contain the thicknesses in part; the thicknesses count as independent of the moduli.
+    let thickness = ThicknessError::default();
+    let values = modulus_values(&estimate.finger, 1.0, estimate.relative_sigmas[0], thickness);
     let done = format!("{} estimated from {}", count(estimate.factors.len(), "factor"), count(cases.len(), "case"));
     Ok(WeightFit { files, values, done })
 }

@@ -59,7 +59,14 @@ const BEAMS_ALONE: [&str; 4] =
     ["finger.rod_arm_mm", "finger.rib_arm_mm", "finger.clamp_arm_mm", "finger.shear_correction"];
 /// Keys that describe no property of the finger: stated errors, limits and objects. Maps and sweeps hand only the finger and the errors of its model
 /// and stiffness to the sensor.
-const NO_PROPERTY: [&str; 4] = ["model_error", "youngs_modulus_sigma", "depth_sigma_mm", "largest_strain"];
+const NO_PROPERTY: [&str; 6] = [
+    "model_error",
+    "youngs_modulus_sigma",
+    "depth_sigma_mm",
+    "thickness_sigma",
+    "modulus_per_thickness",
+    "largest_strain",
+];
 
 fn scene(text: &str) -> Scene {
     Scene::from_toml(text).expect("a scene")
