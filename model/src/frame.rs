@@ -36,6 +36,8 @@ pub struct Section {
     pub bending_rigidity_nmm2: f64,
     /// Ratio EA / (kappa G A) of axial to shear rigidity, dimensionless; zero for a beam without shear deformation.
     pub shear_flexibility: f64,
+    /// Distances of the elastic axis from the beam's line at both ends, positive to the left of its direction, mm.
+    pub axis_mm: [f64; 2],
 }
 
 impl Section {
@@ -43,7 +45,7 @@ impl Section {
     pub fn rectangle(thickness_mm: f64, depth_mm: f64, youngs_modulus_mpa: f64) -> Section {
         let axial_rigidity_n = youngs_modulus_mpa * depth_mm * thickness_mm;
         let bending_rigidity_nmm2 = axial_rigidity_n * thickness_mm * thickness_mm / 12.0;
-        Section { axial_rigidity_n, bending_rigidity_nmm2, shear_flexibility: 0.0 }
+        Section { axial_rigidity_n, bending_rigidity_nmm2, shear_flexibility: 0.0, axis_mm: [0.0; 2] }
     }
 
     /// Shear parameter Phi = 12 EI / (kappa G A L^2) of a beam of this section and of length L (mm), dimensionless.
@@ -56,7 +58,7 @@ impl Section {
         Section {
             axial_rigidity_n: self.axial_rigidity_n * factor,
             bending_rigidity_nmm2: self.bending_rigidity_nmm2 * factor,
-            shear_flexibility: self.shear_flexibility,
+            ..self
         }
     }
 }
@@ -139,6 +141,7 @@ impl PlaneFrame {
             axial_rigidity_n: section.axial_rigidity_n,
             bending_rigidity_nmm2: section.bending_rigidity_nmm2,
             sway_factor: 1.0 / (1.0 + section.shear_parameter(length_mm)),
+            axis_mm: section.axis_mm,
         };
         self.members.push(Member { beam, ends });
         self.members.len() - 1

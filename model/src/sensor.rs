@@ -40,8 +40,8 @@
 //!    - mesh: a third of the last change by refinement, or all of it if the mesh has not converged (`refine`).
 //! 7. [`Estimate`](crate::sensing::Estimate): a misfit with p < 1e-7 multiplies sigma by sqrt(m^2 + 2.5^2 n (r^2 - m^2)) / r; frames of a stream are refused at p < 1e-4 ([`StreamSensor`]). Then sigma becomes
 //!    hypot(sigma, `force_error` F, `model_error` F, `stiffness_error` F) for a force F, with `force_error` of `[contact]`, and the `stiffness_error` of
-//!    uncertain moduli and depth, see [`Scene::stiffness_error`](crate::scene::Scene). Near the base, forces of estimated direction on fingers without rods have a further error
-//!    (`beam_theory::widen_near_base`). These errors, except the last, are common to all contacts, so that they add in a sum.
+//!    uncertain moduli and depth, see [`Scene::stiffness_error`](crate::scene::Scene). Forces of estimated direction on fingers without rods have a further error, which is largest
+//!    near the base (`beam_theory::widen_unknown_directions`). These errors, except the last, are common to all contacts, so that they add in a sum.
 //! 8. [`SensedForce::interval_n`]: F -+ 1.96 sigma, or the quantiles of the mixture, widened as sigma is.
 
 mod beam_theory;
@@ -76,7 +76,7 @@ use crate::sensing::{
 };
 use crate::statics::StaticsError;
 use crate::validity::{Validity, ValidityWarning};
-use beam_theory::{widen_near_base, with_beam_theory_error};
+use beam_theory::{widen_unknown_directions, with_beam_theory_error};
 use std::cell::RefCell;
 use std::sync::{Arc, Mutex};
 
@@ -412,7 +412,7 @@ impl Sensor {
             estimate.widen_for_misfit();
         }
         estimate.add_force_error(self.force_error());
-        widen_near_base(self.scene(), &mut contacts, &mut estimate);
+        widen_unknown_directions(self.scene(), &mut contacts, &mut estimate);
         let is_linear = estimator.is_linear();
         let of_model = estimate.warning.map(|warning| SensorWarning::Model { warning, is_linear });
         let no_residual = estimate.trusted_noise_mm.is_infinite().then_some(SensorWarning::NoResidual);

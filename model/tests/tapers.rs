@@ -34,6 +34,7 @@ fn front_elements(mesh: &Mesh) -> Vec<(f64, Section)> {
         axial_rigidity_n: beam.axial_rigidity_n,
         bending_rigidity_nmm2: beam.bending_rigidity_nmm2,
         shear_flexibility: 0.0,
+        axis_mm: [0.0; 2],
     };
     beams.map(|beam| (beam.length_mm, of(beam))).collect()
 }

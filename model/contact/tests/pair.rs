@@ -26,7 +26,7 @@ prop_compose! {
         -> Carrier {
         let between = NODES[1] + other - NODES[0] - arm;
         let (direction, length_mm) = (between.normalize(), between.norm());
-        let beam = Beam { direction, length_mm, axial_rigidity_n: 1.0, bending_rigidity_nmm2: 1.0, sway_factor };
+        let beam = Beam { direction, length_mm, axial_rigidity_n: 1.0, bending_rigidity_nmm2: 1.0, sway_factor, axis_mm: [0.0; 2] };
         match is_beam {
             true => Carrier::Beam { mounts: [mount(0), mount(1)], arms: [arm, other], beam },
             false => Carrier::Rigid { mount: Some(mount(0)), from: arm, along: along + Vector::new(5.0, 0.0) },

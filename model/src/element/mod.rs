@@ -56,7 +56,7 @@ pub struct Response<R = f64> {
     pub tangent: SMatrix<R, 6, 6>,
 }
 
-/// A straight beam with constant cross-section.
+/// A straight beam with constant cross-section, whose elastic axis may lie beside the line between its ends.
 ///
 /// A beam without shear deformation is an Euler-Bernoulli beam. With shear deformation it is a Timoshenko beam: sections rotate by the shear angle
 /// relative to the axis. The shear angle is constant between loads, so the axis remains a cubic.
@@ -72,6 +72,9 @@ pub struct Beam<R = f64> {
     pub bending_rigidity_nmm2: R,
     /// Factor 1 / (1 + Phi) by which shear reduces the stiffness against sway, with Phi = 12 EI / (kappa G A L^2); 1 without shear deformation.
     pub sway_factor: R,
+    /// Distances of the elastic axis from the chord of the undeformed beam at both ends, positive to the left of `direction`, mm. An axial force
+    /// bends a beam whose axis is beside its chord.
+    pub axis_mm: [R; 2],
 }
 
 impl Beam {
@@ -84,6 +87,7 @@ impl Beam {
             axial_rigidity_n: like.constant(self.axial_rigidity_n),
             bending_rigidity_nmm2: like.constant(self.bending_rigidity_nmm2),
             sway_factor: like.constant(self.sway_factor),
+            axis_mm: [like.constant(self.axis_mm[0]), like.constant(self.axis_mm[1])],
         }
     }
 }

@@ -58,17 +58,20 @@ impl<R: Number> Beam<R> {
     /// Axial strain eps = e / L + (2 psi_a^2 - psi_a psi_b + 2 psi_b^2) / 30, with the end slopes psi of the axis relative to the chord. Without
     /// shear deformation, the end slopes psi equal the end rotations phi.
     ///
-    /// The term in psi is the mean of w'^2 / 2 over the cubic deflection w (shallow arch). It is zero without `bowing`. Returns the strain
+    /// The term in psi is the mean of w'^2 / 2 over the cubic deflection w (shallow arch). It is zero without `bowing`. Where the elastic axis lies
+    /// beside the chord, by c_a and c_b at the ends, rotations of the ends elongate it by c_a phi_a - c_b phi_b. Returns the strain
     /// (dimensionless), and its derivatives by the two end rotations, multiplied by the beam's length, mm.
     #[inline(always)]
     pub(super) fn axial_strain(&self, bowing: bool, deformation: &Deformation<R>) -> (R, [R; 2]) {
         let (a, b) = (deformation[1], deformation[2]);
         let arch = arch(bowing);
         let [square, product] = self.slope_form();
-        let strain = deformation[0] * self.per_length() + (a * square * a + a * product * b + b * square * b) * arch;
+        let [axis_a, axis_b] = self.axis_mm;
+        let elongation_mm = deformation[0] + (axis_a * a - axis_b * b);
+        let strain = elongation_mm * self.per_length() + (a * square * a + a * product * b + b * square * b) * arch;
         let twice = square * 2.0;
         let lever_mm = self.length_mm * arch;
-        (strain, [(a * twice + b * product) * lever_mm, (b * twice + a * product) * lever_mm])
+        (strain, [(a * twice + b * product) * lever_mm + axis_a, (b * twice + a * product) * lever_mm - axis_b])
     }
 
     /// Energy U = EA L eps^2 / 2 + EI / (2 L) (k phi_a^2 + 2 k' phi_a phi_b + k phi_b^2), N mm, with k and k' of [`end_stiffness`](Beam::end_stiffness):

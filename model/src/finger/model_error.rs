@@ -45,8 +45,8 @@ impl FingerKind {
             FingerKind::StatedArms => 0.0085,
             FingerKind::StatedArmsInclined => 0.033,
             FingerKind::OnePiece => 0.0085,
-            FingerKind::FilletedBase => 0.01,
-            FingerKind::MeetingFillets => 0.0115,
+            FingerKind::FilletedBase => 0.011,
+            FingerKind::MeetingFillets => 0.0135,
             FingerKind::RibNearBase => 0.05,
             FingerKind::InclinedRibs => 0.016,
             FingerKind::ZigzagRibs => 0.011,
@@ -54,14 +54,15 @@ impl FingerKind {
         }
     }
 
-    /// Errors near the base of a force whose direction is estimated, beyond those of other contacts: relative standard deviation of the force,
-    /// dimensionless, and standard deviation of the direction, degrees. There, a force along the plate moves the markers by hundredths of what a force
-    /// across it does, and these small motions depend on how plate, base and first rib join. Chosen from 360 random solids, judged on 200
-    /// others (`fixtures/solids/README.md`). Zero for beams, and for rods, whose junctions are stiff.
-    const fn unknown_direction_near_base(self) -> [f64; 2] {
+    /// Errors of a force whose direction is estimated, beyond those of a known direction: relative standard deviation of the force, dimensionless, and
+    /// standard deviation of the direction, degrees; first near the base, then elsewhere. A force along the plate moves the markers by hundredths of
+    /// what a force across it does, and near the base these small motions depend on how plate, base and first rib join. Chosen from 360 random
+    /// solids, judged on 200 others (`fixtures/solids/README.md`). Zero for beams, and for rods, whose junctions are stiff.
+    const fn unknown_direction(self) -> [[f64; 2]; 2] {
         match self {
-            FingerKind::Beams | FingerKind::Rods => [0.0; 2],
-            _ => [0.05, 6.5],
+            FingerKind::Beams | FingerKind::Rods => [[0.0; 2]; 2],
+            FingerKind::StatedArms | FingerKind::StatedArmsInclined => [[0.05, 6.5], [0.01, 1.2]],
+            _ => [[0.025, 3.5], [0.01, 1.2]],
         }
     }
 
@@ -106,12 +107,14 @@ impl ModelError {
         ModelError { stated, kind: finger.kind(), side_faces: finger.side_face_error() }
     }
 
-    /// Errors of a force near the base whose direction is estimated, in addition to the others: relative standard deviation of the force, dimensionless,
-    /// and standard deviation of the direction, degrees. They scale with the value that the scene states. `None` without such errors.
-    pub(crate) fn near_base(&self) -> Option<[f64; 2]> {
+    /// Errors of a force whose direction is estimated, in addition to the others: relative standard deviation of the force, dimensionless, and standard
+    /// deviation of the direction, degrees; first near the base, then elsewhere. They scale with the value that the scene states. `None` without
+    /// such errors.
+    pub(crate) fn unknown_direction(&self) -> Option<[[f64; 2]; 2]> {
         let usual = self.kind.model_error();
-        let errors = self.kind.unknown_direction_near_base().map(|error| error * self.stated.unwrap_or(usual) / usual);
-        (errors[0] > 0.0).then_some(errors)
+        let scaled = |error| error * self.stated.unwrap_or(usual) / usual;
+        let errors = self.kind.unknown_direction().map(|errors| errors.map(scaled));
+        (errors[0][0] > 0.0).then_some(errors)
     }
 
     /// Relative standard deviation of a sensed force, dimensionless.

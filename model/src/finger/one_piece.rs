@@ -2,9 +2,14 @@
 //!
 //! A member carries its force in its own section. Where it meets another member or a fillet, the section that carries the force widens, at most at a
 //! slope that depends on the kind of member. The arm is the length that bending loses by this: the integral of 1 - (t / w)^3 along the member, with
-//! its thickness t and the width w that carries. Stretching loses less, the integral of 1 - t / w: the elastic part between the arms is softer in
-//! tension than its section, by the ratio of both remaining lengths. `fixtures/solids` contains the solids that determine the constants, and others
-//! that judge them.
+//! its thickness t and the width w that carries. Stretching loses less: the elastic part between the arms is softer in tension than its section, by
+//! the ratio of both remaining lengths.
+//!
+//! A rib widens a plate on its inner face only. The middle of the section that carries then lies beside the middle of the plate, by e: an axial force
+//! N bends the plate, by the integral of 12 N e / (E' w^3), and stretching loses the integral of 1 - t / w - 12 t e^2 / w^3. At the base, a plate ends
+//! at a line that is not square to it. Fibres on one side are longer there, so that N bends the plate by N / (E t) times the tangent of the angle. The
+//! elastic axis between the arms lies beside the middle of the plate by the distances that bend it by both amounts. `fixtures/solids` contains the
+//! solids that determine the constants, single junctions that confirm the bending (`junction.py`), and fingers that judge them.
 
 use super::placement::require;
 use super::{Fillets, Finger, FingerKind, ImpossibleFinger, NodeId, Part, Plate};
@@ -14,12 +19,14 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 /// Slope at which the carrying section of a rib, or of a plate at the base, widens, dimensionless. Solids hardly depend on a slope from 2 to 10.
 const RIB_SLOPE: f64 = 2.0;
 /// Slope at which the carrying section of a plate widens, dimensionless: little, because ribs hold only one face of a plate.
-const PLATE_SLOPE: f64 = 0.37;
+const PLATE_SLOPE: f64 = 0.4;
 /// Length that a rib loses less, because the plate yields under the end of the rib; relative to the plate's thickness.
 const YIELD_OF_PLATE: f64 = 0.1;
 /// Arm of a plate at a clamp that holds its whole section, relative to the plate's thickness: the arm at Poisson's ratio 0.4, and its slope in
 /// Poisson's ratio. A clamp also prevents the change of thickness, which stiffens a plate the more the larger Poisson's ratio is.
 const CLAMP: [f64; 2] = [0.021, 0.29];
+/// What a clamp that is not square adds to this arm, relative to the thickness and to the square of the tangent of the angle.
+const SLANTED_CLAMP: f64 = 0.26;
 /// A finger is one of [`FingerKind::RibNearBase`] if a plate's first member is shorter than this, in thicknesses, or, with inclined ribs, if the part
 /// of this member between its corners and fillets is shorter than `FREE_AT_BASE` thicknesses.
 const NEAR_BASE: f64 = 3.0;
@@ -52,6 +59,8 @@ pub(super) struct OnePieceMember {
     pub arms_mm: [f64; 2],
     /// Ratio of the axial rigidity between the arms to that of the section, dimensionless.
     pub stretching: f64,
+    /// Distances of the elastic axis from the middle of a plate at the ends of both arms, mm; positive to the left of the direction to the tip.
+    pub axis_mm: [f64; 2],
 }
 
 /// The corner between a face of a member and the next member, with its fillet.
@@ -64,6 +73,8 @@ struct Corner {
     radius_mm: f64,
     /// Height of the next member's outer face over this face at the node, mm. In an acute corner, the section cannot be wider.
     outer_mm: f64,
+    /// Share of the material in the corner that carries for this member, dimensionless: half between two ribs, otherwise all.
+    share: f64,
 }
 
 impl Corner {
@@ -93,56 +104,76 @@ impl Corner {
         } else {
             at_flat_mm + slope * (within_mm - flat_mm)
         };
-        if self.angle < FRAC_PI_2 { flow_mm.min((self.outer_mm + x_mm * self.angle.tan()).max(0.0)) } else { flow_mm }
+        let bounded_mm = if self.angle < FRAC_PI_2 {
+            flow_mm.min((self.outer_mm + x_mm * self.angle.tan()).max(0.0))
+        } else {
+            flow_mm
+        };
+        self.share * bounded_mm
     }
 }
 
 /// An end of a member: its corners, and what determines the lengths that the member loses there.
 #[derive(Debug, Clone, Default)]
 struct End {
-    corners: Vec<Corner>,
+    corners: [Option<Corner>; 2],
     /// Slope at which the carrying section widens, dimensionless.
     flow: f64,
     /// Length that is lost less because the neighbour yields, mm.
     yield_mm: f64,
     /// Least loss in bending, mm.
     least_mm: f64,
+    /// Length that a fibre gains per distance from the middle, counter-clockwise of the direction from the end into the member, dimensionless.
+    slant: f64,
 }
 
 impl End {
-    /// Distance from the node at which the last fillet ends, mm.
-    fn reach_mm(&self) -> f64 {
-        self.corners.iter().map(Corner::end_mm).fold(0.0, f64::max)
+    fn corners(&self) -> impl Iterator<Item = &Corner> {
+        self.corners.iter().flatten()
     }
 
-    /// Height of the carrying section over both faces, mm.
-    fn height_mm(&self, x_mm: f64) -> f64 {
-        self.corners.iter().map(|corner| corner.height_mm(self.flow, x_mm)).sum()
+    /// Distance from the node at which the last fillet ends, mm.
+    fn reach_mm(&self) -> f64 {
+        self.corners().map(Corner::end_mm).fold(0.0, f64::max)
+    }
+
+    /// Heights of the carrying section over both faces: counter-clockwise and clockwise of the direction from the end into the member, mm.
+    fn heights_mm(&self, x_mm: f64) -> [f64; 2] {
+        self.corners.map(|corner| corner.map_or(0.0, |corner| corner.height_mm(self.flow, x_mm)))
     }
 
     /// Distances from the node at which the height has a kink, mm: where a fillet ends, and where force flow leaves it.
     fn kinks_mm(&self) -> impl Iterator<Item = f64> + '_ {
-        self.corners.iter().flat_map(|c| [c.end_mm(), c.end_mm() - c.flat_mm(c.slope(self.flow))[0]])
+        self.corners().flat_map(|c| [c.end_mm(), c.end_mm() - c.flat_mm(c.slope(self.flow))[0]])
     }
 }
 
-/// Exponents of thickness over width in the compliance of a section.
-const BENDING: i32 = 3;
-const TENSION: i32 = 1;
+/// What an end changes in the compliance of a member between its nodes.
+#[derive(Debug, Clone, Copy)]
+struct Losses {
+    /// Lengths that bending and tension lose, mm.
+    bending_mm: f64,
+    tension_mm: f64,
+    /// Rotation by an axial force N, relative to N / E' of a depth of 1, because the section that carries lies beside the middle, and because the end is not
+    /// square, 1/mm; counter-clockwise of the direction into the member.
+    eccentric: f64,
+    slanted: f64,
+}
 
-/// Length of a member of thickness `t_mm` that a load loses between an end and the distance `to_mm` from its node: the integral of 1 - (t / w)^n with
-/// the load's exponent n. Fillets of the `other` end, whose node is `length_mm` away, also widen the section.
-fn stiff_length_mm(t_mm: f64, exponent: i32, [end, other]: [&End; 2], to_mm: f64, length_mm: f64) -> f64 {
+/// Integral of a function of the heights of the carrying section over both faces, mm, from an end to the distance `to_mm` from its node. Fillets of the
+/// `other` end, whose node is `length_mm` away, also widen the section.
+fn integral(of: impl Fn([f64; 2]) -> f64, [end, other]: [&End; 2], to_mm: f64, length_mm: f64) -> f64 {
     let kinks = end.kinks_mm().chain(other.kinks_mm().map(|x_mm| length_mm - x_mm));
     let mut cuts_mm: Vec<f64> = kinks.map(|x_mm| x_mm.clamp(0.0, to_mm)).chain([0.0, to_mm]).collect();
     cuts_mm.sort_by(f64::total_cmp);
-    let lost = |x_mm: f64| {
-        let width_mm = t_mm + end.height_mm(x_mm) + other.height_mm(length_mm - x_mm);
-        1.0 - (t_mm / width_mm).powi(exponent)
+    let of = |x_mm: f64| {
+        let ([left_mm, right_mm], [from_right_mm, from_left_mm]) =
+            (end.heights_mm(x_mm), other.heights_mm(length_mm - x_mm));
+        of([left_mm + from_left_mm, right_mm + from_right_mm])
     };
     let panel = |cuts_mm: &[f64]| {
         let [middle_mm, half_mm] = [0.5 * (cuts_mm[0] + cuts_mm[1]), 0.5 * (cuts_mm[1] - cuts_mm[0])];
-        let pair = |[at, weight]: [f64; 2]| weight * (lost(middle_mm - at * half_mm) + lost(middle_mm + at * half_mm));
+        let pair = |[at, weight]: [f64; 2]| weight * (of(middle_mm - at * half_mm) + of(middle_mm + at * half_mm));
         half_mm * QUADRATURE.into_iter().map(pair).sum::<f64>()
     };
     // Outer faces add kinks within these panels.
@@ -220,7 +251,8 @@ fn find_corners(finger: &Finger, fillets: Fillets, pieces: &mut [Piece]) {
                     let radius_mm =
                         both.iter().filter_map(|piece| piece.fillet_mm).reduce(f64::min).unwrap_or(of_plate_mm);
                     let outer_mm = 0.5 * (other_mm / angle.cos() - own_mm);
-                    pieces[index].corners[end][side] = Some(Corner { distance_mm, angle, radius_mm, outer_mm });
+                    let share = if both.iter().all(|piece| piece.plate.is_none()) { 0.5 } else { 1.0 };
+                    pieces[index].corners[end][side] = Some(Corner { distance_mm, angle, radius_mm, outer_mm, share });
                 }
             }
         }
@@ -259,31 +291,41 @@ impl Piece {
     fn add_corners_of_base(&mut self, finger: &Finger, radius_mm: f64) {
         for (side, angle) in self.angles_at_base(finger).into_iter().enumerate() {
             let distance_mm = 0.5 * self.thickness_mm[0] / angle.tan();
-            self.corners[0][side].get_or_insert(Corner { distance_mm, angle, radius_mm, outer_mm: f64::INFINITY });
+            let outer_mm = f64::INFINITY;
+            self.corners[0][side].get_or_insert(Corner { distance_mm, angle, radius_mm, outer_mm, share: 1.0 });
         }
     }
 
     fn end(&self, finger: &Finger, base_fillet_mm: f64, end: usize) -> End {
         let (node, t_mm) = (self.nodes[end], self.thickness_mm[end]);
-        let mut corners: Vec<Corner> = self.corners[end].iter().flatten().copied().collect();
+        let mut corners = self.corners[end];
         match self.plate {
             None => {
                 // The slanted end of a rib starts, on average, where its middle line does.
-                let mean_mm = corners.iter().map(|c| c.distance_mm).sum::<f64>() / corners.len().max(1) as f64;
-                corners.iter_mut().for_each(|corner| corner.distance_mm = mean_mm);
+                let both = corners.iter().flatten();
+                let mean_mm = both.clone().map(|c| c.distance_mm).sum::<f64>() / both.count().max(1) as f64;
+                corners.iter_mut().flatten().for_each(|corner| corner.distance_mm = mean_mm);
                 let plate_mm = finger.thickness_mm(plate_of(finger, node), finger.plate_position(node).s_mm);
-                End { corners, flow: RIB_SLOPE, yield_mm: YIELD_OF_PLATE * plate_mm, least_mm: 0.0 }
+                End { corners, flow: RIB_SLOPE, yield_mm: YIELD_OF_PLATE * plate_mm, ..End::default() }
             }
             Some(_) if finger.is_clamped(node) => {
                 // As for a rib, the slanted end starts, on average, at the node.
-                let at_base =
-                    |angle| Corner { distance_mm: 0.0, angle, radius_mm: base_fillet_mm, outer_mm: f64::INFINITY };
+                let at_base = |angle| Corner {
+                    distance_mm: 0.0,
+                    angle,
+                    radius_mm: base_fillet_mm,
+                    outer_mm: f64::INFINITY,
+                    share: 1.0,
+                };
                 let clamped = CLAMP[0] + CLAMP[1] * (finger.description().poissons_ratio - 0.4);
+                let angles = self.angles_at_base(finger);
+                let slant = -angles[0].tan().recip();
                 End {
-                    corners: self.angles_at_base(finger).map(at_base).to_vec(),
+                    corners: angles.map(|angle| Some(at_base(angle))),
                     flow: RIB_SLOPE,
                     yield_mm: 0.0,
-                    least_mm: clamped * t_mm,
+                    least_mm: (clamped.max(0.0) + SLANTED_CLAMP * slant * slant) * t_mm,
+                    slant,
                 }
             }
             Some(_) => End { corners, flow: PLATE_SLOPE, ..End::default() },
@@ -294,7 +336,7 @@ impl Piece {
     fn member(&self, finger: &Finger, base_fillet_mm: f64) -> OnePieceMember {
         let length_mm = self.length_mm;
         if length_mm == 0.0 {
-            return OnePieceMember { arms_mm: [0.0; 2], stretching: 1.0 };
+            return OnePieceMember { arms_mm: [0.0; 2], stretching: 1.0, axis_mm: [0.0; 2] };
         }
         let ends = [0, 1].map(|end| self.end(finger, base_fillet_mm, end));
         let reach_mm = ends.each_ref().map(End::reach_mm);
@@ -305,16 +347,49 @@ impl Piece {
         } else {
             reach_mm
         };
-        let lost_mm = |exponent: i32| {
-            [0, 1].map(|i| {
-                let both = [&ends[i], &ends[1 - i]];
-                stiff_length_mm(self.thickness_mm[i], exponent, both, until_mm[i], length_mm) - ends[i].yield_mm
-            })
+        let ends = [0, 1].map(|i: usize| {
+            let losses = self.losses([&ends[i], &ends[1 - i]], i, until_mm[i]);
+            (losses, losses.bending_mm.max(ends[i].least_mm).max(0.0))
+        });
+        let arms_mm = ends.map(|(_, arm_mm)| arm_mm);
+        let free_mm = length_mm - arms_mm[0] - arms_mm[1];
+        let compliance = (length_mm - ends[0].0.tension_mm - ends[1].0.tension_mm) / free_mm;
+        if self.plate.is_none() {
+            return OnePieceMember { arms_mm, stretching: compliance.recip(), axis_mm: [0.0; 2] };
+        }
+        let poissons_ratio = finger.description().poissons_ratio;
+        let turned = ends.map(|(losses, _)| losses.eccentric - losses.slanted / (1.0 - poissons_ratio.powi(2)));
+        // Distances, to the left, whose linear course bends the member as much under the moment at either end. At the second end, the direction into
+        // the member is the opposite one.
+        let section = |i: usize| self.thickness_mm[i].powi(3) / 12.0;
+        let by_end = [turned[0] * section(0), -turned[1] * section(1)];
+        let axis_mm = [0, 1].map(|i: usize| (4.0 * by_end[i] - 2.0 * by_end[1 - i]) / free_mm);
+        // An axis beside the middle is itself softer in tension.
+        let thickness_mm = 0.5 * (self.thickness_mm[0] + self.thickness_mm[1]);
+        let mean_square_mm2 = (axis_mm[0].powi(2) + axis_mm[0] * axis_mm[1] + axis_mm[1].powi(2)) / 3.0;
+        let stretching = (compliance - 12.0 * mean_square_mm2 / thickness_mm.powi(2)).recip();
+        OnePieceMember { arms_mm, stretching, axis_mm }
+    }
+
+    /// What one end, with the index `i`, changes in the compliance of this piece up to the distance `until_mm` from its node.
+    fn losses(&self, both: [&End; 2], i: usize, until_mm: f64) -> Losses {
+        let (end, t_mm) = (both[0], self.thickness_mm[i]);
+        let over = |of: &dyn Fn([f64; 2], f64) -> f64| {
+            let of = |heights_mm: [f64; 2]| of(heights_mm, t_mm + heights_mm[0] + heights_mm[1]);
+            integral(of, both, until_mm, self.length_mm)
         };
-        let [bending_mm, tension_mm] = [lost_mm(BENDING), lost_mm(TENSION)];
-        let arms_mm = [0, 1].map(|i: usize| bending_mm[i].max(ends[i].least_mm).max(0.0));
-        let stretching = (length_mm - arms_mm[0] - arms_mm[1]) / (length_mm - tension_mm[0] - tension_mm[1]);
-        OnePieceMember { arms_mm, stretching }
+        // A rib reaches the plate on both faces; its ends are taken as square.
+        let beside_mm = |[left_mm, right_mm]: [f64; 2]| {
+            if self.plate.is_some() { 0.5 * (left_mm - right_mm) } else { 0.0 }
+        };
+        Losses {
+            bending_mm: over(&|_, width_mm| 1.0 - (t_mm / width_mm).powi(3)) - end.yield_mm,
+            tension_mm: over(&|heights_mm, width_mm| {
+                1.0 - t_mm / width_mm - 12.0 * t_mm * beside_mm(heights_mm).powi(2) / width_mm.powi(3)
+            }) - end.yield_mm,
+            eccentric: over(&|heights_mm, width_mm| 12.0 * beside_mm(heights_mm) / width_mm.powi(3)),
+            slanted: end.slant / (t_mm + end.heights_mm(0.0).iter().sum::<f64>()),
+        }
     }
 
     /// Length that corners take on the face where they take most, mm, with all radii multiplied by a factor.

@@ -19,6 +19,7 @@ impl SectionFactors {
             axial_rigidity_n: section.axial_rigidity_n * self.stretching,
             bending_rigidity_nmm2: section.bending_rigidity_nmm2 * self.bending,
             shear_flexibility: section.shear_flexibility * self.stretching,
+            ..section
         }
     }
 }
@@ -70,7 +71,8 @@ impl Finger {
 
     /// Section of a plate with the thickness at its base, ignoring zones, with the factors of a member; members are numbered from 0 at the base.
     pub fn member_section(&self, plate: Plate, member: usize) -> Section {
-        self.section_factors(plate.into(), member).apply(self.section_of(self.strip(plate)))
+        let axis_mm = self.one_piece_member(plate.into(), member).map_or([0.0; 2], |member| member.axis_mm);
+        Section { axis_mm, ..self.section_factors(plate.into(), member).apply(self.section_of(self.strip(plate))) }
     }
 
     fn section_of(&self, strip: &Strip) -> Section {

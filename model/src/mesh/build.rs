@@ -71,8 +71,14 @@ impl Mesh {
         ];
         let free = [positions[0] + arms_mm[0], positions[1] - arms_mm[1]];
         let position = |i: usize| element_start(free, elements, i);
-        let sections: Vec<Section> =
-            (0..elements).map(|i| self.finger.plate_section(plate, member, position(i), position(i + 1))).collect();
+        let sections: Vec<Section> = (0..elements)
+            .map(|i| {
+                let section = self.finger.plate_section(plate, member, position(i), position(i + 1));
+                let [first_mm, second_mm] = section.axis_mm;
+                let axis_mm = |i: usize| first_mm + (second_mm - first_mm) * i as f64 / elements as f64;
+                Section { axis_mm: [axis_mm(i), axis_mm(i + 1)], ..section }
+            })
+            .collect();
         let first_member = self.frame.members().len();
         self.add_line(plate.into(), ends, &sections);
         let spans = &mut self.plates[plate.index()];

@@ -24,7 +24,7 @@ impl Finger {
             axial_rigidity_n: of_base.axial_rigidity_n * (1.0 / mean(&|from, to| self.stretching(plate, from, to))),
             bending_rigidity_nmm2: of_base.bending_rigidity_nmm2
                 * (1.0 / mean(&|from, to| self.bending(plate, from, to))),
-            shear_flexibility: of_base.shear_flexibility,
+            ..of_base
         }
     }
 

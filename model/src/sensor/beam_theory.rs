@@ -30,21 +30,26 @@ pub(super) fn with_beam_theory_error(
     (Cow::Owned(weighted.with_known_error(noise_mm, both_mm)), Some(both_mm))
 }
 
-/// Widens forces and directions of contacts near the base whose direction is estimated by `ModelError::near_base`. A contact is near the base if the
-/// first rib is the nearest rib.
-pub(super) fn widen_near_base(scene: &Scene, contacts: &mut [(Contact, ContactUncertainty)], estimate: &mut Estimate) {
-    let Some([share, sd_deg]) = scene.model_error.near_base() else { return };
+/// Widens forces and directions of contacts whose direction is estimated by [`ModelError::unknown_direction`](crate::finger::ModelError). A contact is
+/// near the base if the first rib is the nearest rib.
+pub(super) fn widen_unknown_directions(
+    scene: &Scene,
+    contacts: &mut [(Contact, ContactUncertainty)],
+    estimate: &mut Estimate,
+) {
+    let Some([near_base, elsewhere]) = scene.model_error.unknown_direction() else { return };
     for (i, (contact, uncertainty)) in contacts.iter_mut().enumerate() {
         let positions_mm = scene.finger.plate_positions_mm(contact.position.plate());
-        let [_, first_mm, second_mm, ..] = positions_mm[..] else { continue };
-        let is_near = |s_mm: f64| s_mm < 0.5 * (first_mm + second_mm);
-        if let (Some(direction_sd_deg), Some(true)) =
-            (&mut uncertainty.direction_sd_deg, contact.position_mm(&scene.finger).map(is_near))
+        let until_mm =
+            if let [_, first_mm, second_mm, ..] = positions_mm[..] { 0.5 * (first_mm + second_mm) } else { 0.0 };
+        let errors = |s_mm: f64| if s_mm < until_mm { near_base } else { elsewhere };
+        if let (Some(direction_sd_deg), Some([share, sd_deg])) =
+            (&mut uncertainty.direction_sd_deg, contact.position_mm(&scene.finger).map(errors))
         {
             *direction_sd_deg = direction_sd_deg.hypot(sd_deg);
             estimate.add_variance(i, (share * estimate.forces_n[i]).powi(2));
         }
         let of_contact = estimate.alternatives.iter_mut().filter(|alternative| alternative.contact == i);
-        of_contact.filter(|it| is_near(it.position_mm)).for_each(|alternative| alternative.widen_by(share));
+        of_contact.for_each(|alternative| alternative.widen_by(errors(alternative.position_mm)[0]));
     }
 }

@@ -113,7 +113,7 @@ pub struct EquilibriumPath {
 /// // A shallow toggle frame snaps through under a load at its apex.
 /// let mut frame = PlaneFrame::default();
 /// let nodes = [(-100.0, 0.0), (0.0, 5.0), (100.0, 0.0)].map(|(x, y)| frame.add_node(Vector::new(x, y)));
-/// let section = Section { axial_rigidity_n: 1e5, bending_rigidity_nmm2: 1e3, shear_flexibility: 0.0 };
+/// let section = Section { axial_rigidity_n: 1e5, bending_rigidity_nmm2: 1e3, shear_flexibility: 0.0, axis_mm: [0.0; 2] };
 /// frame.add_beam(nodes[0], nodes[1], section);
 /// frame.add_beam(nodes[1], nodes[2], section);
 /// frame.support(nodes[0], [true, true, false]);

@@ -127,13 +127,17 @@ fn forces_on_unseen_solids_keep_the_stated_model_error() {
 /// Share of the front plate's length by which a solid moves: solids are linear.
 const SHARE: f64 = 1e-4;
 
-/// Forces of unknown direction on unseen solids lie in their intervals. Without the error near the base, 211 of 240 do. Zigzag fingers are left out:
-/// with sharp corners, their intervals hold 83 % of such forces (`finray guide your-finger`).
+/// Largest root mean square error of a force of unknown direction, by kind of finger. Errors of single kinds are up to 3 % on 400 other solids, and
+/// 4.4 % with sharp corners if axial forces do not bend plates.
+const LARGEST_UNKNOWN: f64 = 0.036;
+
+/// Forces of unknown direction on unseen solids lie in their intervals, and err little where no rib is near the base.
 #[test]
 fn intervals_of_unknown_directions_hold_on_unseen_solids() {
     let cases = cases();
     let (mut held, mut all) = (0, 0);
-    for row in rows("fingers.csv").into_iter().filter(|row| !row[1].contains("zigzag")) {
+    let mut kinds: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+    for row in rows("fingers.csv") {
         let scene = scene_of(&row, true);
         let finger = &scene.finger;
         for case in &cases[&row[0]] {
@@ -148,13 +152,18 @@ fn intervals_of_unknown_directions_hold_on_unseen_solids() {
             let measurement = Measurement::new(finger, case.moved.iter().map(marker)).expect("a measurement");
             let sensed = sensor.sense_displacements(&measurement, Some(1e-3 * largest_mm), None).expect("a force");
             let [low_n, high_n] = sensed.forces[0].interval_n();
+            kinds.entry(row[1].clone()).or_default().push(sensed.forces[0].force_n / force_n - 1.0);
             held += usize::from(low_n <= force_n && force_n <= high_n);
             all += 1;
         }
     }
+    for (kind, errors) in kinds {
+        println!("{kind}: {:.2} %", 100.0 * rms(&errors));
+        assert!(kind.contains("inclined") || rms(&errors) < LARGEST_UNKNOWN, "{kind}: {}", rms(&errors));
+    }
     println!("{held} of {all} forces");
-    // A binomial share of 0.94 in 240 cases is below 0.9 in 1 % of all cases.
-    assert!(held as f64 > 0.9 * f64::from(all) && all == 240, "{held} of {all} forces");
+    // A binomial share of 0.94 in 300 cases is below 0.9 in 0.5 % of all cases.
+    assert!(held as f64 > 0.9 * f64::from(all) && all == 300, "{held} of {all} forces");
 }
 
 const PIECE: &str = "name = \"piece\"\n[finger]\nbase_width_mm = 60.0\nfront_length_mm = 120.0\nback_length_mm = 120.0\ndepth_mm = 20.0\n\
@@ -173,9 +182,9 @@ fn arms_of_sharp_corners_are_closed_forms() {
     let rib_arm_mm = rib_corner_mm - both_sides - 0.1 * plate_mm;
     let of_plate = |angle: f64| {
         let corner_mm = 0.5 * (rib_mm + plate_mm * angle.cos()) / angle.sin();
-        corner_mm - plate_mm / 0.74 * (1.0 - (1.0 + 0.37 * corner_mm / plate_mm).powi(-2))
+        corner_mm - plate_mm / 0.8 * (1.0 - (1.0 + 0.4 * corner_mm / plate_mm).powi(-2))
     };
-    let clamp_arm_mm = (0.021 + 0.29 * 0.05) * plate_mm;
+    let clamp_arm_mm = (0.021 + 0.29 * 0.05 + 0.26 / angle.tan().powi(2)) * plate_mm;
     let apart = |found: [f64; 2], expected: [f64; 2]| (found[0] - expected[0]).hypot(found[1] - expected[1]);
     assert!(apart(finger.rib_arms_mm(2), [rib_arm_mm; 2]) < QUADRATURE_MM, "{:?}, {rib_arm_mm}", finger.rib_arms_mm(2));
     for plate in [Plate::Front, Plate::Back] {
@@ -191,7 +200,8 @@ fn arms_of_sharp_corners_are_closed_forms() {
     }
 }
 
-/// With sharp corners, the lengths that tension loses are closed forms, too: the integral of 1 - t / w with a width w that grows linearly.
+/// With sharp corners, the lengths that tension loses and the elastic axis are closed forms, too: the integrals of 1 - t / w - 12 t e^2 / w^3 and of
+/// 12 e / w^3, with a width w that grows linearly, and by 2 e on one face.
 #[test]
 fn stretching_between_arms_is_a_closed_form() {
     let finger = Scene::from_toml(PIECE).expect("a scene").finger;
@@ -199,20 +209,38 @@ fn stretching_between_arms_is_a_closed_form() {
     let (plate_mm, rib_mm) = (2.0, 1.5);
     let rib_corner_mm = 0.5 * plate_mm / angle.sin();
     let rib_lost_mm = rib_corner_mm - rib_mm / 4.0 * (4.0 * rib_corner_mm / rib_mm).ln_1p() - 0.1 * plate_mm;
+    // Length that tension loses, mm, and rotation by an axial force, 1/mm.
     let of_plate = |angle: f64| {
         let corner_mm = 0.5 * (rib_mm + plate_mm * angle.cos()) / angle.sin();
-        corner_mm - plate_mm / 0.37 * (0.37 * corner_mm / plate_mm).ln_1p()
+        let widest = 1.0 + 0.4 * corner_mm / plate_mm;
+        let beside = 3.0 * (widest.ln() + 2.0 / widest - 0.5 / widest.powi(2) - 1.5);
+        let lost_mm = corner_mm - plate_mm / 0.4 * (widest.ln() + beside);
+        [lost_mm, 6.0 / (0.4 * plate_mm) * (0.5 - 1.0 / widest + 0.5 / widest.powi(2))]
     };
     let check = |section: Section, whole: Section, arms_mm: [f64; 2], lost_mm: f64, length_mm: f64| {
-        let factor = (length_mm - arms_mm[0] - arms_mm[1]) / (length_mm - lost_mm);
+        let [first_mm, second_mm] = section.axis_mm;
+        let mean_square_mm2 = (first_mm * first_mm + first_mm * second_mm + second_mm * second_mm) / 3.0;
+        let free_mm = length_mm - arms_mm[0] - arms_mm[1];
+        let factor = 1.0 / ((length_mm - lost_mm) / free_mm - 12.0 * mean_square_mm2 / plate_mm.powi(2));
         assert!((section.axial_rigidity_n / whole.axial_rigidity_n - factor).abs() < QUADRATURE_MM / length_mm);
         assert!(factor < 0.999 && section.bending_rigidity_nmm2 == whole.bending_rigidity_nmm2);
     };
     let (rib, plate) = (finger.rib_section(2).expect("it deforms"), finger.member_section(Plate::Front, 2));
     let whole = |part| finger.section(part).expect("it deforms");
     check(rib, whole(Part::Ribs), finger.rib_arms_mm(2), 2.0 * rib_lost_mm, finger.rib_length_mm(2));
-    let lost_mm = of_plate(angle) + of_plate(std::f64::consts::PI - angle);
-    check(plate, whole(Part::Front), finger.member_arms_mm(Plate::Front, 2), lost_mm, 20.0);
+    let [[lost_mm, turned], [other_mm, other]] = [of_plate(angle), of_plate(std::f64::consts::PI - angle)];
+    let arms_mm = finger.member_arms_mm(Plate::Front, 2);
+    check(plate, whole(Part::Front), arms_mm, lost_mm + other_mm, 20.0);
+    // The inner face is to the right of the front plate, and to the left of the back plate.
+    let by_force = |turned: f64, other: f64| {
+        plate_mm.powi(3) / 12.0 * (4.0 * turned - 2.0 * other) / (20.0 - arms_mm[0] - arms_mm[1])
+    };
+    let axis_mm = [by_force(turned, other), by_force(other, turned)];
+    for (plate, sign) in [(Plate::Front, -1.0), (Plate::Back, 1.0)] {
+        let found_mm = finger.member_section(plate, 2).axis_mm;
+        let apart = |i: usize| (found_mm[i] - sign * axis_mm[i]).abs();
+        assert!(apart(0) < QUADRATURE_MM && apart(1) < QUADRATURE_MM && axis_mm[0] > 0.01, "{found_mm:?}, {axis_mm:?}");
+    }
 }
 
 /// Fillets that meet on the last rib leave an elastic part of each member, and the finger becomes stiffer the larger they are.

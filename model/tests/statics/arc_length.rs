@@ -27,6 +27,7 @@ fn toggle(unit: f64, force_unit: f64) -> (PlaneFrame, NodeIndex) {
         axial_rigidity_n: 1e4 * force_unit,
         bending_rigidity_nmm2: 10.0 * force_unit * unit * unit,
         shear_flexibility: 0.0,
+        axis_mm: [0.0; 2],
     };
     for pair in nodes.windows(2) {
         frame.add_beam(pair[0], pair[1], section);
@@ -75,7 +76,8 @@ fn points_are_equilibria() {
 /// A clamped column of length 1 and bending rigidity 1 with negligible compression. Also returns the node of the column's free end.
 fn column(elements: usize) -> (PlaneFrame, NodeIndex) {
     let mut frame = PlaneFrame::default();
-    let section = Section { axial_rigidity_n: 1e6, bending_rigidity_nmm2: 1.0, shear_flexibility: 0.0 };
+    let section =
+        Section { axial_rigidity_n: 1e6, bending_rigidity_nmm2: 1.0, shear_flexibility: 0.0, axis_mm: [0.0; 2] };
     let nodes: Vec<NodeIndex> =
         (0..=elements).map(|i| frame.add_node(Vector::new(i as f64 / elements as f64, 0.0))).collect();
     for pair in nodes.windows(2) {
@@ -150,7 +152,7 @@ fn degenerate_frames() {
     free.add_beam(
         nodes[0],
         nodes[1],
-        Section { axial_rigidity_n: 1.0, bending_rigidity_nmm2: 1.0, shear_flexibility: 0.0 },
+        Section { axial_rigidity_n: 1.0, bending_rigidity_nmm2: 1.0, shear_flexibility: 0.0, axis_mm: [0.0; 2] },
     );
     let load = FrameLoad::Node { node: nodes[1], force: Vector::new(0.0, 1.0), moment_nmm: 0.0 };
     let refused = ArcLength::new(&free, Kinematics::Corotational).follow(&[load], 10, |_| false);

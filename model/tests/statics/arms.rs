@@ -1,8 +1,10 @@
-//! Arms of rods, of ribs and at the clamp, compared with clips and rigid ends, which other programs have checked.
+//! Arms of rods, of ribs and at the clamp, compared with clips and rigid ends, which other programs have checked; an elastic axis beside the line of a
+//! beam, compared with arms.
 
 use finray_model::finger::{FingerDescription, RigidEnds};
-use finray_model::statics::solve;
-use finray_model::{Finger, Load, Mesh, NodeId};
+use finray_model::frame::{BeamEnd, FrameLoad, PlaneFrame, Section};
+use finray_model::statics::{solve, solve_frame};
+use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
 use finray_tests::{KINEMATICS, paper, shapes_apart};
 
 const ARM_MM: f64 = 1.5;
@@ -56,4 +58,31 @@ fn arms_of_ribs_and_at_the_clamp_are_rod_arms_by_default() {
         &finger_with((ARM_MM, Some(ARM_MM), Some(ARM_MM)), 0.0, 0.0),
         &finger_with((ARM_MM, None, None), 0.0, 0.0),
     );
+}
+
+/// A cantilever of 10 mm with the elastic axis beside its line, or on transverse arms: displacement and rotation of the free end.
+fn cantilever(axis_mm: [f64; 2], arms_mm: [f64; 2], kinematics: Kinematics) -> [f64; 3] {
+    let mut frame = PlaneFrame::default();
+    let nodes = [0.0, 10.0].map(|x_mm| frame.add_node(Vector::new(x_mm, 0.0)));
+    frame.support(nodes[0], [true; 3]);
+    let ends = [0, 1].map(|i: usize| BeamEnd { arm: Vector::new(0.0, arms_mm[i]), ..frame.clamped_end(nodes[i]) });
+    frame.add_member(ends, Section { axis_mm, shear_flexibility: 4.0, ..Section::rectangle(1.5, 20.0, 48.0) });
+    let load = FrameLoad::Node { node: nodes[1], force: Vector::new(0.8, 0.03), moment_nmm: 0.05 };
+    let motion = solve_frame(&frame, &[load], kinematics).expect("a cantilever");
+    let moved = motion.displacements[nodes[1]];
+    [moved.x, moved.y, motion.rotations[frame.rotation_of(nodes[1])]]
+}
+
+/// An elastic axis beside the line between the ends is a beam on transverse arms. Rotations are small here: arms swing, the axis does not.
+#[test]
+fn an_axis_beside_the_line_is_a_beam_on_transverse_arms() {
+    let (offsets_mm, none) = ([3e-3, -1e-3], [0.0; 2]);
+    for kinematics in KINEMATICS {
+        let [plain, axis, arms] = [(none, none), (offsets_mm, none), (none, offsets_mm)]
+            .map(|(axis, arms)| cantilever(axis, arms, kinematics));
+        for i in 0..3 {
+            let [change, expected] = [axis[i] - plain[i], arms[i] - plain[i]];
+            assert!((change - expected).abs() < 0.01 * expected.abs(), "{kinematics:?}, {i}: {change}, {expected}");
+        }
+    }
 }

@@ -16,7 +16,8 @@ const AGREEMENT: f64 = 1e-8;
 const ROUNDING: f64 = 1e-9;
 const LENGTH_MM: f64 = 12.0;
 const FORCE_N: f64 = 0.3;
-const SECTION: Section = Section { axial_rigidity_n: 1500.0, bending_rigidity_nmm2: 400.0, shear_flexibility: 4.0 };
+const SECTION: Section =
+    Section { axial_rigidity_n: 1500.0, bending_rigidity_nmm2: 400.0, shear_flexibility: 4.0, axis_mm: [0.0; 2] };
 const SHEAR_RIGIDITY_N: f64 = SECTION.axial_rigidity_n / SECTION.shear_flexibility;
 
 /// A beam along a slanted line, divided into equal elements and clamped at its first end. If `both` is true, the last node is also clamped.

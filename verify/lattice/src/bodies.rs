@@ -270,7 +270,7 @@ const UNDEFORMABLE: f64 = 10.0;
 fn undeformable_bar(finger: &Finger) -> Section {
     let rigidity = |part| finger.section(part).map_or(0.0, |section| section.axial_rigidity_n);
     let axial_rigidity_n = UNDEFORMABLE * rigidity(Part::Front).max(rigidity(Part::Back));
-    Section { axial_rigidity_n, bending_rigidity_nmm2: 0.0, shear_flexibility: 0.0 }
+    Section { axial_rigidity_n, bending_rigidity_nmm2: 0.0, shear_flexibility: 0.0, axis_mm: [0.0; 2] }
 }
 
 /// Free lengths of all members, mm: of the back plate, then of the front plate, then of the ribs.
@@ -331,7 +331,7 @@ fn tapered(finger: &Finger, plate: Plate, of_base: Section, s_mm: f64) -> Sectio
     Section {
         axial_rigidity_n: of_base.axial_rigidity_n * share,
         bending_rigidity_nmm2: of_base.bending_rigidity_nmm2 * share.powi(3),
-        shear_flexibility: of_base.shear_flexibility,
+        ..of_base
     }
 }
 

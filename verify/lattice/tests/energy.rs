@@ -94,8 +94,12 @@ fn energy_has_its_derivatives() {
 fn cantilever(angle_deg: f64, load: f64) -> (Assembly, Vec<BodyLoad>) {
     let mut assembly = Assembly::default();
     let length = 1.0 / CANTILEVER_SEGMENTS as f64;
-    let section =
-        Section { axial_rigidity_n: CANTILEVER_AXIAL_RIGIDITY, bending_rigidity_nmm2: 1.0, shear_flexibility: 0.0 };
+    let section = Section {
+        axial_rigidity_n: CANTILEVER_AXIAL_RIGIDITY,
+        bending_rigidity_nmm2: 1.0,
+        shear_flexibility: 0.0,
+        axis_mm: [0.0; 2],
+    };
     let at = |body: usize| Anchor { body, arm: Vector::zeros() };
     for i in 0..=CANTILEVER_SEGMENTS {
         assembly.bodies.push(Body { position: Vector::new(i as f64 * length, 0.0), fixed: i == 0 });

@@ -5,22 +5,45 @@ mod in_full;
 pub(super) use in_full::answers;
 
 use super::format::{capitalised, list, percent, percent_two_digits};
-use super::trust::{SOFTER, Situation, of_known, situations};
-use super::{checks, measured};
+use super::trust::{SOFTER, Situation, situations};
+use super::{changes, checks, measured};
 use crate::prelude::*;
 use finray_model::finger::FingerDescription;
 use finray_studies::check::Kind;
 use finray_studies::experiments::coverage::CoverageRow;
 use finray_studies::sampling::situation::{ContactKnowledge, HiddenMarkers};
 
-/// The verdict in a few lines: where forces can be trusted, what would help, why forces fail elsewhere, coverage of intervals, checks, and real
-/// images.
+/// The first answer: the trusted share of the contact of which least is known, and the meaning, mean error and limit of this share.
+pub(super) fn headline(study: &Study) -> [String; 2] {
+    let situations = situations(study);
+    let Some(first) = situations.first() else { return ["-".to_owned(), "no force was mapped.".to_owned()] };
+    let share = first.trust().share().map_or_else(|| "-".to_owned(), percent);
+    let cause =
+        first.weighed(study).map_or_else(String::new, |weighed| format!(" {}.", capitalised(&weighed.to_string())));
+    let error = first.map.summary(None).mean_error.map(|error| format!(" Mean error of answers: {}", percent(error)));
+    let limit = first.limit(study).map(|limit| format!("limited by {limit}"));
+    let last = match (error, limit) {
+        (Some(error), Some(limit)) => format!("{error}; {limit}."),
+        (Some(only), None) => format!("{only}."),
+        (None, limit) => {
+            format!(" No force is answered{}.", limit.map_or_else(String::new, |limit| format!(", {limit}")))
+        }
+    };
+    let means = format!(
+        "of positions and directions trusted, {}: mean error within {} for {} N.{cause}{last}",
+        first.name,
+        percent(TRUSTED_ERROR),
+        list(study.forces.of_maps_n(), ", ")
+    );
+    [share, means]
+}
+
+/// The verdict in a few lines: how the share grows with knowledge, what would help, coverage of intervals, checks, and real images.
 pub(super) fn verdict(study: &Study) -> Vec<[String; 2]> {
     let situations = situations(study);
     given([
-        ("Where", places(study, &situations)),
-        ("What helps", what_helps(&situations)),
-        ("Why not elsewhere", reasons(study, &situations)),
+        ("With more known", known_more(&situations)),
+        ("What to change", changes::most(study)),
         ("How sure", sureness(study)),
         ("Checked", checked(study)),
         ("Reality", Some(reality(study))),
@@ -33,59 +56,16 @@ fn given<const N: usize>(all: [(&str, Option<String>); N]) -> Vec<[String; 2]> {
     all.into_iter().filter_map(given).collect()
 }
 
-/// Trusted shares with all markers visible and the position unknown, on the modelled finger, by what is known of the direction; then of a known contact.
-fn places(study: &Study, situations: &[Situation]) -> Option<String> {
-    let [least_n, .., most_n] = study.forces.of_maps_n();
+/// Trusted shares with all markers visible on the modelled finger, by what more is known than in the first situation.
+fn known_more(situations: &[Situation]) -> Option<String> {
     let share = |of: &Situation| Some(format!("{} {}", of.name, percent(of.trust().share()?)));
-    let is_first = |of: &&Situation| {
+    let is_more = |of: &&Situation| {
         let knowledge = of.map.situation;
-        let is_told = matches!(knowledge.contact, ContactKnowledge::Misjudged | ContactKnowledge::Position);
-        knowledge.hidden == HiddenMarkers::None && !is_told && of.name != SOFTER
+        let is_less = matches!(knowledge.contact, ContactKnowledge::Misjudged | ContactKnowledge::Nothing);
+        knowledge.hidden == HiddenMarkers::None && !is_less && of.name != SOFTER
     };
-    let shares: Vec<String> = situations.iter().filter(is_first).filter_map(share).collect();
-    (!shares.is_empty()).then(|| {
-        format!(
-            "Positions and directions with a mean error within {} ({least_n} to {most_n} N): {}.",
-            percent(TRUSTED_ERROR),
-            list(shares, "; ")
-        )
-    })
-}
-
-/// The knowledge that raises the share of an unknown contact most.
-fn what_helps(situations: &[Situation]) -> Option<String> {
-    let unknown = situations.first().filter(|of| of.map.situation.contact == ContactKnowledge::Nothing)?;
-    let helps =
-        |of: &&Situation| matches!(of.map.situation.contact, ContactKnowledge::Friction | ContactKnowledge::Position);
-    let share = |of: &Situation| of.trust().share();
-    let by_share = |a: &&Situation, b: &&Situation| share(a).unwrap_or(0.0).total_cmp(&share(b).unwrap_or(0.0));
-    let best = situations.iter().filter(helps).max_by(by_share)?;
-    let (from, to) = (share(unknown)?, share(best)?);
-    Some(match to > from {
-        true => {
-            format!("{}: {} instead of {}.", capitalised(&best.name), percent(to), percent(from))
-        }
-        false => {
-            "A less noisy camera, more markers or larger forces; neither friction nor position alone helps.".to_owned()
-        }
-    })
-}
-
-/// Main reasons why sensed forces fail, with a known contact and with an assumed contact.
-fn reasons(study: &Study, situations: &[Situation]) -> Option<String> {
-    let (failed, by_noise) = failures(of_known(study, situations)?);
-    let (failed, by_model) = (failed.len(), failed.len() - by_noise);
-    let known = match failed {
-        0 => "Contact known: nothing fails.",
-        _ if by_noise >= by_model => "Contact known: camera noise.",
-        _ => "Contact known: error of the model.",
-    };
-    let assumed = situations.iter().find(|of| of.is_misjudged);
-    let assumed = assumed.and_then(|of| of.failed_by_direction(study));
-    let assumed = assumed.map(|share| {
-        format!(" With a wrong contact, the main cause is its direction in {} of the failing cells.", percent(share))
-    });
-    Some(format!("{known}{}", assumed.unwrap_or_default()))
+    let shares: Vec<String> = situations.iter().skip(1).filter(is_more).filter_map(share).collect();
+    (!shares.is_empty()).then(|| format!("{}.", capitalised(&list(shares, "; "))))
 }
 
 /// Coverage of the nonlinear estimator's intervals on a true finger, for what it knows of the contact, with all markers visible.
@@ -105,13 +85,13 @@ fn sureness(study: &Study) -> Option<String> {
     let others = others.into_iter().filter_map(|(name, share)| Some(format!("{name}: {}", share?)));
     let others = list(others, "; ");
     let others = if others.is_empty() { others } else { format!(" ({others})") };
-    Some(format!("95 % intervals without a warning contain the force in {known}{others}."))
+    Some(format!("Unwarned 95 % intervals hold the force in {known}{others}."))
 }
 
 /// Number of passed checks against other programs.
 fn checked(study: &Study) -> Option<String> {
     let counts = checks::counted(study).into_iter().find(|tally| tally.kind == Kind::External)?;
-    Some(format!("{} of {} checks against other programs pass.", counts.passed, counts.all))
+    Some(format!("{} of {} against other programs pass.", counts.passed, counts.all))
 }
 
 /// Results of measured images of a real finger, or the statement that there are none.
@@ -119,7 +99,14 @@ fn reality(study: &Study) -> String {
     let Some(measured::Outcome { images, known, error, within, forces, .. }) =
         study.measured.as_ref().and_then(measured::outcome)
     else {
-        return "Simulation only.".to_owned();
+        let noise = (study.noise_mm > 0.0).then(|| format!("camera noise {} mm", study.noise_mm));
+        let stiffness = study.stiffness_error;
+        let stiffness = (stiffness.share() > 0.0).then(|| format!("stiffness error {stiffness}"));
+        let assumed: Vec<String> = noise.into_iter().chain(stiffness).collect();
+        return match assumed.is_empty() {
+            true => "Simulation only.".to_owned(),
+            false => format!("Simulation only. {}.", capitalised(&list(assumed, "; "))),
+        };
     };
     format!(
         "{images} images with measured forces ({known}): mean error {}, {within} of {forces} intervals contain the force. \
@@ -154,13 +141,4 @@ pub(super) fn caveat(study: &Study) -> String {
         "{reality} The finger's base width ({base_width_mm} mm) and depth ({depth_mm} mm) are assumed, because the paper gives them only in a figure that \
          was not available."
     )
-}
-
-/// The answered cells of the situation's map whose error is above the trusted limit, and the number of these cells in which the spread due to noise
-/// exceeds the bias.
-fn failures<'s>(situation: &Situation<'s>) -> (Vec<&'s MapCell>, usize) {
-    let is_wrong = |cell: &&MapCell| cell.state() == CellState::Answered && cell.is_above(TRUSTED_ERROR) == Some(true);
-    let failed: Vec<&MapCell> = situation.map.cells.iter().filter(is_wrong).collect();
-    let by_noise = failed.iter().filter(|cell| cell.spread > cell.bias.map(f64::abs)).count();
-    (failed, by_noise)
 }

@@ -20,17 +20,18 @@ pub(super) fn datasets<'s>(Results { study, .. }: Results<'s>) -> Vec<Dataset<'s
 
 pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>, ReportError> {
     let Some(camera) = &study.camera else { return Ok(None) };
+    let reference = &Reference::of(study);
     let mut blocks = vec![text(about(camera, study.is_paper))];
-    blocks.extend(camera.times.map(times).map(text));
+    blocks.extend(camera.times.map(|of| text(times(of, study.is_paper))));
     let drawings: [(_, _, CameraQuantity); 2] = [
         ("Errors of displacements", "rms error of a coordinate, mm", |row| row.displacement_rms_mm),
         ("Errors of forces", "rms error of the force, %", |row| row.force_rms_error.map(|error| 100.0 * error)),
     ];
-    let papers = [Some(CAMERA_NOISE_MM), camera.bound_rms(CAMERA_NOISE_MM).map(|error| 100.0 * error)];
+    let errors = [Some(reference.noise_mm), camera.bound_rms(reference.noise_mm).map(|error| 100.0 * error)];
     let asked = [None, Some(100.0 * ASKED_ERROR)];
     let mut figures = Vec::new();
-    for (((title, axis, of), papers), asked) in drawings.into_iter().zip(papers).zip(asked) {
-        if let Some(svg) = drawing(camera, (title, axis), of, papers, asked)? {
+    for (((title, axis, of), error), asked) in drawings.into_iter().zip(errors).zip(asked) {
+        if let Some(svg) = drawing(camera, (title, axis), of, (reference, error), asked)? {
             figures.push(Figure::narrow(svg, format!("{title}, one row per condition of the camera."), CSV));
         }
     }
@@ -49,22 +50,44 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     let caption = "Error of each displacement coordinate: rms, largest, and stated. Error of the force: rms over the nodes, \
         largest, and rms computed to first order from the displacement errors";
     blocks.push(details("By condition", vec![Block::Table(columns.table(caption, CSV, &camera.rows))]));
-    blocks.extend(needed(camera)?);
-    Ok(Some(Section::new("camera", "From camera to force", blocks).saying(says(camera))))
+    blocks.extend(needed(camera, reference)?);
+    Ok(Some(Section::new("camera", "From camera to force", blocks).saying(says(camera, reference))))
 }
 
-/// Chart by contact node with two lines: the noise at which a force errs by [`ASKED_ERROR`], and the noise of the paper's camera.
-fn needed(camera: &CameraStudy) -> Result<Option<Block>, FigureError> {
+/// Noise to which the camera is compared: that of the paper's camera, or of the scene.
+struct Reference {
+    name: &'static str,
+    noise_mm: f64,
+    /// What is known of the noise, in a sentence.
+    about: &'static str,
+}
+
+impl Reference {
+    fn of(study: &Study) -> Reference {
+        match study.is_paper {
+            true => Reference {
+                name: "the paper's camera",
+                noise_mm: CAMERA_NOISE_MM,
+                about: "0.2 mm at worst, standard deviation",
+            },
+            false => Reference { name: "the maps", noise_mm: study.noise_mm, about: "standard deviation" },
+        }
+    }
+}
+
+/// Chart by contact node with two lines: the noise at which a force errs by [`ASKED_ERROR`], and the noise of the reference.
+fn needed(camera: &CameraStudy, reference: &Reference) -> Result<Option<Block>, FigureError> {
     let asked = percent_two_digits(ASKED_ERROR);
     let title = format!("Noise at which a force of {} N errs by {asked}", camera.force_n);
     let alt = format!(
-        "{title}, by contact node. At nodes where this noise exceeds the noise of the paper's camera, a force \
-            sensed with that camera errs by less."
+        "{title}, by contact node. At nodes where this noise exceeds the noise of {}, a force \
+            sensed with that noise errs by less.",
+        reference.name
     );
-    let rows: Vec<(String, NeededNoise)> =
-        camera.needed.iter().rev().map(|needed| (needed.node.to_string(), *needed)).collect();
-    let lines: [Line<NeededNoise>; 2] =
-        [("needed", |needed| Some(needed.noise_mm)), ("the paper's camera", |_| Some(CAMERA_NOISE_MM))];
+    let row = |needed: &NeededNoise| (needed.node.to_string(), [needed.noise_mm, reference.noise_mm]);
+    let rows: Vec<(String, [f64; 2])> = camera.needed.iter().rev().map(row).collect();
+    let lines: [Line<[f64; 2]>; 2] =
+        [("needed", |[needed, _]| Some(*needed)), (reference.name, |[_, noise]| Some(*noise))];
     let drawn = by_contact(Frame::half(title, alt), "noise of a coordinate, mm", &rows, &lines)?;
     let caption =
         format!("Standard deviation of a coordinate's noise at which the force errs by {asked} (root mean square).");
@@ -91,12 +114,15 @@ fn about(camera: &CameraStudy, is_paper: bool) -> String {
 }
 
 /// Times from an image to node positions.
-fn times(FrameTimes { search_s, track_s }: FrameTimes) -> String {
+fn times(FrameTimes { search_s, track_s }: FrameTimes, is_paper: bool) -> String {
     let [search_ms, track_ms] = [1e3 * search_s, 1e3 * track_s];
+    let papers = match is_paper {
+        true => " The paper's vision system takes about 40 ms on another computer, with images of a real finger.",
+        false => "",
+    };
     format!(
         "From an image in memory to node positions: {search_ms:.1} ms if the whole image is searched, {track_ms:.1} ms if only the surroundings of \
-         the previous positions are searched (medians, one core of this computer, finger at rest). The paper's vision system takes about 40 ms on \
-         another computer, with images of a real finger."
+         the previous positions are searched (medians, one core of this computer, finger at rest).{papers}"
     )
 }
 
@@ -113,12 +139,12 @@ fn line(row: &CameraRow) -> String {
     if row.item == AS_IT_IS { "nothing changed".to_owned() } else { format!("{}: {}", row.item, row.setting) }
 }
 
-/// Chart of the errors with one row per condition; the last row is the paper's camera. `None` if no error can be drawn on a logarithmic axis.
+/// Chart of the errors with one row per condition; the last row is the noise of the reference, with its error. `None` if no error can be drawn on a logarithmic axis.
 fn drawing(
     camera: &CameraStudy,
     (title, axis): (&str, &str),
     of: CameraQuantity,
-    papers: Option<f64>,
+    (reference, error): (&Reference, Option<f64>),
     asked: Option<f64>,
 ) -> Result<Option<String>, FigureError> {
     // Rows are sorted so that conditions that vary the same property are adjacent.
@@ -129,7 +155,7 @@ fn drawing(
     let drawn = |row: &&CameraRow| of(row).is_some_and(|error| error > 0.0);
     let mut lines: Vec<String> = rows.into_iter().filter(drawn).map(line).collect();
     lines.dedup();
-    lines.push("the paper's camera".to_owned());
+    lines.push(reference.name.to_owned());
     // Position of a row on the axis, which counts from the bottom.
     let at = |name: &str| (lines.len() - 1 - lines.iter().position(|other| other == name).unwrap_or(0)) as f64;
     let points = |is_rest_seen: bool| -> Vec<Point> {
@@ -137,11 +163,11 @@ fn drawing(
         let drawn = rows.filter_map(|row| Some([of(row).filter(|error| *error > 0.0)?, at(&line(row))]));
         drawn.collect()
     };
-    let papers = papers.map(|papers| [papers, 0.0]).into_iter().collect();
+    let noise = error.filter(|error| *error > 0.0).map(|error| [error, 0.0]).into_iter().collect();
     let named = [
         ("relative to the scene", points(false)),
         ("relative to an image at rest", points(true)),
-        ("independent noise", papers),
+        ("independent noise", noise),
     ];
     let mut series: Vec<Series> = named
         .into_iter()
@@ -161,7 +187,7 @@ fn drawing(
 }
 
 /// Sentence on the camera's accuracy, the required accuracy, and the condition with the largest error.
-fn says(camera: &CameraStudy) -> Option<String> {
+fn says(camera: &CameraStudy, reference: &Reference) -> Option<String> {
     let row = camera.as_it_is()?;
     let worst = camera.worst()?;
     let costs = camera.rows.iter().filter_map(|row| Some((row, row.force_rms_error?)));
@@ -170,17 +196,18 @@ fn says(camera: &CameraStudy) -> Option<String> {
         camera.rows.iter().filter(|row| row.item == "resolution" && row.found == row.markers && row.refused == 0);
     let enough =
         coarse.filter(|row| row.force_largest_error <= Some(ASKED_ERROR)).find(|row| row.force_largest_error.is_some());
-    let papers = ASKED_ERROR * CAMERA_NOISE_MM / worst.noise_mm;
-    let [error, asked, papers, largest] = [row.force_rms_error?, ASKED_ERROR, papers, largest].map(percent_two_digits);
+    let least = ASKED_ERROR * reference.noise_mm / worst.noise_mm;
+    let [error, asked, least, largest] = [row.force_rms_error?, ASKED_ERROR, least, largest].map(percent_two_digits);
     let enough = enough.map_or_else(String::new, |row| {
         format!(" At a resolution of {} no sensed force errs by more than {asked}.", row.setting)
     });
     let (rms_mm, largest_mm) = (row.displacement_rms_mm?, row.displacement_largest_mm?);
+    let Reference { name, noise_mm, about } = reference;
     let (node, needed_mm, item, setting) = (worst.node, worst.noise_mm, most.item, setting(most));
     Some(format!(
         "In rendered images node displacements err by {rms_mm:.4} mm rms ({largest_mm:.4} mm at most), and forces sensed from these displacements by \
-         {error} rms. At node {node}, the worst node except the tip, an error of {asked} requires noise below {needed_mm:.3} mm. The noise of the \
-         paper's camera (0.2 mm at worst, standard deviation {CAMERA_NOISE_MM} mm) causes an error of at least {papers}. Among the tested conditions, \
+         {error} rms. At node {node}, the worst node except the tip, an error of {asked} requires noise below {needed_mm:.3} mm. The noise of {name} \
+         ({about} {noise_mm} mm) causes an error of at least {least}. Among the tested conditions, \
          {item} ({setting}) causes the largest error: {largest}.{enough}"
     ))
 }

@@ -1,9 +1,10 @@
 //! Drawings of a study, made with [`figures`](finray_figures).
 
+use super::finger::thickness;
 use super::format::list;
 use crate::prelude::*;
 use finray_figures::{Bars, Lines, Marker, Paint};
-use finray_model::finger::{FingerPoint, Part};
+use finray_model::finger::{FingerDescription, FingerPoint, Part};
 
 /// Palette of errors: largest error of each class, %, and its colour (red, green, blue). The three shades of green mean trusted; amber and red do
 /// not. Colours become darker on both sides of the 10 % threshold, so that the order is visible to colour-blind readers and in grey prints.
@@ -192,10 +193,11 @@ pub(super) fn at_rest(finger: &Finger) -> [Lines; 3] {
     })
 }
 
-/// Drawing of the finger with its node numbers.
+/// Drawing of the finger with its dimensions, the numbers of its key nodes and ribs, and the sign of a direction.
 pub(super) fn finger(study: &Study) -> Result<String, FigureError> {
     let finger = &study.finger;
-    let [front, back, ribs] = at_rest(finger);
+    let FingerDescription { base_width_mm, front, back, ribs: rib, .. } = finger.description();
+    let [plate, other, ribs] = at_rest(finger);
     let clamps = finger.clamped_nodes();
     let numbered = |nodes: Vec<NodeId>| -> (Vec<Point>, Vec<String>) {
         nodes.into_iter().map(|node| (point(&finger.position(node)), node.to_string())).unzip()
@@ -208,17 +210,60 @@ pub(super) fn finger(study: &Study) -> Result<String, FigureError> {
         let foot = middle - finger.direction(angle_deg) * (0.14 * length);
         Series::arrow([point(&foot), point(&middle)], label, hue)
     };
-    let mut series = Series::lines("front plate", front, Hue::BLUE, 4.0);
-    series.extend(Series::lines("back plate", back, Hue::VERMILION, 4.0));
-    series.extend(Series::lines("ribs", ribs, Hue::GREEN, 2.6));
+    let of_ribs = match (finger.rib_count(), rib.strip) {
+        (0, _) => String::new(),
+        (count, Some(strip)) if rib.thicknesses_mm.is_none() => {
+            format!("ribs r1 to r{count}, {} mm thick", strip.thickness_mm)
+        }
+        (count, _) => format!("ribs r1 to r{count}"),
+    };
+    let rib_names = (0..finger.rib_count()).map(|rib| {
+        let [one, end] = finger.rib_nodes(rib).map(|node| finger.position(node));
+        (point(&((one + end) * 0.5)), format!("r{}", rib + 1))
+    });
+    let (points, labels) = rib_names.unzip();
+    let names = Series { dash: Dash::None, marker: None, hue: Hue::GREEN, labels, ..Series::nth(0, "", points) };
+    let mut series = Series::lines("front plate", plate, Hue::BLUE, 4.0);
+    series.extend(Series::lines("back plate", other, Hue::VERMILION, 4.0));
+    series.extend(Series::lines(&of_ribs, ribs, Hue::GREEN, 2.6));
+    // Dimension lines lie outside the finger, at this distance.
+    let off_mm = 0.1 * length;
+    let foot = |plate| finger.plate_point(plate, 0.0);
+    let tip = finger.position(finger.tip());
+    let outward = |plate| -finger.direction_on(plate, 0.0) * off_mm;
+    let along = |plate: Plate, thickness: String| {
+        let words = format!("{} mm, {thickness} mm thick", finger.plate_length_mm(plate));
+        dimension([foot(plate), tip], outward(plate), words)
+    };
+    let base =
+        dimension([foot(Plate::Back), foot(Plate::Front)], Vector::new(-off_mm, 0.0), format!("{base_width_mm} mm"));
+    let plates = [along(Plate::Front, thickness(front)), along(Plate::Back, thickness(back)), base];
+    series.extend(plates.into_iter().flatten());
+    if !names.points.is_empty() {
+        series.push(names);
+    }
     series.extend([
         Series::marks("node", Marker::Node, numbered(free)),
         Series::marks("clamped node", Marker::Clamp, numbered(clamps.to_vec())),
         arrow(0.0, "0 deg", Hue::BLUE),
         arrow(40.0, "+40 deg", Hue::VERMILION),
     ]);
-    let alt = "The finger with its numbered key nodes; the base is on the left, the tip on the right.";
-    Chart::to_scale(Frame::full("Numbers of the key nodes", alt), [ALONG_AXIS, ACROSS_AXIS], series).svg()
+    let alt = "The finger with its dimensions and its numbered key nodes and ribs; the base is on the left, the tip on the right.";
+    Chart::to_scale(Frame::full("Dimensions and numbers", alt), [ALONG_AXIS, ACROSS_AXIS], series).svg()
+}
+
+/// A dimension line beside the line from one point to another, mm, at the distance `off`, with extension lines. Its text
+/// stands at a third, beside the arrows at the middle of the front plate.
+fn dimension([from, to]: [Vector; 2], off: Vector, words: String) -> Vec<Series> {
+    let [start, end] = [from + off, to + off];
+    let lines = vec![
+        vec![point(&start), point(&(start * 0.7 + end * 0.3)), point(&end)],
+        vec![point(&(from + off * 0.2)), point(&(from + off * 1.2))],
+        vec![point(&(to + off * 0.2)), point(&(to + off * 1.2))],
+    ];
+    let mut series = Series::lines("", lines, Hue::NEUTRAL, 1.0);
+    series[0].labels = vec![String::new(), words, String::new()];
+    series
 }
 
 /// Drawing of the finger, undeformed and under load.

@@ -26,8 +26,9 @@ pub(super) fn section(Results { study, .. }: Results) -> Result<Option<Section>,
     if study.is_paper {
         facts.push(ASSUMED.to_owned());
     }
-    let caption = "Key nodes, numbered from the back base over the tip to the front base. An arrow shows the direction of a \
-            positive force.";
+    let caption = "Dimensions are those of the middle lines. Key nodes are numbered from the back base over the tip to the front \
+            base, ribs from the base. An arrow shows the direction of a positive force; angles count from the front plate's normal, positive \
+            towards the tip.";
     let figure = Figure::wide(drawings::finger(study)?, caption, CSV);
     let blocks = vec![Block::Figure(figure), Block::List(facts)];
     Ok(Some(Section::new("finger", "The finger", blocks)))
@@ -40,12 +41,16 @@ fn sides(finger: &Finger) -> String {
     format!("Base width {base_width_mm} mm, front plate {front_mm} mm, back plate {back_mm} mm, depth {depth_mm} mm.")
 }
 
-/// Thickness and modulus of plates and ribs, and the number of ribs.
-fn members(FingerDescription { front, back, ribs, .. }: &FingerDescription) -> String {
-    let thickness = |Strip { thickness_mm, tip_thickness_mm, .. }: &Strip| match tip_thickness_mm {
+/// Thickness of a plate, mm, from base to tip.
+pub(super) fn thickness(Strip { thickness_mm, tip_thickness_mm, .. }: &Strip) -> String {
+    match tip_thickness_mm {
         Some(tip_mm) => format!("{thickness_mm} to {tip_mm}"),
         None => thickness_mm.to_string(),
-    };
+    }
+}
+
+/// Thickness and modulus of plates and ribs, and the number of ribs.
+fn members(FingerDescription { front, back, ribs, .. }: &FingerDescription) -> String {
     let (count, spaced) = match &ribs.positions {
         RibPositions::Count(count) => (*count, ", evenly spaced"),
         RibPositions::Positions(places) => (places.len(), " at given positions"),

@@ -4,6 +4,7 @@
 mod answers;
 mod camera;
 mod causes;
+mod changes;
 mod checks;
 mod contact_scenes;
 pub mod dataset;
@@ -19,6 +20,7 @@ pub mod measured;
 mod networks;
 pub mod page;
 mod pairs;
+mod places;
 mod prelude;
 mod push;
 mod recorded;
@@ -70,10 +72,12 @@ struct Results<'s> {
 /// The files of a report, not yet written to disk.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
-    /// Relative path and text of each file: `index.html` and the other pages, `summary.json`, and the CSV files with the numbers of the figures.
+    /// Relative path and text of each file: `index.html` and the other pages, `summary.json`, the drawing `finger.svg`, and the CSV files with the numbers of the figures.
     pub files: Vec<(PathBuf, String)>,
     /// Conclusions: the answers on the first page, the conclusions of all sections, and the assumptions of the answers.
     pub verdict: Vec<String>,
+    /// The short verdict of the first page, a line each: the unknown contact first.
+    pub short: Vec<String>,
 }
 
 /// Makes the report of a study.
@@ -85,6 +89,8 @@ pub fn report(study: &Study) -> Result<Report, ReportError> {
     let pages = sections::pages(results)?;
     let data = sections::datasets(results)?;
     let first = pages.iter().find_map(|(_, page)| page.first.as_ref());
+    let rows = first.iter().flat_map(|first| &first.verdict).map(|row| row.join(": "));
+    let short: Vec<String> = first.iter().map(|first| first.headline.join(" ")).chain(rows).collect();
     let answers = first.iter().flat_map(|first| &first.answers).map(|it| it.join(" "));
     let says = pages.iter().flat_map(|(_, page)| &page.sections).flat_map(|section| &section.says);
     let caveat = first.map(|first| first.caveat.clone());
@@ -93,18 +99,20 @@ pub fn report(study: &Study) -> Result<Report, ReportError> {
     for dataset in &data {
         files.extend(dataset.csv()?.map(|(name, text)| (name.into(), text)));
     }
-    files.push(("summary.json".into(), summary(&study.scene, &verdict, &data)?));
+    files.push(("finger.svg".into(), standalone(&drawings::finger(study)?)));
+    files.push(("summary.json".into(), summary(&study.scene, [&short[..], &verdict[..]], &data)?));
     for (file, page) in &pages {
         files.push((file.into(), page::render(page)?));
     }
-    Ok(Report { files, verdict })
+    Ok(Report { files, verdict, short })
 }
 
-/// Text of `summary.json`, which has the scene, the version, the verdict and the arrays of the datasets. Each dataset writes its array.
-fn summary(scene: &str, verdict: &[String], data: &[Dataset]) -> Result<String, ReportError> {
+/// Text of `summary.json`, which has the scene, the version, the short and the full verdict, and the arrays of the datasets. Each dataset writes its array.
+fn summary(scene: &str, [short, verdict]: [&[String]; 2], data: &[Dataset]) -> Result<String, ReportError> {
     let mut fields = vec![
         ("scene", serde_json::to_string(scene)?),
         ("version", serde_json::to_string(VERSION)?),
+        ("short", serde_json::to_string_pretty(short)?),
         ("verdict", serde_json::to_string_pretty(verdict)?),
     ];
     for dataset in data {

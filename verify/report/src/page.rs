@@ -42,6 +42,8 @@ pub struct Page {
 /// First screen of the report: verdict, answers and drawings.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct First {
+    /// The trusted share, in large type, and what it means.
+    pub headline: [String; 2],
     /// Short verdict, beside the picture: questions in the reader's words, each with its answer.
     pub verdict: Vec<[String; 2]>,
     /// The reader's questions with their full answers.
@@ -78,8 +80,6 @@ pub struct PageLink {
     pub heading: String,
     /// Whether the linked page is the page that shows the link.
     pub is_this: bool,
-    /// Sections of the linked page: anchor and heading of each.
-    pub sections: Vec<[String; 2]>,
 }
 
 /// A part of the page with its own heading.

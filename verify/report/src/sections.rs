@@ -3,8 +3,8 @@
 use super::dataset::Dataset;
 use super::page::{First, Page, PageLink, Section};
 use super::{
-    ReportError, Results, answers, camera, causes, checks, contact_scenes, estimators, explore, finger, grasp,
-    gripper_tests, maps, measured, networks, pairs, push, recorded, scatter, shapes, times, trust,
+    ReportError, Results, answers, camera, causes, changes, checks, contact_scenes, estimators, explore, finger, grasp,
+    gripper_tests, maps, measured, networks, pairs, places, push, recorded, scatter, shapes, times, trust,
 };
 
 /// A section: its page, a function for its content on this page (`None` if the scene has no such study), and a function for its data.
@@ -19,32 +19,29 @@ enum On {
     Objects,
     Camera,
     Speed,
-    Networks,
     Checks,
-    Lattice,
-    HardCases,
     Paper,
     Own,
 }
 
 /// Pages in the order of their navigation, each with its file and its heading.
-const PAGES: [(On, &str, &str); 12] = [
+const PAGES: [(On, &str, &str); 9] = [
     (On::Index, "index.html", "Summary"),
+    (On::Own, "your-finger.html", "Edit the finger"),
     (On::Measured, "measured.html", "Photographs"),
     (On::Maps, "maps.html", "Maps"),
     (On::Objects, "objects.html", "Objects"),
     (On::Camera, "camera.html", "Camera"),
-    (On::Speed, "speed.html", "Meshes and speed"),
-    (On::Networks, "networks.html", "Networks"),
+    (On::Speed, "speed.html", "Speed and networks"),
     (On::Checks, "checks.html", "Checks"),
-    (On::Lattice, "lattice.html", "Spring lattice"),
-    (On::HardCases, "hard-cases.html", "Hard cases"),
     (On::Paper, "paper.html", "The paper"),
-    (On::Own, "your-finger.html", "Your finger"),
 ];
 
 /// Every section, in the order of the page. A new section needs its experiment, its file in this folder, and a row here.
 const SECTIONS: &[Entry] = &[
+    Entry(On::Index, places::section, places::datasets),
+    Entry(On::Index, changes::section, changes::datasets),
+    Entry(On::Index, finger::section, finger::datasets),
     Entry(On::Index, grasp::section, grasp::datasets),
     Entry(On::Index, causes::section, causes::datasets),
     Entry(On::Index, estimators::section, estimators::datasets),
@@ -59,12 +56,11 @@ const SECTIONS: &[Entry] = &[
     Entry(On::Camera, scatter::section, scatter::datasets),
     Entry(On::Speed, recorded::convergence, |_| Vec::new()),
     Entry(On::Speed, times::section, times::datasets),
-    Entry(On::Networks, networks::section, networks::datasets),
+    Entry(On::Speed, networks::section, networks::datasets),
     Entry(On::Checks, checks::section, checks::datasets),
     Entry(On::Checks, shapes::section, shapes::datasets),
-    Entry(On::Checks, finger::section, finger::datasets),
-    Entry(On::Lattice, recorded::lattice, |_| Vec::new()),
-    Entry(On::HardCases, recorded::hard_cases, |_| Vec::new()),
+    Entry(On::Checks, recorded::lattice, |_| Vec::new()),
+    Entry(On::Checks, recorded::hard_cases, |_| Vec::new()),
     Entry(On::Paper, recorded::claims, |_| Vec::new()),
     Entry(On::Paper, recorded::table_two, |_| Vec::new()),
     Entry(On::Paper, gripper_tests::section, gripper_tests::datasets),
@@ -93,9 +89,10 @@ pub(super) fn pages(results: Results) -> Result<Vec<(&'static str, Page)>, Repor
             filled.push((on, file, heading, sections));
         }
     }
-    let link = |(_, file, heading, sections): &(On, &str, &str, Vec<Section>)| {
-        let sections = sections.iter().map(|section| [section.id.clone(), section.heading.clone()]).collect();
-        PageLink { file: (*file).to_owned(), heading: (*heading).to_owned(), is_this: false, sections }
+    let link = |(_, file, heading, _): &(On, &str, &str, Vec<Section>)| PageLink {
+        file: (*file).to_owned(),
+        heading: (*heading).to_owned(),
+        is_this: false,
     };
     let links: Vec<PageLink> = filled.iter().map(link).collect();
     let pushed = push::of(study)?;
@@ -136,6 +133,7 @@ pub(super) fn pages(results: Results) -> Result<Vec<(&'static str, Page)>, Repor
 fn first(results: Results) -> Result<First, ReportError> {
     let study = results.study;
     Ok(First {
+        headline: answers::headline(study),
         verdict: answers::verdict(study),
         answers: answers::answers(study),
         caveat: answers::caveat(study),

@@ -7,7 +7,7 @@ use crate::prelude::*;
 use finray_figures::Patch;
 use finray_studies::experiments::explain::Explanation;
 use finray_studies::sampling::situation::ContactKnowledge;
-use finray_studies::sampling::trust::WorstCell;
+use finray_studies::sampling::trust::{WeighedShare, WorstCell};
 use finray_studies::settings::{DIRECTION_OFF_DEG, FRICTION_MAX, POSITION_OFF_MM};
 
 /// File with the cells of all situations.
@@ -42,6 +42,49 @@ impl Situation<'_> {
     /// The trusted share of the whole map.
     pub(super) fn trust(&self) -> TrustShare {
         TrustShare::of(&self.cells)
+    }
+
+    /// The trusted share after weighing the finger, if the uncertain modulus reduces the share.
+    pub(super) fn weighed(&self, study: &Study) -> Option<WeighedShare> {
+        self.map.weighed(&study.finger, study.stiffness_error)
+    }
+
+    /// The trusted share in words, with the modulus as its cause where it is one.
+    pub(super) fn in_words(&self, study: &Study) -> String {
+        let share = self.trust().share().map_or_else(|| "no equilibrium".to_owned(), percent);
+        self.weighed(study).map_or_else(|| share.clone(), |weighed| format!("{share}: {weighed}"))
+    }
+
+    /// What limits most of the untrusted part of the map: refusals, the modulus, camera noise or the model's error; `None` if all is trusted.
+    pub(super) fn limit(&self, study: &Study) -> Option<&'static str> {
+        let trust = self.trust();
+        let untrusted = trust.carried - trust.trusted;
+        if untrusted <= 0.0 {
+            return None;
+        }
+        let weighed = self.weighed(study).map_or(0.0, |weighed| weighed.share * trust.carried - trust.trusted);
+        let failed = (untrusted - trust.refused - weighed).max(0.0);
+        let (cells, by_noise) = self.failures();
+        let by_noise = failed * by_noise as f64 / cells.len().max(1) as f64;
+        let causes = [
+            (by_noise, "camera noise"),
+            (trust.refused, "refusals of ambiguous contacts"),
+            (weighed, "the uncertain modulus"),
+            (failed - by_noise, "error of the model"),
+        ];
+        // Of equal causes, the first counts.
+        let largest = causes.into_iter().reduce(|most, next| if next.0 > most.0 { next } else { most })?;
+        Some(largest.1)
+    }
+
+    /// The answered cells of the map whose error is above the trusted limit, and the number of these cells in which the spread due to noise exceeds
+    /// the bias.
+    pub(super) fn failures(&self) -> (Vec<&MapCell>, usize) {
+        let is_wrong =
+            |cell: &&MapCell| cell.state() == CellState::Answered && cell.is_above(TRUSTED_ERROR) == Some(true);
+        let failed: Vec<&MapCell> = self.map.cells.iter().filter(is_wrong).collect();
+        let by_noise = failed.iter().filter(|cell| cell.spread > cell.bias.map(f64::abs)).count();
+        (failed, by_noise)
     }
 
     /// Share of the answered, untrusted cells in which the wrong direction of an assumed contact causes a larger error than its wrong position, to
@@ -152,8 +195,7 @@ pub(super) fn figures(Results { study, .. }: Results) -> Result<Vec<Figure>, Rep
 
 fn figure(study: &Study, situation: &Situation, is_first: bool) -> Result<Figure, ReportError> {
     let finger = &study.finger;
-    let share = situation.trust().share().map_or_else(|| "no equilibrium".to_owned(), percent);
-    let title = format!("{}: {share}", capitalised(&situation.name));
+    let title = format!("{}: {}", capitalised(&situation.name), situation.in_words(study));
     let [front, back, ribs] = at_rest(finger);
     let series = Series::lines("", [back, ribs, front].concat(), Hue::FAINT, 2.2);
     let alt = format!(

@@ -94,7 +94,7 @@ pub fn run(
         scene: text,
         grid: grid.clone(),
     };
-    write(&sweep, finger, Head { shard: arguments.shard, request }, &arguments.out)
+    write(&sweep, &scene, Head { shard: arguments.shard, request }, &arguments.out)
 }
 
 fn grid(
@@ -154,7 +154,7 @@ fn require_an_answer(scene: &PreparedScene, sensor: &SampledSensor, grid: &Grid)
     Err(refusal.unwrap_or(SensingError::NoContact.into()).into())
 }
 
-fn write(sweep: &Sweep, finger: &Finger, head: Head, out: &Path) -> Result<String, Failure> {
+fn write(sweep: &Sweep, scene: &Scene, head: Head, out: &Path) -> Result<String, Failure> {
     let table = head.request.table;
     let blocks = head.shard.map_or(0..sweep.block_count(), |shard| shard.blocks(sweep.block_count()));
     let rows = blocks.len() * head.request.rows_in_block();
@@ -190,10 +190,10 @@ fn write(sweep: &Sweep, finger: &Finger, head: Head, out: &Path) -> Result<Strin
     })?;
     bar.finish_and_clear();
     let map = if whole { map_of(&request, partial.table()?)? } else { None };
-    let figure = map.as_ref().map(|map| figure(finger, map, &out)).transpose()?;
+    let figure = map.as_ref().map(|map| figure(&scene.finger, map, &out)).transpose()?;
     let beside: Vec<_> = figure.into_iter().collect();
     partial.finish(&beside)?;
-    let result = map.map_or_else(|| count(rows, "row"), |map| trusted(finger, &map));
+    let result = map.map_or_else(|| count(rows, "row"), |map| trusted(scene, &map));
     Ok(summary(result, std::iter::once(&out).chain(beside.iter().map(|(path, _)| path))))
 }
 
@@ -209,9 +209,11 @@ pub fn figure(finger: &Finger, map: &AccuracyMap, out: &Path) -> Result<(PathBuf
     Ok((figure_path(out), standalone(&figure)))
 }
 
-/// Summary of a map: its trusted share, and the shares of the noise samples that are refused and that are answered with a warning.
-pub fn trusted(finger: &Finger, map: &AccuracyMap) -> String {
-    let trust = map.trust(finger);
+/// Summary of a map: its trusted share, what limits it if the modulus does, and the shares of the noise samples that are refused and that are answered
+/// with a warning.
+pub fn trusted(scene: &Scene, map: &AccuracyMap) -> String {
+    let trust = map.trust(&scene.finger);
+    let weighed = map.weighed(&scene.finger, scene.stiffness_error).map_or_else(String::new, |it| format!("; {it}"));
     let percent = |share: f64| format!("{:.0} %", 100.0 * share);
     let share = trust.share().map_or("none".to_owned(), percent);
     let noise = match map.noise_mm {
@@ -227,7 +229,7 @@ pub fn trusted(finger: &Finger, map: &AccuracyMap) -> String {
         without => format!(", {without} of {} without equilibrium", count(trust.cells, "cell")),
     };
     let limit = percent(TRUSTED_ERROR);
-    format!("{share} trusted ({}, error up to {limit}, {noise}){samples}{without}", map.situation)
+    format!("{share} trusted ({}, error up to {limit}, {noise}){samples}{without}{weighed}", map.situation)
 }
 
 /// Path of a table; for a map, the suffix becomes csv if the figure would have the same path as the table.

@@ -47,6 +47,6 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let mut sources: Vec<(&Path, &mut dyn Read)> = vec![(&out, &mut table)];
     sources.extend(figure.iter().zip(&mut texts).map(|((path, _), text)| (path.as_path(), text as &mut dyn Read)));
     write_from(sources)?;
-    let result = map.as_ref().map_or_else(joined, |map| format!("{}, {}", joined(), trusted(&scene.finger, map)));
+    let result = map.as_ref().map_or_else(joined, |map| format!("{}, {}", joined(), trusted(&scene, map)));
     Ok(summary(result, std::iter::once(&out).chain(figure.iter().map(|(path, _)| path))))
 }

@@ -91,9 +91,9 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
     let report = finray_report::report(&study).map_err(not_computed)?;
     write_folder(&arguments.out, &report.files)?;
     let page = arguments.out.join("index.html");
-    let mut sentences = report.verdict;
-    sentences.push(format!("The report is in {}\n", page.display()));
-    write_file(Path::new("-"), sentences.join("\n"))?;
+    let mut lines = report.short;
+    lines.push(format!("The report is in {}\n", page.display()));
+    write_file(Path::new("-"), lines.join("\n"))?;
     if arguments.open
         && let Err(error) = open::that_detached(&page)
     {

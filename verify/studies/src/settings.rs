@@ -25,6 +25,9 @@ pub const POSITION_OFF_MM: f64 = 1.5;
 pub const FRICTION_MAX: f64 = 1.0;
 /// Known range of the coefficient of friction if the scene states none, dimensionless: dry plastics and metals, which may slide to either side.
 pub const KNOWN_FRICTION: [f64; 2] = [-0.5, 0.5];
+/// Relative standard deviation of the modulus after `finray calibrate --weight` with one photograph, dimensionless: what forces of a known contact then
+/// state on simulated photographs of printed fingers (`fixtures/printed/README.md`: 2.1 %).
+pub const WEIGHED_MODULUS_SD: f64 = 0.02;
 /// With at least this number of cases, the standard error of a mean error is about 2 % of the mean. A check of the mean error then needs no allowance
 /// for sampling error.
 pub const ENOUGH_CASES: usize = 4000;

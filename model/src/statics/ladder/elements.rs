@@ -144,6 +144,7 @@ impl<R: Number> ParallelLines<'_, R> {
             axial_rigidity_n: like.of_lanes(|lane| beam(lane).axial_rigidity_n),
             bending_rigidity_nmm2: like.of_lanes(|lane| beam(lane).bending_rigidity_nmm2),
             sway_factor: like.of_lanes(|lane| beam(lane).sway_factor),
+            axis_mm: [like.of_lanes(|lane| beam(lane).axis_mm[0]), like.of_lanes(|lane| beam(lane).axis_mm[1])],
         }
     }
 

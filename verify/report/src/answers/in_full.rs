@@ -1,6 +1,6 @@
 //! The reader's five questions with their full answers.
 
-use super::{coverage, failures, given};
+use super::{coverage, given};
 use crate::format::{capitalised, list, percent};
 use crate::maps::small;
 use crate::prelude::*;
@@ -30,6 +30,9 @@ pub(crate) fn answers(study: &Study) -> Vec<[String; 2]> {
 fn trusted(study: &Study, situations: &[Situation]) -> Option<String> {
     let known = of_known(study, situations)?;
     let share = |of: &Situation| Some(format!("{} ({})", percent(of.trust().share()?), of.name));
+    let unknown =
+        situations.first().and_then(|of| Some(format!(" {}: {}.", capitalised(&of.name), of.weighed(study)?)));
+    let unknown = unknown.unwrap_or_default();
     let shares: Vec<String> = situations.iter().filter_map(share).collect();
     let missing = match known.trust() {
         TrustShare { without_equilibrium: 0, .. } => String::new(),
@@ -44,7 +47,7 @@ fn trusted(study: &Study, situations: &[Situation]) -> Option<String> {
     };
     Some(format!(
         "The mean error stays within {} for forces of {} N in these shares of the positions and of the directions that friction allows: \
-         {}.{missing} {weakest}",
+         {}.{unknown}{missing} {weakest}",
         percent(TRUSTED_ERROR),
         list(&known.map.request.forces_n, ", "),
         list(shares, "; "),
@@ -74,12 +77,16 @@ fn why_not(study: &Study, situations: &[Situation]) -> Option<String> {
     let known = of_known(study, situations)?;
     let others = situations.iter().filter(|other| other.name != known.name);
     let others = others.filter_map(|situation| failing(study, situation));
-    Some(format!("{}{}", failing_if_known(known), list(others, "")))
+    let by_direction = situations.iter().find(|of| of.is_misjudged).and_then(|of| of.failed_by_direction(study));
+    let by_direction = by_direction.map_or_else(String::new, |share| {
+        format!(" With a wrong contact, the main cause is its direction in {} of the failing cells.", percent(share))
+    });
+    Some(format!("{}{}{by_direction}", failing_if_known(known), list(others, "")))
 }
 
 /// Sentence that says whether noise or the model's error dominates in the failing cells, with contact and finger known.
 fn failing_if_known(known: &Situation) -> String {
-    let (failed, by_noise) = failures(known);
+    let (failed, by_noise) = known.failures();
     if failed.is_empty() {
         return "With contact and finger known, no sensed force fails.".to_owned();
     }

@@ -1,5 +1,5 @@
 // The finger that one can push, as the object `finray`. push.wasm, in #push-program, computes its equilibrium and the sensed force; #push-data has the scene and the
-// report's map of trusted cells. Without either, or where WebAssembly does not run, the picture stays hidden.
+// report's map of trusted cells. Without either, or where WebAssembly does not run, a sentence says so in place of the picture.
 const finray = (() => {
   'use strict';
 
@@ -134,6 +134,15 @@ const finray = (() => {
     view.append(bands, rest, bent, moving, label(0, 'base'), label(drawing.front_mm, 'tip'));
     picture.replaceChildren(view);
 
+    /** A program that stops is not asked again. */
+    const draw = (unasked = false) => {
+      if (root.dataset.failed) return;
+      try {
+        drawn(unasked);
+      } catch (error) {
+        show(root, error);
+      }
+    };
     // Each change is drawn once in the next frame. If the sensor takes longer than a frame, it is asked when the changes pause.
     let waits = false, slow = false, pause = 0;
     const change = (changes) => {
@@ -172,7 +181,7 @@ const finray = (() => {
     // The maps are those of the nonlinear estimator under the report's noise.
     const mapped = () => (state.estimator === 'nonlinear' && state.noise_mm === data.noise_mm ? data.maps[state.knows] : undefined);
 
-    function draw(unasked = false) {
+    function drawn(unasked) {
       place(state.s_mm);
       direction(state.angle_deg);
       force(state.force_n);
@@ -181,7 +190,9 @@ const finray = (() => {
       if (!unasked) slow = performance.now() - began > FRAME_MS;
       root.dataset.state = !it ? 'not-carried' : it.sensed === 'unasked' ? 'unasked' : Object.keys(it.sensed)[0];
       bands.replaceChildren(...band(mapped(), state.angle_deg, front, drawing.front_mm));
-      const cell = Object.keys(data.maps).length === 0 ? '' : html('p', { class: `push-cell ${trusted === null ? '' : trusted ? 'is-trusted' : 'is-not-trusted'}` }, words);
+      // A warned answer is not trusted, whatever the mean of the cell.
+      const warned = trusted && it?.sensed.force?.warnings.length > 0, light = trusted === null ? '' : warned ? 'is-warned' : trusted ? 'is-trusted' : 'is-not-trusted';
+      const cell = Object.keys(data.maps).length === 0 ? '' : html('p', { class: `push-cell ${light}` }, words, warned ? ' This answer has a warning.' : '');
       if (!it) {
         bent.setAttribute('d', rest.getAttribute('d'));
         moving.replaceChildren(...arrow(front.at(state.s_mm), truth, scale, 'push-true'));
@@ -238,20 +249,29 @@ const finray = (() => {
     return state;
   }
 
+  /** Shows the picture, or in its place why there is none. */
+  function show(root, error) {
+    const missing = document.querySelector('.push-missing');
+    [root, document.querySelector('.push-says')].forEach((each) => { each.hidden = Boolean(error); });
+    missing.hidden = !error;
+    if (!error) return;
+    root.dataset.failed = String(error);
+    missing.textContent = `The finger cannot be pushed on this page (${error.message ?? error}). Maps, tables and the other pages do not depend on it.`;
+  }
+
   async function run() {
     const root = document.querySelector('.push'), text = document.getElementById('push-program')?.textContent;
-    if (!root || !text) return;
-    const hide = (hidden) => [root, document.querySelector('.push-says')].forEach((each) => { each.hidden = hidden; });
+    if (!root) return;
     try {
+      if (!text) throw new Error('the page has no program');
       const ask = await program(text);
       const data = JSON.parse(document.getElementById('push-data').textContent), drawing = ask({ finger: { scene: data.scene, other: data.other } });
       if (drawing.error) throw new Error(drawing.error);
-      hide(false);
+      show(root);
       if (document.querySelector('.push-scene')) edit(root, data, ask);
       else start(root, data, ask, drawing);
     } catch (error) {
-      root.dataset.failed = String(error);
-      hide(true);
+      show(root, error);
     }
   }
 

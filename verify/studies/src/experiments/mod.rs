@@ -4,6 +4,7 @@
 //! experiments.
 
 pub mod camera;
+pub mod changes;
 pub mod contact_scene;
 pub mod continuum;
 pub mod coverage;

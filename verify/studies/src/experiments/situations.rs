@@ -28,35 +28,45 @@ const SEED: u64 = 1;
 
 /// Accuracy maps of the co-rotational finger for the nonlinear estimator, one for each of [`SITUATIONS`]. Empty without noise.
 pub(crate) fn run(context: &Context) -> Result<Vec<AccuracyMap>, Infallible> {
-    let &Context { noise_mm, forces, effort, given, .. } = context;
-    if noise_mm == 0.0 {
+    if context.noise_mm == 0.0 {
         return Ok(Vec::new());
     }
-    let mut scene = given.scene.of_same_finger();
-    // Of the scene's contact, only friction concerns the true finger.
-    scene.contact.lean = given.scene.contact.lean;
-    let scene = PreparedScene::from(scene);
-    let request = |situation: Situation| {
-        let (positions, step_deg, noise_samples) = match situation.contact.is_leaning() {
-            true => effort.unknown_resolution(),
-            false => effort.coarse_resolution(),
-        };
-        let (positions_mm, angles_deg) = MapRequest::of_knowledge(&scene, situation.contact, positions, step_deg);
-        MapRequest {
-            positions_mm,
-            angles_deg,
-            is_leaning: situation.contact.is_leaning(),
-            forces_n: forces.of_maps_n().to_vec(),
-            noise_levels_mm: vec![noise_mm],
-            noise_samples,
-            seed: SEED,
-        }
+    let scene = sensed(context);
+    let contacts = |situation| request(context, &scene, situation, context.noise_mm).contact_count();
+    context.progress.part("unknown contacts", SITUATIONS.into_iter().map(contacts).sum());
+    Ok(SITUATIONS.map(|situation| map(context, situation, context.noise_mm, &|| context.progress.step())).into())
+}
+
+/// The scene as the sensor sees it: of its contact, only friction concerns the true finger.
+fn sensed(context: &Context) -> Scene {
+    let mut scene = context.given.scene.of_same_finger();
+    scene.contact.lean = context.given.scene.contact.lean;
+    scene
+}
+
+/// The grid of a situation's map.
+fn request(context: &Context, scene: &Scene, situation: Situation, noise_mm: f64) -> MapRequest {
+    let (positions, step_deg, noise_samples) = match situation.contact.is_leaning() {
+        true => context.effort.unknown_resolution(),
+        false => context.effort.coarse_resolution(),
     };
-    let plans = SITUATIONS.map(|situation| (situation, request(situation)));
-    context.progress.part("unknown contacts", plans.iter().map(|(_, request)| request.contact_count()).sum());
-    let map = |(situation, request): (Situation, MapRequest)| {
-        let sensor = SampledSensor { situation, ..SampledSensor::new(EstimatorId::Nonlinear, context.networks) };
-        accuracy_maps(scene.clone(), context.corotational, &[sensor], &request, &|| context.progress.step())
-    };
-    Ok(plans.into_iter().flat_map(map).collect())
+    let (positions_mm, angles_deg) = MapRequest::of_knowledge(scene, situation.contact, positions, step_deg);
+    MapRequest {
+        positions_mm,
+        angles_deg,
+        is_leaning: situation.contact.is_leaning(),
+        forces_n: context.forces.of_maps_n().to_vec(),
+        noise_levels_mm: vec![noise_mm],
+        noise_samples,
+        seed: SEED,
+    }
+}
+
+/// The map of a situation, with a noise of standard deviation `noise_mm`, mm. `progress` is called after each contact.
+pub(super) fn map(context: &Context, situation: Situation, noise_mm: f64, progress: &(dyn Fn() + Sync)) -> AccuracyMap {
+    let scene = sensed(context);
+    let request = request(context, &scene, situation, noise_mm);
+    let sensor = SampledSensor { situation, ..SampledSensor::new(EstimatorId::Nonlinear, context.networks) };
+    // One sensor and one noise level give one map.
+    accuracy_maps(scene, context.corotational, &[sensor], &request, progress).remove(0)
 }

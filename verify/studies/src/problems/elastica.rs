@@ -32,7 +32,7 @@ pub(super) fn cantilever(elements: usize, axial_rigidity_n: f64) -> (PlaneFrame,
         frame.add_beam(
             pair[0],
             pair[1],
-            Section { axial_rigidity_n, bending_rigidity_nmm2: 1.0, shear_flexibility: 0.0 },
+            Section { axial_rigidity_n, bending_rigidity_nmm2: 1.0, shear_flexibility: 0.0, axis_mm: [0.0; 2] },
         );
     }
     frame.support(nodes[0], [true; 3]);

@@ -27,8 +27,12 @@ pub const TOLERANCE: f64 = 1e-6;
 /// The frame, and its nodes at the base hinge, the corner, the load, and the hinge of the beam.
 fn frame() -> (PlaneFrame, [NodeIndex; 4]) {
     let corners = [(0.0, 0.0), (0.0, LENGTH), (LOAD_AT, LENGTH), (LENGTH, LENGTH)].map(|(x, y)| Vector::new(x, y));
-    let section =
-        Section { axial_rigidity_n: RIGIDITY.axial, bending_rigidity_nmm2: RIGIDITY.bending, shear_flexibility: 0.0 };
+    let section = Section {
+        axial_rigidity_n: RIGIDITY.axial,
+        bending_rigidity_nmm2: RIGIDITY.bending,
+        shear_flexibility: 0.0,
+        axis_mm: [0.0; 2],
+    };
     let mut frame = PlaneFrame::default();
     let nodes = corners.map(|at| frame.add_node(at));
     for i in 0..3 {

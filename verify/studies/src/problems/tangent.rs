@@ -85,6 +85,7 @@ pub(crate) fn checks(finger: &Finger) -> Result<Vec<Check>, ProblemError> {
         axial_rigidity_n: 1440.0,
         bending_rigidity_nmm2: 270.0,
         sway_factor,
+        axis_mm: [0.3, -0.2],
     });
     let force = Vector::new(-0.4, 1.9);
     let with_shear = FingerDescription { shear_correction: SHEAR_CORRECTION, ..finger.description().clone() };

@@ -22,8 +22,12 @@ pub const TOLERANCE: f64 = 1e-6;
 
 /// The toggle, and its nodes at the left clamp and the apex.
 fn frame() -> (PlaneFrame, [NodeIndex; 2]) {
-    let section =
-        Section { axial_rigidity_n: RIGIDITY.axial, bending_rigidity_nmm2: RIGIDITY.bending, shear_flexibility: 0.0 };
+    let section = Section {
+        axial_rigidity_n: RIGIDITY.axial,
+        bending_rigidity_nmm2: RIGIDITY.bending,
+        shear_flexibility: 0.0,
+        axis_mm: [0.0; 2],
+    };
     let mut frame = PlaneFrame::default();
     let nodes: Vec<NodeIndex> = (0..=2 * ELEMENTS)
         .map(|i| {

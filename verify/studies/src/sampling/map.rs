@@ -102,6 +102,13 @@ impl AccuracyMap {
         AccuracyMap { request, cells: self.cells.iter().filter(on_grid).copied().collect(), ..self.clone() }
     }
 
+    /// The part of this map for some of its forces; `keeps` takes a force, N.
+    pub fn with_forces(&self, keeps: impl Fn(f64) -> bool) -> AccuracyMap {
+        let forces_n = self.request.forces_n.iter().copied().filter(|force_n| keeps(*force_n)).collect();
+        let cells = self.cells.iter().copied().filter(|cell| keeps(cell.force_n)).collect();
+        AccuracyMap { request: MapRequest { forces_n, ..self.request.clone() }, cells, ..self.clone() }
+    }
+
     /// Cells of one force (N), or of all forces, grouped by position and direction.
     fn groups(&self, force_n: Option<f64>) -> impl Iterator<Item = impl Iterator<Item = &MapCell> + Clone> {
         let wanted = move |cell: &&MapCell| force_n.is_none_or(|f| f == cell.force_n);

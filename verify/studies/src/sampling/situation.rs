@@ -24,7 +24,15 @@ registry! {
             name: "auto@auto",
             label: "contact unknown",
             help: "Position and direction unknown",
-            unknown: Some(|_| Direction::Auto),
+            unknown: Some(|_, _| Direction::Auto),
+        },
+        /// The position is unknown; the angle between the force and the plate's normal is known.
+        #[serde(rename = "auto@known")]
+        Direction => KnowledgeRow {
+            name: "auto@known",
+            label: "direction known",
+            help: "Position unknown, direction from the plate's normal known",
+            unknown: Some(|_, lean_deg| Direction::Leaning(Lean { angle_deg: lean_deg, ..Lean::NONE })),
         },
         /// The position is unknown; the force leans from the plate's normal within a known range of friction.
         #[serde(rename = "auto@friction")]
@@ -32,7 +40,7 @@ registry! {
             name: "auto@friction",
             label: "friction known",
             help: "Position unknown, friction in a known range",
-            unknown: Some(|scene| Direction::Leaning(known_lean(scene))),
+            unknown: Some(|scene, _| Direction::Leaning(known_lean(scene))),
         },
         /// The position is unknown; the force acts along the plate's normal.
         #[serde(rename = "auto@normal")]
@@ -40,7 +48,7 @@ registry! {
             name: "auto@normal",
             label: "no friction",
             help: "Position unknown, no friction",
-            unknown: Some(|_| Direction::NORMAL),
+            unknown: Some(|_, _| Direction::NORMAL),
         },
         /// The position is known, the direction is unknown.
         #[serde(rename = "known@auto")]
@@ -48,7 +56,7 @@ registry! {
             name: "known@auto",
             label: "position known",
             help: "Position known, direction unknown",
-            unknown: Some(|_| Direction::Auto),
+            unknown: Some(|_, _| Direction::Auto),
         },
     }
 }
@@ -57,8 +65,9 @@ struct KnowledgeRow {
     name: &'static str,
     label: &'static str,
     help: &'static str,
-    /// The direction of the question about a contact whose direction is not stated as an angle.
-    unknown: Option<fn(&Scene) -> Direction>,
+    /// The direction of the question about a contact whose direction is not stated as an angle from the undeformed normal. Takes the angle of the true
+    /// force from the deformed normal, degrees.
+    unknown: Option<fn(&Scene, f64) -> Direction>,
 }
 
 registry! {
@@ -133,14 +142,15 @@ impl ContactKnowledge {
         [-1.0, 1.0].map(|side: f64| side * FRICTION_MAX.atan().to_degrees())
     }
 
-    /// The questions that users ask about a true contact, which successive samples take in turn.
+    /// The questions that users ask about a true contact, which successive samples take in turn. For a [leaning](Self::is_leaning) contact, its angle
+    /// counts from the deformed normal.
     pub fn questions(self, scene: &Scene, contact: Contact) -> Vec<ContactQuestion> {
         match (self, self.row().unknown) {
             (ContactKnowledge::Misjudged, _) => misjudged(&scene.finger, contact).into_iter().map(Into::into).collect(),
             (_, None) => vec![contact.into()],
             (_, Some(direction)) => {
                 let position = (self == ContactKnowledge::Position).then_some(contact.position);
-                vec![ContactQuestion::new(position, direction(scene))]
+                vec![ContactQuestion::new(position, direction(scene, contact.angle_deg))]
             }
         }
     }

@@ -1,9 +1,11 @@
 //! The trusted share of a map: the part of the plate and of the directions that friction allows in which forces are sensed within [`TRUSTED_ERROR`].
 
 use super::map::AccuracyMap;
-use super::sweep::{CellState, MapCell};
-use crate::settings::TRUSTED_ERROR;
+use super::sweep::{CellState, MapCell, mean_absolute};
+use crate::settings::{TRUSTED_ERROR, WEIGHED_MODULUS_SD};
 use finray_model::Finger;
+use finray_model::finger::StiffnessError;
+use std::fmt;
 
 /// A position and direction, with the worst result among the map's forces. The worst result alone decides whether a cell is trusted.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -80,6 +82,46 @@ impl AccuracyMap {
     /// The trusted share of the whole map.
     pub fn trust(&self, finger: &Finger) -> TrustShare {
         TrustShare::of(&self.worst(finger))
+    }
+}
+
+/// The trusted share that a finger would have if one hung weight had measured its modulus.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WeighedShare {
+    /// Relative standard deviation of the modulus as it is, dimensionless.
+    pub modulus_sd: f64,
+    /// Trusted share with a modulus known to [`WEIGHED_MODULUS_SD`].
+    pub share: f64,
+}
+
+/// The cause of a small share and its remedy, for instance "the modulus is known to 10 % only; with one hung weight (2 %): 64 %".
+impl fmt::Display for WeighedShare {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [known, weighed, share] = [self.modulus_sd, WEIGHED_MODULUS_SD, self.share].map(|share| 100.0 * share);
+        write!(f, "the modulus is known to {known:.0} % only; with one hung weight ({weighed:.0} %): {share:.0} %")
+    }
+}
+
+impl AccuracyMap {
+    /// The trusted share if one hung weight had measured the modulus. `None` if the modulus is known as well, or if the share would grow by less than
+    /// half a per cent.
+    ///
+    /// Counts the errors of a cell as normally distributed, with the bias and spread of its samples. The mean error with a smaller error that all
+    /// forces share is then the mean error of the samples times the ratio of two closed forms.
+    pub fn weighed(&self, finger: &Finger, stiffness: StiffnessError) -> Option<WeighedShare> {
+        if stiffness.modulus <= WEIGHED_MODULUS_SD || !self.truth.has_stiffness_error() {
+            return None;
+        }
+        let weighed = StiffnessError { modulus: WEIGHED_MODULUS_SD, ..stiffness };
+        let mean_error = |cell: &MapCell| {
+            let (error, bias, spread) = (cell.mean_error?, cell.bias?, cell.spread?);
+            let [after, now] = [weighed, stiffness].map(|of| mean_absolute(bias, of.share().hypot(spread)));
+            Some(error * after / now)
+        };
+        let cells = self.cells.iter().map(|cell| MapCell { mean_error: mean_error(cell).or(cell.mean_error), ..*cell });
+        let map = AccuracyMap { cells: cells.collect(), ..self.clone() };
+        let (share, now) = (map.trust(finger).share()?, self.trust(finger).share()?);
+        (share >= now + 0.005).then_some(WeighedShare { modulus_sd: stiffness.modulus, share })
     }
 }
 

@@ -6,7 +6,8 @@ use crate::experiments::contact_scene::study::{SceneStudy, SceneWithOutline};
 use crate::experiments::grasp::{modules, rates, study as grasp_study};
 use crate::experiments::networks::accuracy;
 use crate::experiments::{
-    Context, Evidence, camera, continuum, coverage, explain, maps, measured, noise, recorded, shapes, situations,
+    Context, Evidence, camera, changes, continuum, coverage, explain, maps, measured, noise, recorded, shapes,
+    situations,
 };
 use crate::problems;
 use crate::sampling::map::AccuracyMap;
@@ -15,6 +16,7 @@ use crate::settings::{CAMERA_NOISE_MM, Effort, Progress, ReportForces, is_papers
 use crate::truths::{MeshTruth, TruthId, fine_mesh};
 use finray_model::estimators::EstimatorId;
 use finray_model::estimators::network::Networks;
+use finray_model::finger::StiffnessError;
 use finray_model::validity::StrainLimits;
 use finray_model::{Finger, Kinematics};
 use serde::Serialize;
@@ -66,6 +68,8 @@ macro_rules! study {
             pub is_paper: bool,
             /// Standard deviation of the camera noise of one coordinate, mm.
             pub noise_mm: f64,
+            /// Uncertainty of the finger's moduli and depth.
+            pub stiffness_error: StiffnessError,
             /// Forces for which maps, drawings and their explanations are computed.
             pub forces: ReportForces,
             /// Checks of figures against references.
@@ -108,6 +112,7 @@ macro_rules! study {
                     strain_limits: $context.given.scene.strain_limits,
                     is_paper: $context.is_paper,
                     noise_mm: $context.noise_mm,
+                    stiffness_error: $context.given.scene.stiffness_error,
                     forces: $context.forces,
                     checks,
                     comparisons,
@@ -127,6 +132,9 @@ study! { |context|
     "unknown contacts":
         /// Maps of the nonlinear estimator for contacts that are not known exactly, and for hidden markers; empty without noise.
         situations: Vec<AccuracyMap> = situations::run(context);
+    "changes":
+        /// Trusted share of an unknown contact after one change at a time; empty without noise.
+        changes: Vec<changes::Change> = changes::run(context, &situations);
     "limits of sensing":
         /// Limits of sensing on the co-rotational finger by cell (position, direction), for the force at which maps are drawn.
         explanations: explain::ExplanationMap = explain::run(context);

@@ -52,6 +52,12 @@ impl TruthId {
         self.row().kinematics
     }
 
+    /// Whether maps average over the uncertain stiffness of the scene's finger. Shapes of other programs show the errors of the beam model on a solid of
+    /// known moduli.
+    pub(crate) fn has_stiffness_error(self) -> bool {
+        !matches!(self, TruthId::Mujoco | TruthId::Continuum)
+    }
+
     /// Mesh of the true finger, derived from the scene's finger.
     ///
     /// # Errors

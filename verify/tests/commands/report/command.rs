@@ -30,12 +30,21 @@ fn what_exists_for_the_papers_finger_alone_is_left_out_for_others() {
 fn what_was_found_is_said_on_page_summary_and_standard_output() {
     for report in [&*PAPERS, &*SPRING_STEELS] {
         let lines: Vec<_> = report.said.lines().collect();
-        let verdict: Vec<_> = report.summary()["verdict"].as_array().expect("sentences").to_vec();
-        assert!(verdict.len() >= 3);
-        assert_eq!(lines[..lines.len() - 1], verdict.iter().filter_map(Value::as_str).collect::<Vec<_>>());
+        let summary = report.summary();
+        let short: Vec<_> = array(&summary, "short").iter().filter_map(Value::as_str).collect();
+        assert_eq!(lines[..lines.len() - 1], short);
         assert!(lines[lines.len() - 1].ends_with("made/report/index.html"), "{lines:?}");
+        // With the line "done: " on standard error, the output has at most ten lines. It begins with the unknown contact and ends with its place.
+        assert!((4..=9).contains(&lines.len()), "{lines:?}");
+        assert_says(lines[0], &[" % of positions and directions trusted, contact unknown: ", "limited by "]);
+        assert!(lines[0].contains("Mean error of answers: ") || lines[0].contains("No force is answered"), "{lines:?}");
+        let first = as_read(&report.read("index.html")).replace("</strong>", "");
+        for line in short {
+            let (question, answer) = line.split_once(": ").expect("an answer");
+            assert!(first.contains(line) || first.contains(&format!("<dt>{question} {answer}")), "{line}");
+        }
         let page = as_read(&report.pages());
-        for sentence in &lines[..lines.len() - 1] {
+        for sentence in array(&summary, "verdict").iter().filter_map(Value::as_str) {
             assert!(page.contains(sentence), "{sentence}");
         }
     }
@@ -89,8 +98,12 @@ fn a_soft_finger_is_reported_under_the_force_that_is_asked() {
     let soft = folder.put("soft.toml", soft);
     let out = folder.path("report");
     let said = finray(&["report", &soft, "--quick", "--force-n", "0.012", "--out", &out]).done();
-    assert_says(&said, &["for forces of 0.002, 0.004, 0.008, 0.012 N in"]);
+    assert_says(&said, &["for 0.002, 0.004, 0.008, 0.012 N"]);
     let summary: Value = serde_json::from_str(&folder.read("report/summary.json")).expect("JSON");
+    assert_says(
+        array(&summary, "verdict")[0].as_str().expect("words"),
+        &["for forces of 0.002, 0.004, 0.008, 0.012 N in"],
+    );
     let asked = [serde_json::json!([0.012]), serde_json::json!([0.002, 0.004, 0.008, 0.012])];
     for map in array(&summary, "maps") {
         assert!(asked.contains(&map["forces_n"]), "{map}");

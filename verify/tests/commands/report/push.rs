@@ -21,9 +21,19 @@ fn the_finger_of_the_page_can_be_pushed() {
     // The test detects a force that is shown twice as large.
     let broken = html.replacen("`Sensed ${newton(force_n)}`", "`Sensed ${newton(2 * force_n)}`", 1);
     assert!(results(&broken, 1400).iter().any(|line| line.starts_with("FAIL")), "a wrong force is not seen");
-    // Without the embedded program, the drawing is hidden.
-    let without = results(&html.replacen("id=\"push-program\"", "id=\"push-nothing\"", 1), 1400);
-    assert!(without.contains(&"FAIL the picture is shown: hidden".to_owned()), "{without:?}");
+    // Without the program, or with a program that is none or does not know the scene, a sentence says why there is no drawing.
+    let faults = [
+        ("id=\"push-program\"", "id=\"push-nothing\"", "the page has no program"),
+        ("id=\"push-program\">H4sI", "id=\"push-program\">AAAA", ""),
+        ("base_width_mm", "base_breadth_mm", "base_breadth_mm"),
+    ];
+    for (sound, broken, reason) in faults {
+        assert!(html.contains(sound), "{sound}");
+        let without = results(&html.replacen(sound, broken, 1), 1400);
+        let is_said = |line: &String| line.starts_with("PASS a sentence says why: ") && line.contains(reason);
+        assert!(without.iter().any(|line| line.starts_with("FAIL the picture is shown")), "{without:?}");
+        assert!(without.iter().any(is_said), "{without:?}");
+    }
 }
 
 #[test]

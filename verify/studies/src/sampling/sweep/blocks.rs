@@ -6,7 +6,7 @@ use super::{Cell, Grid, Table};
 use crate::prelude::*;
 use crate::sampling::noise::with_sample;
 use crate::sampling::sampled::{SampledForces, SampledSensor};
-use crate::truths::{Truth, TruthId};
+use crate::truths::Truth;
 use std::ops::Range;
 use std::time::Duration;
 
@@ -61,9 +61,7 @@ impl<'s> Sweep<'s> {
             (sensor.at(&self.scene, contact), seen.collect::<Vec<Measurement>>())
         };
         let prepared: Vec<_> = self.sensors.iter().map(prepare).collect();
-        // Exported shapes show the errors of the beam model on a solid of known moduli.
-        let is_exported = matches!(truth.id(), TruthId::Mujoco | TruthId::Continuum);
-        let common_sd = if is_exported { 0.0 } else { self.scene.stiffness_error.share() };
+        let common_sd = if truth.id().has_stiffness_error() { self.scene.stiffness_error.share() } else { 0.0 };
         let mut tallies = vec![Tally::new(common_sd); self.cells_in_block()];
         self.noise.each(number, |first, samples| {
             let mut tallies = tallies.iter_mut();

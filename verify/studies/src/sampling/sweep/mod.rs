@@ -28,3 +28,4 @@ pub use partial::Partial;
 pub use request::{Head, Request};
 pub use shard::Shard;
 pub use table::Table;
+pub(super) use tally::mean_absolute;

@@ -75,7 +75,7 @@ impl Tally {
 
 /// Mean of |x| for a normal x with this mean and standard deviation: the mean of the folded normal distribution (Leone, Nelson and Nottingham,
 /// Technometrics 3, 1961).
-fn mean_absolute(mean: f64, sd: f64) -> f64 {
+pub(in crate::sampling) fn mean_absolute(mean: f64, sd: f64) -> f64 {
     let z = mean / (SQRT_2 * sd);
     // Beyond this, all of the distribution lies on one side of zero; without a standard deviation, z is infinite or not a number.
     if z.is_nan() || z.abs() >= FAR {

@@ -10,7 +10,9 @@
   const turn = () => new Promise((done) => { const { port1, port2 } = new MessageChannel(); port1.onmessage = () => { port1.close(); done(); }; port2.postMessage(0); });
   for (let turns = 0; turns < TURNS && !('ready' in root.dataset) && !root.dataset.failed; turns++) await turn();
   check('the picture is shown', !root.hidden && 'ready' in root.dataset, root.dataset.failed ?? 'hidden');
+  const missing = one('.push-missing');
   if (!root.hidden) {
+    check('no sentence says that the picture is missing', missing.hidden);
     const view = one('.push-drawing > svg'), shape = () => one('.push-bent').getAttribute('d');
     const [place, direction, force] = root.querySelectorAll('input[type=range]'), [knows, estimator, noise] = root.querySelectorAll('select');
     const slide = (range, value) => { range.value = value; range.dispatchEvent(new Event('input', { bubbles: true })); };
@@ -70,7 +72,10 @@
     check('no number is missing', !/NaN|undefined|null|Infinity/.test(words() + shape()), words());
     check('nothing is wider than the window', document.documentElement.scrollWidth <= innerWidth, document.documentElement.scrollWidth);
     results.push('DONE pushed');
-  } else results.push('DONE hidden');
+  } else {
+    check(`a sentence says why: ${missing.textContent}`, !missing.hidden && missing.textContent.includes('cannot be pushed on this page'));
+    results.push('DONE hidden');
+  }
   check('nothing went wrong', window.troubles.length === 0, window.troubles.join(' | '));
   const told = document.createElement('pre');
   told.textContent = `\n${results.join('\n')}\n`;
