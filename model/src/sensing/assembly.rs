@@ -256,7 +256,12 @@ impl UnloadedFinger {
 
     /// Whether an error has a standard deviation, so that it is estimated together with the forces.
     pub(crate) fn is_uncertain(&self, finger: &Finger) -> bool {
-        self.thickness.sd > 0.0 || !self.independent_errors(finger).is_empty()
+        self.thickness.sd > 0.0 || self.is_assembled(finger)
+    }
+
+    /// Whether an error of assembly or mounting has a standard deviation.
+    pub(crate) fn is_assembled(&self, finger: &Finger) -> bool {
+        !self.independent_errors(finger).is_empty()
     }
 
     /// All independent errors of assembly and mounting, each with the size of one standard deviation. A joint without a bracket lies on its plate, so

@@ -30,6 +30,9 @@ const FIRST_FORCE_N: f64 = 1.0;
 /// Errors have settled if, after they are linearised again, every combination of unknowns differs from its optimum by at most this number of standard
 /// deviations. The estimate fails after `ROUNDS` rounds.
 const SETTLED_SIGMAS: f64 = 0.02;
+/// Displacements by thicknesses are proportional to the forces. They have settled as well if the forces change by less than this share, which is far below
+/// the standard deviation of a thickness relative to the thickness.
+const SETTLED_SHARE: f64 = 0.02;
 const ROUNDS: usize = 20;
 
 /// A measurement on a finger with errors, as the scene's finger would show it: the errors are [shared errors](Measurement::shared_errors), linearised
@@ -71,6 +74,7 @@ pub(crate) fn linearise_assembly(
     let mut state: Option<State> = None;
     let first = FIRST_ERRORS_MM.into_iter().filter(|error_mm| *error_mm > marker_noise_mm);
     let mut change_n = f64::INFINITY;
+    let is_of_thickness = !unloaded.is_assembled(finger);
     for error_mm in first.chain(std::iter::repeat(0.0)).take(ROUNDS) {
         let pushed = Pushed { questions, forces: &forces };
         let seen_as = unloaded.allowed_for(finger, measurement, pushed, &errors)?;
@@ -81,7 +85,10 @@ pub(crate) fn linearise_assembly(
             Some(state) => {
                 let mut start = carry_over(&mut problem, state, seen)?;
                 let off = start.solve(seen.measurement, 0.0)?.decrease;
-                if error_mm == 0.0 && off <= (SETTLED_SIGMAS * marker_noise_mm).powi(2) {
+                let largest_n = forces_n.iter().fold(0.0_f64, |most, force_n| most.max(force_n.abs()));
+                let is_settled = off <= (SETTLED_SIGMAS * marker_noise_mm).powi(2)
+                    || (is_of_thickness && change_n <= SETTLED_SHARE * largest_n);
+                if error_mm == 0.0 && is_settled {
                     return Ok(LinearisedAssembly { measurement: seen_as, contacts, forces_n });
                 }
                 // The history is empty, so the search cannot meet the path of an earlier search.
