@@ -1,7 +1,6 @@
 //! Drawings of a study, made with [`figures`](finray_figures).
 
-use super::finger::thickness;
-use super::format::list;
+use super::format::{list, thickness};
 use crate::prelude::*;
 use finray_figures::{Bars, Lines, Marker, Paint};
 use finray_model::finger::{FingerDescription, FingerPoint, Part};

@@ -1,6 +1,7 @@
 //! The finger of the scene: a drawing with numbered key nodes, and its dimensions.
 
 use super::drawings;
+use super::format::thickness;
 use crate::prelude::*;
 use finray_model::finger::{FingerDescription, RibPositions, Strip};
 
@@ -39,14 +40,6 @@ fn sides(finger: &Finger) -> String {
     let FingerDescription { base_width_mm, depth_mm, .. } = finger.description();
     let [front_mm, back_mm] = [Plate::Front, Plate::Back].map(|plate| finger.plate_length_mm(plate));
     format!("Base width {base_width_mm} mm, front plate {front_mm} mm, back plate {back_mm} mm, depth {depth_mm} mm.")
-}
-
-/// Thickness of a plate, mm, from base to tip.
-pub(super) fn thickness(Strip { thickness_mm, tip_thickness_mm, .. }: &Strip) -> String {
-    match tip_thickness_mm {
-        Some(tip_mm) => format!("{thickness_mm} to {tip_mm}"),
-        None => thickness_mm.to_string(),
-    }
 }
 
 /// Thickness and modulus of plates and ribs, and the number of ribs.

@@ -3,6 +3,7 @@
 pub use finray_studies::statistics::Span;
 
 use super::page::{Cell, Shade};
+use finray_model::finger::Strip;
 use finray_studies::settings::{GROSS_ERROR, TRUSTED_ERROR};
 
 /// Text for a missing number.
@@ -109,4 +110,12 @@ pub fn span_in_words(span: Span) -> String {
 /// Least and greatest value of a span as text, such as `4.2 % to 6.0 %`.
 pub fn range_of(span: Span) -> String {
     format!("{} to {}", percent(span.least), percent(span.greatest))
+}
+
+/// Thickness of a plate, mm, from base to tip.
+pub(super) fn thickness(Strip { thickness_mm, tip_thickness_mm, .. }: &Strip) -> String {
+    match tip_thickness_mm {
+        Some(tip_mm) => format!("{thickness_mm} to {tip_mm}"),
+        None => thickness_mm.to_string(),
+    }
 }

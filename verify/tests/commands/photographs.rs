@@ -207,8 +207,10 @@ fn compared_in_a_report(
     assert_says(&other, &["\"press3.png\" is not among the located images"]);
     let answer = finray(&[&report[..], &["--image", &images[0], &images[2]]].concat());
     assert!(!answer.err.contains("another scene"), "{}", answer.err);
+    let measured = ["3 images with measured forces (friction of the scene)", "All other results are simulated"];
+    assert_says(&answer.computed(), &measured);
     let caveat = ["contact force in 3 images (objects disc, bar)", "section on measured images is simulation"];
-    assert_says(&answer.computed(), &caveat);
+    assert_says(&folder.read("report/summary.json"), &caveat);
     let page = folder.read("report/measured.html");
     let section =
         page.split("id=\"measured\"").nth(1).expect("the section").split("</section>").next().unwrap_or_default();
