@@ -460,3 +460,8 @@ impl From<Plate> for Part {
         }
     }
 }
+
+/// A share in per cent with two decimals, for messages.
+fn percent(share: f64) -> f64 {
+    (1e4 * share).round() / 1e2
+}

@@ -1,6 +1,6 @@
 //! Uncertainty of moduli and depth, which scale every stiffness of a finger.
 
-use super::Finger;
+use super::{Finger, percent};
 use std::fmt;
 
 /// Largest Young's modulus of a plate that counts as plastic or rubber, MPa: between plastics without fibres (PLA: 3500) and structural metals
@@ -45,7 +45,6 @@ impl StiffnessError {
 /// The value and its parts in words, for instance "10.2 % (modulus, assumed: 10 %; depth: 2 %)".
 impl fmt::Display for StiffnessError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let percent = |share: f64| (1e4 * share).round() / 1e2;
         let origin = if self.is_assumed { "assumed" } else { "stated" };
         write!(f, "{} % (modulus, {origin}: {} %", percent(self.share()), percent(self.modulus))?;
         if self.depth > 0.0 {

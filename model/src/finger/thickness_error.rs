@@ -1,6 +1,7 @@
 //! Uncertainty of the thicknesses of the members.
 
-use super::{Finger, FingerDescription, Part};
+use super::{Finger, FingerDescription, Part, percent};
+use std::fmt;
 
 /// Parts whose thicknesses have independent errors, in the order of all lists of three numbers here.
 const PARTS: [Part; 3] = [Part::Front, Part::Back, Part::Ribs];
@@ -80,5 +81,12 @@ impl StiffnessChange {
         for (part, by) in PARTS.into_iter().zip(self.thicknesses) {
             description.multiply_thickness(part, (1.0 - 3.0 * by).cbrt().recip());
         }
+    }
+}
+
+/// The standard deviation and what it is of, in words.
+impl fmt::Display for ThicknessError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "errors of {} % in the thicknesses of plates and ribs", percent(self.sd))
     }
 }

@@ -128,7 +128,7 @@ fn forces_on_unseen_solids_keep_the_stated_model_error() {
 const SHARE: f64 = 1e-4;
 
 /// Largest root mean square error of a force of unknown direction, by kind of finger. Errors of single kinds are up to 3 % on 400 other solids, and
-/// 4.4 % with sharp corners if axial forces do not bend plates.
+/// 4.4 % with fillets that meet if axial forces do not bend plates.
 const LARGEST_UNKNOWN: f64 = 0.036;
 
 /// Forces of unknown direction on unseen solids lie in their intervals, and err little where no rib is near the base.

@@ -323,9 +323,7 @@ fn with_model_error(scene: &Scene) -> String {
     let Scene { model_error, stiffness_error, thickness_error, .. } = scene;
     let model = (model_error.share() > 0.0).then(|| format!("a model error of {model_error}"));
     let stiffness = (stiffness_error.share() > 0.0).then(|| format!("a stiffness error of {stiffness_error}"));
-    let percent = |share: f64| (1e4 * share).round() / 1e2;
-    let thickness = (thickness_error.sd > 0.0)
-        .then(|| format!("errors of {} % in the thicknesses of plates and ribs", percent(thickness_error.sd)));
+    let thickness = (thickness_error.sd > 0.0).then(|| thickness_error.to_string());
     let included: Vec<String> = model.into_iter().chain(stiffness).chain(thickness).collect();
     if included.is_empty() { String::new() } else { format!("; sigma_n includes {}", included.join(" and ")) }
 }

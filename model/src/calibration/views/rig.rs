@@ -132,7 +132,9 @@ pub fn calibrate_rig(
     let between_objects = question.force_error_between_objects;
     let [modulus_sd, force_error] = match found.force_error {
         None => {
-            let are_joints = |it: &Sought| matches!(it.quantity, Quantity::Bracket(_) | Quantity::RibPosition(..));
+            let are_joints = |it: &Sought| {
+                matches!(it.quantity, Quantity::Bracket(_) | Quantity::OwnBracket(..) | Quantity::RibPosition(..))
+            };
             let is_unmeasured = measured().next().is_none() && sought.iter().any(are_joints);
             let least = if is_unmeasured { scene.contact.force_error.max(UNMEASURED_JOINTS) } else { 0.0 };
             [None, Some(between_objects.max(least)).filter(|share| *share > 0.0)]

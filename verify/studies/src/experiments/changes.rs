@@ -17,6 +17,8 @@ pub struct Change {
     pub change: String,
     /// What a builder does for it.
     pub means: String,
+    /// Whether it is a condition of use, which no builder can choose, rather than a change of finger, camera or scene.
+    pub is_condition: bool,
     /// Trusted share, dimensionless: the definition, grid and noise samples of the map of an unknown contact. `None` if no force has an equilibrium.
     pub share_trusted: Option<f64>,
 }
@@ -39,19 +41,18 @@ pub(crate) fn run(context: &Context, maps: &[AccuracyMap]) -> Result<Vec<Change>
     let steps = unknown.request.contact_count();
     context.progress.part("changes", 2 * steps);
     let [.., least_n, _] = context.forces.of_maps_n();
-    let change =
-        |change: &str, means: String, share_trusted| Change { change: change.to_owned(), means, share_trusted };
+    let change = |change: &str, means: String, share_trusted| Change {
+        change: change.to_owned(),
+        means,
+        is_condition: false,
+        share_trusted,
+    };
     let mut all = vec![
         change("as it is", format!("unknown contact, {} mm noise", context.noise_mm), share(unknown)),
         change(
             "half the noise",
             format!("{quieter_mm} mm: a camera twice as near, or the mean of four images"),
             new(ContactKnowledge::Nothing, quieter_mm),
-        ),
-        change(
-            "larger forces",
-            format!("only forces of {least_n} N and more"),
-            share(&unknown.with_forces(|force_n| force_n >= least_n)),
         ),
     ];
     let known = [
@@ -60,11 +61,6 @@ pub(crate) fn run(context: &Context, maps: &[AccuracyMap]) -> Result<Vec<Change>
     ];
     let known = known.map(|(name, means, contact)| (name, means, mapped(contact).and_then(share)));
     all.extend(known.map(|(name, means, share)| change(name, means.to_owned(), share)));
-    all.push(change(
-        "direction known",
-        "the angle between the force and the bent plate's normal, exactly".to_owned(),
-        new(ContactKnowledge::Direction, context.noise_mm),
-    ));
     if stiffness.modulus > WEIGHED_MODULUS_SD {
         let weighed = unknown.weighed(finger, stiffness).map_or(share(unknown), |weighed| Some(weighed.share));
         let percent = |share: f64| 100.0 * share;
@@ -75,5 +71,19 @@ pub(crate) fn run(context: &Context, maps: &[AccuracyMap]) -> Result<Vec<Change>
         );
         all.push(change("modulus weighed", means, weighed));
     }
+    let conditions = [
+        (
+            "larger forces",
+            format!("only forces of {least_n} N and more"),
+            share(&unknown.with_forces(|force_n| force_n >= least_n)),
+        ),
+        (
+            "direction known",
+            "the angle between the force and the bent plate's normal, exactly".to_owned(),
+            new(ContactKnowledge::Direction, context.noise_mm),
+        ),
+    ];
+    let condition = |(name, means, share)| Change { is_condition: true, ..change(name, means, share) };
+    all.extend(conditions.map(condition));
     Ok(all)
 }
