@@ -50,7 +50,7 @@ impl FingerKind {
             FingerKind::RibNearBase => 0.05,
             FingerKind::InclinedRibs => 0.016,
             FingerKind::ZigzagRibs => 0.011,
-            FingerKind::FilletedZigzag => 0.025,
+            FingerKind::FilletedZigzag => 0.015,
         }
     }
 

@@ -73,7 +73,8 @@ struct Corner {
     radius_mm: f64,
     /// Height of the next member's outer face over this face at the node, mm. In an acute corner, the section cannot be wider.
     outer_mm: f64,
-    /// Share of the material in the corner that carries for this member, dimensionless: half between two ribs, otherwise all.
+    /// Share of the material in the corner that carries for this member, dimensionless: half between two ribs and, if ribs share junctions,
+    /// for a plate in an acute corner: there the moments of plate and rib turn the material in the same sense. Otherwise all.
     share: f64,
 }
 
@@ -235,6 +236,7 @@ fn find_corners(finger: &Finger, fillets: Fillets, pieces: &mut [Piece]) {
         }
     }
     around[finger.tip().0].clear();
+    let is_truss = finger.has_shared_junctions();
     for (node, members) in around.iter_mut().enumerate() {
         members.sort_by(|a, b| a.0.total_cmp(&b.0));
         let of_plate_mm = fillets.plates_mm[plate_of(finger, NodeId(node)).index()];
@@ -251,7 +253,9 @@ fn find_corners(finger: &Finger, fillets: Fillets, pieces: &mut [Piece]) {
                     let radius_mm =
                         both.iter().filter_map(|piece| piece.fillet_mm).reduce(f64::min).unwrap_or(of_plate_mm);
                     let outer_mm = 0.5 * (other_mm / angle.cos() - own_mm);
-                    let share = if both.iter().all(|piece| piece.plate.is_none()) { 0.5 } else { 1.0 };
+                    let is_between_ribs = both.iter().all(|piece| piece.plate.is_none());
+                    let is_plate_of_truss = is_truss && both[0].plate.is_some() && angle < FRAC_PI_2;
+                    let share = if is_between_ribs || is_plate_of_truss { 0.5 } else { 1.0 };
                     pieces[index].corners[end][side] = Some(Corner { distance_mm, angle, radius_mm, outer_mm, share });
                 }
             }
