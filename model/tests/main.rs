@@ -35,6 +35,7 @@ mod sensing {
     mod stiffness;
     mod surface;
     mod thickness;
+    mod uncertain_friction;
     mod valleys;
 }
 mod sensor {

@@ -169,10 +169,15 @@ impl Values<'_> {
                 let tangent = further_lean_deg.to_radians().tan() + across_n / leaning_n(before_n);
                 *further_lean_deg = tangent.atan().to_degrees();
             }
-            // A lean (angle between force and normal) is small, so a force keeps its sign.
+            // A step turns a lean (angle between force and normal) by less than 90 degrees, so a force keeps its sign. Beyond 90 degrees, the opposite
+            // force at the opposite lean is the same load, and nearer to the prior.
             Direction::Leaning(_) => {
                 *further_lean_deg += (across_n / *force_n).atan().to_degrees();
                 *force_n = force_n.signum() * force_n.hypot(across_n);
+                if further_lean_deg.abs() > 90.0 {
+                    *further_lean_deg -= 180.0_f64.copysign(*further_lean_deg);
+                    *force_n = -*force_n;
+                }
             }
             Direction::Angle(_) | Direction::Auto => {
                 self.contacts[contact].angle_deg += across_n.atan2(*force_n).to_degrees();
