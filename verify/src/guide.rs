@@ -26,6 +26,7 @@ macro_rules! guides {
 }
 
 guides! {
+    printed_finger, "printed-finger": "Lead from a printed finger, a drawing and photographs to forces";
     your_finger, "your-finger": "Describe your finger in a scene file and deform it";
     sense, "sense": "Estimate contact forces from displacements, with their uncertainty";
     photographs, "photographs": "Estimate a force from an image of the markers";

@@ -109,6 +109,11 @@ impl StreamSensor {
         Err(refusal.unwrap_or_else(|| SensingError::NoContact.into()))
     }
 
+    /// Warnings about the sensed forces as those of [`Sensor::validity_warnings`].
+    pub fn validity_warnings(&self, sensed: &SensedForces) -> Vec<String> {
+        self.sensors[0].validity_warnings(sensed)
+    }
+
     /// Test whether the noise of the markers and the uncertainty of the base explain all displacements. `None` if the noise is unknown.
     fn no_force(&self, seen: &Observation) -> Result<Option<ResidualTest>, Refusal> {
         let Sensor { prepared: scene, options, .. } = &self.sensors[0];

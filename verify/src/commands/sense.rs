@@ -291,8 +291,9 @@ impl Frames<'_> {
             Err((state, reason)) => (state, None, reason),
         };
         self.counts[state as usize] += 1;
-        let warnings = sensed.iter().flat_map(|sensed| &sensed.warnings).map(ToString::to_string);
-        let warning = warnings.collect::<Vec<_>>().join("; ");
+        let of_forces = sensed.iter().flat_map(|sensed| &sensed.warnings).map(ToString::to_string);
+        let of_beams = sensed.iter().flat_map(|sensed| self.sensor.validity_warnings(sensed));
+        let warning = of_forces.chain(of_beams).collect::<Vec<_>>().join("; ");
         let Row { image, frame, t_s, .. } = row;
         let named = |row: Row| Row {
             image: image.clone(),

@@ -29,6 +29,8 @@ const GOOD_CONTRAST: f64 = 60.0;
 /// Largest share of a dot's pixels that may be clipped, and largest blur as a share of the radius.
 const CLIPPED: f64 = 0.02;
 const BLURRED: f64 = 0.15;
+/// Relative standard deviation of the moduli from which they count as guessed: between the 1 to 2 % of a hung weight and the 10 % of a data sheet.
+const GUESSED: f64 = 0.05;
 /// Relative standard deviation of a printed member's thickness, written if the drawing does not state one. An assumption: 0.04 mm of a plate of 2 mm,
 /// which callipers hardly show on soft material. No printed fingers were measured.
 const PRINTED_THICKNESS: f64 = 0.02;
@@ -85,7 +87,7 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
         ObserverError::Rest(error) => FileError::content(rest, error).into(),
         error => bad_input(error),
     })?;
-    let values = scene_values(&scene, &survey, states_own_error(&text));
+    let values = scene_values(&scene, &survey, &text);
     let written = with_comments(&text, &values).map_err(bad_input)?;
     let mine = Scene::from_toml(&written).map_err(not_computed)?;
     let mut observer = Observer::new(&mine, None).map_err(bad_input)?;
@@ -120,9 +122,10 @@ pub fn run(arguments: &Arguments) -> Result<String, Failure> {
 }
 
 /// The keys of the scene that the image determines, each with its value and a comment on its uncertainty.
-/// `is_own` states whether an earlier run wrote the scene's `model_error_mm`, which this run then replaces.
-fn scene_values(scene: &Scene, survey: &Survey, is_own: bool) -> Vec<(String, String, String)> {
+/// A `model_error_mm` that an earlier run wrote into the scene's text is replaced.
+fn scene_values(scene: &Scene, survey: &Survey, text: &str) -> Vec<(String, String, String)> {
     let rest = &survey.rest;
+    let is_own = lines_of(text, MARKERS.model_error_mm.name).any(|line| line.contains("# setup: "));
     let in_words = |sds: &[f64]| sds.iter().map(|sd| format!("{sd:.4}")).collect::<Vec<_>>().join(", ");
     let pose_sds = rest.pose_sds();
     let degrees: Vec<f64> = pose_sds[..3].iter().map(|sd| sd.to_degrees()).collect();
@@ -155,7 +158,7 @@ fn scene_values(scene: &Scene, survey: &Survey, is_own: bool) -> Vec<(String, St
         let Some(DotColour { rgb, sd, .. }) = colour else { continue };
         values.push((key, format!("{rgb:?}"), format!("setup: +-{sd:.0} between the dots")));
     }
-    if scene.stiffness_error.is_assumed && scene.thickness_error.sd == 0.0 {
+    if is_guessed(scene) && lines_of(text, FINGER.thickness_sigma.name).next().is_none() {
         let comment = "setup: assumed of a printed finger; state what callipers show".to_owned();
         values.push((FINGER.thickness_sigma.path(), format!("{PRINTED_THICKNESS:?}"), comment));
     }
@@ -179,9 +182,14 @@ fn scene_values(scene: &Scene, survey: &Survey, is_own: bool) -> Vec<(String, St
     values
 }
 
-/// Whether an earlier run of this command wrote the `model_error_mm` of a scene's text.
-fn states_own_error(text: &str) -> bool {
-    text.lines().any(|line| line.trim_start().starts_with(MARKERS.model_error_mm.name) && line.contains("# setup: "))
+/// Whether the moduli come from a data sheet, and not from a measurement of this finger.
+fn is_guessed(scene: &Scene) -> bool {
+    scene.stiffness_error.modulus >= GUESSED
+}
+
+/// Lines of a scene's text that state a key.
+fn lines_of<'t>(text: &'t str, key: &'t str) -> impl Iterator<Item = &'t str> {
+    text.lines().filter(move |line| line.trim_start().starts_with(key))
 }
 
 /// Deviation of the dots from their places on the drawing, and their noise, both as the standard deviation of a coordinate, mm.
@@ -258,10 +266,10 @@ fn checks_of_video(scene: &Scene, observer: &mut Observer, video: &Path) -> Resu
 /// Expected standard deviations of a force of [`FORCE_N`] at a few places.
 fn expected(scene: Scene, at_rest: &Observation) -> Vec<Check> {
     let length_mm = scene.finger.plate_length_mm(finray_model::finger::Plate::Front);
-    let stiffness = scene.stiffness_error;
+    let (stiffness, is_guessed) = (scene.stiffness_error, is_guessed(&scene));
     let mut checks = Vec::new();
     if stiffness.share() > 0.0 {
-        let guessed = stiffness.is_assumed.then_some("measure the modulus: hang a weight (finray calibrate --weight)");
+        let guessed = is_guessed.then_some("measure the modulus: hang a weight (finray calibrate --weight)");
         checks.push(check("uncertainty of moduli and depth", 100.0 * stiffness.share(), "%", guessed));
     }
     let scene = PreparedScene::from(scene);

@@ -175,8 +175,8 @@ mod guides {
     use super::*;
 
     pages_run! {
-        your_finger: "your-finger", sense: "sense", photographs: "photographs", live: "live", python: "python", calibrate: "calibrate", lens: "lens",
-        maps_and_sweeps: "maps-and-sweeps", clusters: "clusters", press_and_grasp: "press-and-grasp", networks: "networks",
+        printed_finger: "printed-finger", your_finger: "your-finger", sense: "sense", photographs: "photographs", live: "live", python: "python",
+        calibrate: "calibrate", lens: "lens", maps_and_sweeps: "maps-and-sweeps", clusters: "clusters", press_and_grasp: "press-and-grasp", networks: "networks",
         reading_the_report: "reading-the-report", accuracy: "accuracy", architecture: "architecture", files: "files"
     }
 

@@ -59,6 +59,27 @@ fn a_drawing_becomes_a_scene_that_senses_alone() {
     assert_eq!(folder.read("again.toml").matches("setup:").count(), text.matches("setup:").count());
 }
 
+/// A modulus from a data sheet brings assumed thicknesses and the advice to hang a weight, also if its uncertainty is stated. A calibrated modulus and
+/// stated thicknesses stay. Stated uncertainties of the modulus once silenced both, and stated thicknesses of 0 were replaced.
+#[test]
+fn a_guessed_modulus_brings_assumed_thicknesses() {
+    let folder = Folder::new();
+    let (rest, drawing, mine) = (rendered(&folder, "rest.png", 0.0, &[]), drawing(&folder), folder.path("mine.toml"));
+    let drawing = std::fs::read_to_string(drawing).expect("a drawing");
+    for (keys, thickness, is_advised) in [
+        ("youngs_modulus_sigma = 0.3", Some("thickness_sigma = 0.02 # setup"), true),
+        ("youngs_modulus_sigma = 0.3\nthickness_sigma = 0.0", Some("thickness_sigma = 0.0\n"), true),
+        ("youngs_modulus_sigma = 0.015", None, false),
+    ] {
+        let guessed = folder.put("guessed.toml", drawing.replace("[finger]\n", &format!("[finger]\n{keys}\n")));
+        let checks = Csv::of(&finray(&["setup", &guessed, "--rest", &rest, "--out", &mine]).done());
+        let text = folder.read("mine.toml");
+        assert_eq!(text.contains("thickness_sigma"), thickness.is_some(), "{text}");
+        assert!(thickness.is_none_or(|line| text.contains(line)), "{text}");
+        assert_eq!(checks.texts("advice").iter().any(|advice| advice.contains("weight")), is_advised, "{checks:?}");
+    }
+}
+
 /// Dots that were placed by hand, up to 0.3 mm beside their nodes: `setup` measures their offsets, and calibration and sensing then need no image of the
 /// unloaded finger. Without the offsets, such dots once stopped `calibrate`, because those of clamped nodes seemed to have moved.
 #[test]
