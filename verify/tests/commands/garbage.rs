@@ -14,30 +14,8 @@ const PATIENCE: Duration = Duration::from_secs(20);
 
 /// Texts with a meaning in TOML or CSV, which are inserted into the input.
 const SPICES: [&str; 24] = [
-    "nan",
-    "-inf",
-    "1e308",
-    "1e-308",
-    "-0.0",
-    "0",
-    "99999999999999999999",
-    "\u{feff}",
-    "\r",
-    "\n",
-    "\"",
-    "'",
-    ",",
-    ";",
-    "=",
-    "[",
-    "]]",
-    "{",
-    "#",
-    "\0",
-    "\t",
-    "\u{e9}",
-    "[finger]",
-    "0x",
+    "nan", "-inf", "1e308", "1e-308", "-0.0", "0", "99999999999999999999", "\u{feff}", "\r", "\n", "\"", "'", ",", ";",
+    "=", "[", "]]", "{", "#", "\0", "\t", "\u{e9}", "[finger]", "0x",
 ];
 
 /// The input after damage: truncated, or with some bytes overwritten, removed, doubled or replaced by one of [`SPICES`].

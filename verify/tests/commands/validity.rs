@@ -45,15 +45,7 @@ fn sensed_forces_are_judged() {
     let shape = folder.put("shape.csv", shape);
     let sense = |scene: &str, estimator: &str| {
         finray(&[
-            "sense",
-            scene,
-            "--displacements",
-            &shape,
-            "--contact",
-            "19",
-            "--estimator",
-            estimator,
-            "--noise-mm",
+            "sense", scene, "--displacements", &shape, "--contact", "19", "--estimator", estimator, "--noise-mm",
             "0.067",
         ])
     };
@@ -70,16 +62,7 @@ fn sensed_forces_are_judged() {
     let paper = finray(&["solve", PAPER, "--load", &load]).done();
     let shape = folder.put("shape.csv", paper);
     finray(&[
-        "sense",
-        PAPER,
-        "--displacements",
-        &shape,
-        "--contact",
-        "19",
-        "--estimator",
-        "nonlinear",
-        "--noise-mm",
-        "0.067",
+        "sense", PAPER, "--displacements", &shape, "--contact", "19", "--estimator", "nonlinear", "--noise-mm", "0.067",
     ])
     .done();
 }
