@@ -101,24 +101,6 @@ fn a_cell_of_the_corotational_map_is_solve_and_sense() {
     }
 }
 
-/// A cell is empty if the finger cannot carry the force.
-#[test]
-fn cells_without_equilibrium_are_empty() {
-    let folder = Folder::new();
-    let scene = folder.put("scene.toml", paper_with(&[("count = 11", "count = 0")]));
-    let map = Csv::of(&finray(&["map", &scene, "--estimator", "least-squares", "--force-n", "0.15"]).done());
-    assert!(map.rows.iter().flatten().all(|cell| !cell.contains("NaN") && !cell.contains("inf")));
-    let solve = |row: &Vec<String>| {
-        let load = format!("{}:0.15,{}", row[0], row[1]);
-        finray(&["solve", &scene, "--mesh-nodes", "684", "--load-at", &load])
-    };
-    let (carried, empty): (Vec<_>, Vec<_>) =
-        map.rows.iter().partition(|row| row[3..].iter().all(|cell| !cell.is_empty()));
-    assert!(empty.iter().all(|row| row[3..] == ["", "", "", "0", "0", "", "", ""]));
-    solve(empty[0]).failed();
-    solve(carried[0]).done();
-}
-
 #[test]
 fn maps_that_make_no_sense_are_refused() {
     for (arguments, expected) in [
