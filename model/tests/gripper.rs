@@ -35,6 +35,11 @@ prop_compose! {
     }
 }
 
+/// An outer linkage with a screw of 4 mm pitch. Lengths are in mm.
+fn linkage(slider_mm: f64, link_mm: [f64; 2], fixed_joint_mm: f64) -> GripperDescription {
+    GripperDescription { screw_pitch_mm: 4.0, slider_mm, link_mm, fixed_joint_mm, assembly: Assembly::Outer }
+}
+
 /// Motor angle at a given share of the range of motor angles that the linkage can reach.
 fn within(gripper: &Gripper, share: f64) -> f64 {
     let [from_deg, to_deg] = gripper.reach_deg();
@@ -156,13 +161,7 @@ proptest! {
 /// A rocker of 3 mm and a link of 4 mm at a right angle span a distance of 5 mm.
 #[test]
 fn a_right_triangle_has_the_angles_of_the_textbook() {
-    let description = GripperDescription {
-        screw_pitch_mm: 4.0,
-        slider_mm: 0.0,
-        link_mm: [3.0, 4.0],
-        fixed_joint_mm: 5.0,
-        assembly: Assembly::Outer,
-    };
+    let description = linkage(0.0, [3.0, 4.0], 5.0);
     let gripper = Gripper::new(description).unwrap();
     let pose = gripper.pose(0.0).unwrap();
     assert!((pose.base - Vector::new(1.8, 2.4)).norm() < 1e-14);
@@ -179,13 +178,7 @@ fn a_right_triangle_has_the_angles_of_the_textbook() {
 /// screw's axis is the link's length.
 #[test]
 fn an_upright_finger_opens_by_twice_its_distance_from_the_axis() {
-    let description = GripperDescription {
-        screw_pitch_mm: 4.0,
-        slider_mm: 25.0,
-        link_mm: [25.0, 40.0],
-        fixed_joint_mm: 40.0,
-        assembly: Assembly::Outer,
-    };
+    let description = linkage(25.0, [25.0, 40.0], 40.0);
     let (gripper, finger) = (Gripper::new(description).unwrap(), finger());
     let pose = gripper.pose(0.0).unwrap();
     let tip = finger.position(finger.tip());
@@ -201,13 +194,7 @@ fn an_upright_finger_opens_by_twice_its_distance_from_the_axis() {
 
 #[test]
 fn a_linkage_that_does_not_close_is_refused() {
-    let description = GripperDescription {
-        screw_pitch_mm: 4.0,
-        slider_mm: 20.0,
-        link_mm: [5.0, 10.0],
-        fixed_joint_mm: 30.0,
-        assembly: Assembly::Outer,
-    };
+    let description = linkage(20.0, [5.0, 10.0], 30.0);
     let impossible = Gripper::new(description).unwrap_err();
     assert_eq!((impossible.shortest_mm, impossible.longest_mm), (5.0, 15.0));
     assert!((impossible.apart_mm - 1300.0_f64.sqrt()).abs() < 1e-12);
@@ -217,13 +204,7 @@ fn a_linkage_that_does_not_close_is_refused() {
 /// rotates, the tip has the largest error.
 #[test]
 fn nodes_err_as_those_of_a_linkage_that_is_off() {
-    let description = GripperDescription {
-        screw_pitch_mm: 4.0,
-        slider_mm: 20.0,
-        link_mm: [25.0, 40.0],
-        fixed_joint_mm: 30.0,
-        assembly: Assembly::Outer,
-    };
+    let description = linkage(20.0, [25.0, 40.0], 30.0);
     const OFF: f64 = 1e-4;
     let (gripper, finger, motor_deg) = (Gripper::new(description).unwrap(), finger(), -300.0);
     let errors = LinkageErrors { motor_deg: 360.0 * OFF, backlash_mm: OFF * 12.0_f64.sqrt(), length_mm: OFF };

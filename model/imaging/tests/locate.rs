@@ -25,7 +25,7 @@ use rayon::prelude::*;
 const RMS_MM: f64 = 0.004;
 const LARGEST_MM: f64 = 0.015;
 /// Number of images in the statistics.
-const IMAGES: u64 = 32;
+const IMAGES: u64 = 24;
 /// Share of the visible markers that the locator may omit because their assignment to nodes is uncertain.
 const LOST: f64 = 0.01;
 

@@ -169,7 +169,8 @@ fn sensitivities_are_those_of_differences() {
 fn sigmas_cover() {
     let truth = zoned([0.7, 0.8, 0.1, 0.3, 0.9]);
     let unknowns = each_zone(&truth);
-    let clean = measured(&truth, &LARGE);
+    // The larger of the two weights on each node.
+    let clean: Vec<CalibrationCase> = measured(&truth, &LARGE).into_iter().skip(1).step_by(2).collect();
     let mut rng = ChaCha8Rng::seed_from_u64(8);
     let experiments: Vec<FactorEstimate> = (0..REPEATS)
         .map(|_| {

@@ -588,35 +588,11 @@ fn forces_that_are_missed_are_noticed() {
     assert!(force_error < 0.005, "{force_error}");
 }
 
-/// Three forces with errors of 3 % each. 95 % intervals of the modulus contain the true modulus in about 95 % of the calibrations; with the most
-/// likely scatter alone, they did so in about 80 %.
-#[test]
-fn intervals_of_the_modulus_hold_for_few_forces() {
-    const SEEDS: u64 = 60;
-    let mut truth = truth();
-    (truth.more_height_mm, truth.base) = (0.0, Isometry2::identity());
-    truth.modulus_factor = 0.92;
-    truth.finger = truth.stated.with_modulus_factor(truth.modulus_factor).expect("a positive modulus");
-    let holds = |seed: &u64| {
-        let mut rng = ChaCha8Rng::seed_from_u64(500 + seed);
-        let mut seen = views_at(&PRESSES[1..4], &truth, true, &mut rng);
-        for view in &mut seen {
-            let normal: f64 = StandardNormal.sample(&mut rng);
-            view.force = view.force.map(|force| force * (1.0 + 0.03 * normal));
-        }
-        let modulus = sought(&[Quantity::Modulus], None);
-        let found = views(&truth.stated, &seen, &modulus, &model(Lean::NONE)).expect("identifiable").quantities[0];
-        (found.value - truth.modulus_factor).abs() <= 1.96 * found.sigma
-    };
-    let share = (0..SEEDS).filter(holds).count() as f64 / SEEDS as f64;
-    assert!((0.88..=1.0).contains(&share), "{share}");
-}
-
 /// The paper's finger with 32 elements per member. On a mesh of one element per member, the modulus errs by fifty standard deviations. Refinement makes
 /// the error of the mesh smaller than the standard deviation. Forces between nodes once made a modulus too small, even on four elements per member.
 #[test]
 fn the_error_of_the_mesh_is_below_sigma() {
-    const SEEDS: u64 = 4;
+    const SEEDS: u64 = 2;
     let modulus_factor = 0.92;
     let finger = paper().with_modulus_factor(modulus_factor).expect("a positive modulus");
     let truth = Truth { stated: paper(), finger, modulus_factor, more_height_mm: 0.0, base: Isometry2::identity() };

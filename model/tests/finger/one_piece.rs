@@ -375,18 +375,7 @@ fn fillets_and_arms_state_shear_and_model_error() {
 fn fillets_join_an_inclined_rib_to_the_base() {
     let row = |fillet: f64| {
         let row = [
-            "",
-            "inclined",
-            "45.4",
-            "89.8",
-            "89.8",
-            "2.52",
-            "2.79",
-            "2.23",
-            "0.35",
-            "F",
-            "F",
-            "0",
+            "", "inclined", "45.4", "89.8", "89.8", "2.52", "2.79", "2.23", "0.35", "F", "F", "0",
             "32.8 9.03 57.7 37.1",
         ];
         row.map(|cell| cell.replace('F', &fillet.to_string())).to_vec()

@@ -147,7 +147,7 @@ fn stated_sigmas_hold_what_the_objects_pose_leaves_open() {
     const NOISE_MM: f64 = 0.02;
     const SD_MM: f64 = 0.3;
     const SD_RAD: f64 = 0.02;
-    let cases = case_count(40, 300);
+    let cases = case_count(30, 300);
     let finger = bracketed();
     let (fine, mesh) = (Mesh::with_elements_per_member(&finger, 8), Mesh::with_elements_per_member(&finger, ELEMENTS));
     for ((shape, friction_sd), name) in shapes().into_iter().zip([0.0, 0.05, 0.0]).zip(["disc", "ellipse", "polygon"]) {

@@ -59,7 +59,7 @@ fn what_a_pad_does_is_sensed() {
 #[test]
 fn stated_sigmas_hold_with_a_pad() {
     const NOISE_MM: f64 = 0.02;
-    let cases = case_count(60, 300);
+    let cases = case_count(30, 300);
     let finger = bracketed();
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
     let lean = Lean { from: Normal::Undeformed, ..Lean::of_friction(0.3, 0.05) };

@@ -3,13 +3,13 @@
 //! Includes a regression test: on a finger with few ribs and markers, a second minimum once led to a force of the wrong sign, with an error of many
 //! standard deviations.
 
-use finray_model::finger::{
-    BracketLengths, FingerDescription, Joints, MarkerPoints, Plate, RibDescription, RibPositions, Strip,
-};
+use finray_model::finger::{FingerDescription, Joints, Plate, RibDescription, RibPositions, Strip};
 use finray_model::measurement::Measurement;
 use finray_model::sensing::{Contact, ContactQuestion, NearForces, SensingError, sense_refining};
 use finray_model::{Finger, Kinematics, Mesh, NodeId};
-use finray_tests::{STANDARD_ERRORS, TWO_SIDED_95, at_position, case_count, noisy, random_stream, seen, share_error};
+use finray_tests::{
+    STANDARD_ERRORS, TWO_SIDED_95, at_position, case_count, noisy, paper, random_stream, seen, share_error,
+};
 use rand::RngExt;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
@@ -37,27 +37,15 @@ pub(super) fn random_finger(rng: &mut ChaCha8Rng) -> Finger {
             front_length_mm,
             back_length_mm: front_length_mm * rng.random_range(0.85..1.2),
             depth_mm: rng.random_range(10.0..40.0),
-            rod_arm_mm: 0.0,
-            rib_arm_mm: None,
-            clamp_arm_mm: None,
-            fillets: None,
-            poissons_ratio: 0.0,
-            side_faces: None,
-            shear_correction: 0.0,
             front: strip(rng),
             back: strip(rng),
-            rigid_ends: Default::default(),
             ribs: RibDescription {
-                thicknesses_mm: None,
-                fillets_mm: None,
                 positions: RibPositions::Count(rng.random_range(0..=12)),
                 joints: if rng.random_bool(0.5) { Joints::Rigid } else { Joints::Hinged },
-                bracket_mm: BracketLengths::NONE,
-                clip_mm: [0.0; 2],
                 strip: rng.random_bool(0.8).then(|| strip(rng)),
+                ..paper().description().ribs.clone()
             },
-            zones: Vec::new(),
-            markers_on: MarkerPoints::Junctions,
+            ..paper().description().clone()
         };
         if let Ok(finger) = Finger::new(description) {
             return finger;
@@ -173,27 +161,10 @@ fn a_v_seen_at_its_tip_is_given_no_force_of_the_wrong_sign() {
         front_length_mm: 70.0,
         back_length_mm: 78.26237921249263,
         depth_mm: 35.0,
-        rod_arm_mm: 0.0,
-        rib_arm_mm: None,
-        clamp_arm_mm: None,
-        fillets: None,
-        poissons_ratio: 0.0,
-        side_faces: None,
-        shear_correction: 0.0,
         front: strip(2.0),
         back: strip(4.0),
-        rigid_ends: Default::default(),
-        ribs: RibDescription {
-            thicknesses_mm: None,
-            fillets_mm: None,
-            positions: RibPositions::Count(0),
-            joints: Joints::Rigid,
-            bracket_mm: BracketLengths::NONE,
-            clip_mm: [0.0; 2],
-            strip: None,
-        },
-        zones: Vec::new(),
-        markers_on: MarkerPoints::Junctions,
+        ribs: RibDescription { positions: RibPositions::Count(0), strip: None, ..paper().description().ribs.clone() },
+        ..paper().description().clone()
     })
     .expect("a V");
     let contact = at_position(50.0, 0.0);

@@ -265,7 +265,7 @@ fn assert_right(tally: &Tally, most_refused: f64) {
 
 #[test]
 fn forces_at_unknown_positions_are_covered_while_markers_are_hidden() {
-    let cases = case_count(60, 1000);
+    let cases = case_count(40, 1000);
     let known = [(Knows::Direction, 0.2), (Knows::Nothing, 0.5), (Knows::Friction, 0.4), (Knows::DirectionOnBase, 0.4)];
     let tallies = known.map(|(knows, most_refused)| {
         (study(seed() + u64::from(knows != Knows::Direction), cases, 1, knows), most_refused)
@@ -275,7 +275,7 @@ fn forces_at_unknown_positions_are_covered_while_markers_are_hidden() {
 
 #[test]
 fn two_forces_at_unknown_positions_are_not_wrong_in_silence() {
-    let tally = study(seed() + 2, case_count(30, 300), 2, Knows::Direction);
+    let tally = study(seed() + 2, case_count(20, 300), 2, Knows::Direction);
     let by_chance = CHANCE * tally.errors.len() as f64;
     assert!(tally.wrong() as f64 <= by_chance + STANDARD_ERRORS * by_chance.sqrt(), "{} are wrong", tally.wrong());
 }

@@ -1,8 +1,6 @@
 //! Equilibria of single fingers: mesh sizes of the paper, and regressions of fingers that were once solved wrongly.
 
-use finray_model::finger::{
-    BracketLengths, FingerDescription, Joints, MarkerPoints, RibDescription, RibPositions, Strip,
-};
+use finray_model::finger::{FingerDescription, Joints, RibDescription, RibPositions, Strip};
 use finray_model::statics::{Statics, StaticsError, reaction, solve};
 use finray_model::{Finger, Kinematics, Load, Mesh, NodeId, Vector};
 use finray_tests::{paper, paper_scene_with};
@@ -64,27 +62,15 @@ fn a_buckling_load_is_not_jumped_over() {
         front_length_mm: 154.6877,
         back_length_mm: 162.3778,
         depth_mm: 8.0,
-        rod_arm_mm: 0.0,
-        rib_arm_mm: None,
-        clamp_arm_mm: None,
-        fillets: None,
-        poissons_ratio: 0.0,
-        side_faces: None,
-        shear_correction: 0.0,
         front: strip(1.94819, 181.17),
         back: strip(0.5, 353.372),
-        rigid_ends: Default::default(),
         ribs: RibDescription {
-            thicknesses_mm: None,
-            fillets_mm: None,
             positions: RibPositions::Positions(vec![[59.8018, 29.6223], [120.8031, 74.9941]]),
             joints: Joints::Hinged,
-            bracket_mm: BracketLengths::NONE,
-            clip_mm: [0.0; 2],
             strip: None,
+            ..paper().description().ribs.clone()
         },
-        zones: Vec::new(),
-        markers_on: MarkerPoints::Junctions,
+        ..paper().description().clone()
     })
     .expect("possible");
     let mesh = Mesh::key_nodes(&finger);

@@ -29,6 +29,7 @@ mod exports {
     pub mod mujoco;
 }
 mod one_sensor;
+mod paper;
 mod problems {
     mod closed_forms;
     mod mujoco;

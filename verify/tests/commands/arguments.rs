@@ -9,6 +9,7 @@ const COMMANDS: [&str; 6] = ["report", "solve", "sense", "calibrate", "map", "sw
 fn every_command_explains_itself() {
     let help = finray(&["--help"]).done();
     assert_says(&help, &COMMANDS);
+    assert_eq!(finray(&["help", "--help"]).done(), help);
     assert_says(&help, &["completions", "Exit codes", "mm"]);
     for command in COMMANDS {
         let long = finray(&[command, "--help"]).done();
@@ -130,23 +131,12 @@ fn numbers_below_zero_are_values() {
         assert_says(&message, &expected);
         assert!(!message.contains("unexpected argument") && !message.contains("use '-- "), "{message}");
     }
-    // A letter after a dash is still parsed as an option.
-    assert_says(&finray(&["solve", PAPER, "--load", "19:0,-1", "-x"]).refused(), &["unexpected argument"]);
-}
-
-#[test]
-fn help_of_help_is_help() {
-    assert_eq!(finray(&["help", "--help"]).done(), finray(&["--help"]).done());
-}
-
-/// An angle of more than a full turn is refused.
-#[test]
-fn angles_beyond_a_full_turn_are_refused() {
     for angle in ["361", "-361", "1e6"] {
-        let contact = format!("19@{angle}");
-        let message = finray(&["sense", PAPER, "--displacements", "missing.csv", "--contact", &contact]).refused();
+        let message = finray(&[&sense[..5], &[&format!("19@{angle}")]].concat()).refused();
         assert_says(&message, &["expected an angle from -360 to 360 degrees"]);
     }
+    // A letter after a dash is still parsed as an option.
+    assert_says(&finray(&["solve", PAPER, "--load", "19:0,-1", "-x"]).refused(), &["unexpected argument"]);
 }
 
 /// The message for a missing table or key names file and line, as messages about other keys do.

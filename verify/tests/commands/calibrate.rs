@@ -4,9 +4,7 @@ mod measurements;
 
 use crate::kit::*;
 use finray_fixtures::TWIN_SCENE;
-use std::fmt::Write;
 
-const COLUMNS: &str = "case,load_node,fx_n,fy_n,node,ux_mm,uy_mm\n";
 /// Tolerance for rounding of the displacements and for the search for the factor.
 const RECOVERED: f64 = 1e-9;
 /// Loads of two cases: node, and force in N.
@@ -14,16 +12,7 @@ const LOADS: [(usize, [f64; 2]); 2] = [(17, [0.1, -1.0]), (21, [-0.2, -2.0])];
 
 /// Displacements of all key nodes of a linear finger, one case for each of [`LOADS`].
 fn measured(scene: &str) -> String {
-    let mut text = COLUMNS.to_owned();
-    for (case, (load_node, [fx, fy])) in LOADS.iter().enumerate() {
-        let load = format!("{load_node}:{fx},{fy}");
-        let shape = Csv::of(&finray(&["solve", scene, "--kinematics", "linear", "--load", &load]).done());
-        let markers = shape.texts("node").into_iter().zip(shape.texts("ux_mm")).zip(shape.texts("uy_mm"));
-        for ((node, ux), uy) in markers {
-            writeln!(text, "weight {case},{load_node},{fx},{fy},{node},{ux},{uy}").expect("memory");
-        }
-    }
-    text
+    weighed(scene, &["--kinematics", "linear"], &LOADS)
 }
 
 /// Calibrates with eq. (11) of the paper and the linear finger, which fits linear shapes exactly.
@@ -65,15 +54,8 @@ fn parts_of_different_moduli_are_listed_each() {
         assert_close(&[ours], &[truth], RECOVERED);
     }
     // Undeformable ribs have no modulus.
-    let load = ["solve", SPRING_STEEL, "--kinematics", "linear", "--load", "8:0,-1"];
-    let shape = finray(&load).done();
-    let rows: String = shape
-        .lines()
-        .skip(1)
-        .map(|line| line.split(',').collect::<Vec<_>>())
-        .map(|cells| format!("a,8,0,-1,{},{},{}\n", cells[0], cells[3], cells[4]))
-        .collect();
-    let answer = Csv::of(&calibrate(SPRING_STEEL, &(COLUMNS.to_owned() + &rows)).done());
+    let rows = weighed(SPRING_STEEL, &["--kinematics", "linear"], &[(8, [0.0, -1.0])]);
+    let answer = Csv::of(&calibrate(SPRING_STEEL, &rows).done());
     assert_eq!(answer.texts("parameter"), [names[0], names[1], names[3]]);
     assert_close(&answer.numbers("value")[2..], &[1.0], RECOVERED);
 }
@@ -85,7 +67,7 @@ fn order_does_not_matter_and_single_bad_markers_hardly() {
     let mut rows: Vec<_> = text.lines().skip(1).collect();
     rows.reverse();
     rows.swap(3, 30);
-    let shuffled = format!("{COLUMNS}{}\r\n", rows.join("\r\n"));
+    let shuffled = format!("{WEIGHTS}{}\r\n", rows.join("\r\n"));
     let factor = |text: &str| {
         let answer = Csv::of(&calibrate(PAPER, text).done());
         (answer.numbers("value")[1], answer.numbers("sigma")[1])
@@ -93,7 +75,7 @@ fn order_does_not_matter_and_single_bad_markers_hardly() {
     assert_close(&[factor(&shuffled).0], &[1.0], RECOVERED);
     let bad = rows.iter().position(|row| row.starts_with("weight 1,21,-0.2,-2,5,")).expect("node 5");
     rows[bad] = "weight 1,21,-0.2,-2,5,3.0,-9.0";
-    let (factor, sigma) = factor(&format!("{COLUMNS}{}", rows.join("\n")));
+    let (factor, sigma) = factor(&format!("{WEIGHTS}{}", rows.join("\n")));
     assert!((factor - 1.0).abs() < 1e-3 && sigma >= 0.0, "{factor} +- {sigma}");
 }
 
@@ -121,13 +103,13 @@ fn measurements_that_do_not_fit_are_refused_by_file_and_line() {
         ("b,tip,0,-1,7,0,-1\n", "line 3: load_node: expected the number of a node, found \"tip\""),
         ("b,19,0,-1,7,0\n", "line 3: expected 7 columns as in the header, found 6"),
     ] {
-        let path = folder.put("weights.csv", format!("{COLUMNS}{good}{rows}"));
+        let path = folder.put("weights.csv", format!("{WEIGHTS}{good}{rows}"));
         let message = finray(&["calibrate", PAPER, "--measurements", &path]).refused();
         assert_says(&message, &[&path, expected]);
     }
     for (text, expected) in [
         ("", "found nothing"),
-        (COLUMNS, "expected rows of case,load_node,fx_n,fy_n,node,ux_mm,uy_mm, found none"),
+        (WEIGHTS, "expected rows of case,load_node,fx_n,fy_n,node,ux_mm,uy_mm, found none"),
         ("case,load_node,fx_n,node,ux_mm,uy_mm\na,19,0,7,0,-1\n", "line 1: expected a column fy_n"),
     ] {
         let path = folder.put("weights.csv", text);
@@ -192,7 +174,7 @@ fn measurements_that_tell_no_modulus_are_refused() {
         ("a,19,0,-1,7,0,0\na,19,0,-1,18,0,0\n", "do not move with the loads"),
         ("a,19,0,-1,7,0,-1e-310\n", "not identifiable"),
     ] {
-        assert_says(&calibrate(PAPER, &(COLUMNS.to_owned() + rows)).refused(), &[expected]);
+        assert_says(&calibrate(PAPER, &(WEIGHTS.to_owned() + rows)).refused(), &[expected]);
     }
 }
 
@@ -207,19 +189,8 @@ fn twin_with(factors: [f64; 3]) -> String {
 
 /// Measurements of a scene's finger under weights at four nodes, along the normal of the plate.
 fn measured_at_four(scene: &str, kinematics: &str) -> String {
-    let mut text = COLUMNS.to_owned();
-    for load_node in [14, 16, 20, 24] {
-        let load = paper_load(load_node, 1.0, 0.0);
-        let [fx, fy] = paper_force(1.0, 0.0);
-        let shape = Csv::of(
-            &finray(&["solve", scene, "--kinematics", kinematics, "--mesh-nodes", "130", "--load", &load]).computed(),
-        );
-        let markers = shape.texts("node").into_iter().zip(shape.texts("ux_mm")).zip(shape.texts("uy_mm"));
-        for ((node, ux), uy) in markers {
-            writeln!(text, "{load_node},{load_node},{fx},{fy},{node},{ux},{uy}").expect("memory");
-        }
-    }
-    text
+    let loads = [14, 16, 20, 24].map(|node| (node, paper_force(1.0, 0.0)));
+    weighed(scene, &["--kinematics", kinematics, "--mesh-nodes", "130"], &loads)
 }
 
 #[test]

@@ -4,14 +4,6 @@ use crate::kit::*;
 use finray_fixtures::{GRASPED_DISC_SCENE as DISC, WATCHED_DISC_SCENE as CAMERA};
 use serde_json::Value;
 
-/// A text with some of its lines changed.
-fn with(text: &str, changes: &[(&str, &str)]) -> String {
-    changes.iter().fold(text.to_owned(), |text, (from, to)| {
-        assert!(text.contains(from), "{from}");
-        text.replace(from, to)
-    })
-}
-
 fn summary(folder: &Folder, out: &str) -> Value {
     serde_json::from_str(&folder.read(&format!("{out}/summary.json"))).expect("JSON")
 }
@@ -107,7 +99,7 @@ fn forces_are_sensed_in_images_of_the_fingers() {
         ("open = true", "open = true\ncamera_on_gripper = true"),
     ];
     for (name, changes) in [("finger", &[][..]), ("gripper", &on_gripper[..])] {
-        let scene = folder.put(&format!("{name}.toml"), with(&with(CAMERA, &coarser), changes));
+        let scene = folder.put(&format!("{name}.toml"), replaced(&replaced(CAMERA, &coarser), changes));
         finray(&["grasp", &scene, "--images", "--out", &folder.path(name)]).done();
         let sensed = &summary(&folder, name)["sensed"];
         let count = |key: &str| sensed[key].as_u64().expect("a count");
@@ -122,7 +114,7 @@ fn forces_are_sensed_in_images_of_the_fingers() {
 fn a_grasp_that_fails_says_how_and_keeps_what_was() {
     let folder = Folder::new();
     let slippery = [("friction = 0.4", "friction = 0.02"), ("mass_g = 60.0", "mass_g = 3000.0")];
-    let scene = folder.put("disc.toml", with(DISC, &slippery));
+    let scene = folder.put("disc.toml", replaced(DISC, &slippery));
     let message = finray(&["grasp", &scene, "--fineness", "1", "--out", &folder.path("out")]).failed();
     assert!(["drop", "slip", "gets away"].iter().any(|word| message.contains(word)), "{message}");
     assert!(Csv::of(&folder.read("out/object.csv")).texts("step").len() > 5);
@@ -136,7 +128,7 @@ fn a_grasp_that_fails_says_how_and_keeps_what_was() {
 fn fingers_that_touch_each_other_are_named() {
     let folder = Folder::new();
     let thin = [("radius_mm = 15.0", "radius_mm = 1.0"), ("motor_deg = [0.0, -495.0]", "motor_deg = [0.0, -900.0]")];
-    let scene = folder.put("disc.toml", with(DISC, &thin));
+    let scene = folder.put("disc.toml", replaced(DISC, &thin));
     let message = finray(&["grasp", &scene, "--fineness", "1", "--out", &folder.path("out")]).failed();
     assert_says(&message, &["the fingers touch each other; the steps before the failure are in"]);
     assert!(Csv::of(&folder.read("out/object.csv")).texts("step").len() > 5);
@@ -192,7 +184,7 @@ fn bad_scenes_are_refused() {
         ),
     ];
     for (changes, says) in cases {
-        let scene = folder.put("scene.toml", with(DISC, changes));
+        let scene = folder.put("scene.toml", replaced(DISC, changes));
         let message = finray(&["grasp", &scene, "--out", &folder.path("out")]).refused();
         assert_says(&message, &[says]);
     }

@@ -21,11 +21,7 @@ fn off_centre(folder: &Folder) -> String {
         ("motor_deg = [-135.0, -405.0]", "motor_deg = [-45.0, -270.0]"),
         ("open = true", "open = false"),
     ];
-    let text = changes.iter().fold(WATCHED_DISC_SCENE.to_owned(), |text, (from, to)| {
-        assert!(text.contains(from), "{from}");
-        text.replace(from, to)
-    });
-    folder.put("scene.toml", text)
+    folder.put("scene.toml", replaced(WATCHED_DISC_SCENE, &changes))
 }
 
 /// True force (N) on a finger in each step: the magnitude of the sum of all contact forces.

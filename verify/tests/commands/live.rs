@@ -38,6 +38,14 @@ fn force_n(line: &Value) -> f64 {
     line["contacts"][0]["force_n"].as_f64().unwrap_or_else(|| panic!("{line}"))
 }
 
+/// Senses every frame of a stream for a contact of unknown position, with a force along the undeformed normal.
+const LIVE: [&str; 5] = ["live", CAMERA, "--contact-at", "auto@0", "--every-frame"];
+
+/// The lines of [`LIVE`] for a stream.
+fn found_in(stream: &str) -> Vec<Value> {
+    lines(&finray_reading(stream.as_bytes(), &LIVE).done())
+}
+
 /// Shape of the finger under loads.
 fn shape(loads: &[Load]) -> FingerShape {
     let mesh = Mesh::with_elements_per_member(&finger(), 8);
@@ -80,9 +88,7 @@ fn positions_give_the_forces_of_sense() {
     let rows: String = frames.iter().map(|[_, rows]| rows.as_str()).collect();
     // Some programs write the names of columns in quotes.
     let table = format!("\"t_s\",\"node\",\"x_mm\",y_mm,sigma_mm\n{rows}");
-    let live = ["live", CAMERA, "--contact-at", "auto@0", "--every-frame"];
-    let of_json = lines(&finray_reading(json.as_bytes(), &live).done());
-    let of_table = lines(&finray_reading(table.as_bytes(), &live).done());
+    let (of_json, of_table) = (found_in(&json), found_in(&table));
     assert_eq!(states(&of_json), ["none", "contact", "none"]);
     assert_eq!(force_n(&of_json[1]), force_n(&of_table[1]));
     assert_eq!(of_table[1]["time_s"], 1.0);
@@ -112,8 +118,7 @@ fn hidden_markers_have_no_coordinates() {
     let (_, after) = after.split_once('}').expect("its end");
     let of = |x: &str, y: &str| format!("{before}{{\"node\":6,\"x_mm\":{x},\"y_mm\":{y}}}{after}");
     let stream = format!("\u{feff}{}{}{}", of("null", "null"), of("NaN", "NaN"), of("null", "1.0"));
-    let found =
-        lines(&finray_reading(stream.as_bytes(), &["live", CAMERA, "--contact-at", "auto@0", "--every-frame"]).done());
+    let found = found_in(&stream);
     assert_eq!(states(&found), ["contact", "contact", "refused"]);
     assert_eq!([&found[0]["markers"], &found[1]["markers"]], [24, 24]);
     assert_says(found[2]["refused"].as_str().expect("a reason"), &["line 3: node 6: expected two coordinates"]);
@@ -146,7 +151,7 @@ fn free_frames_show_no_force_and_intervals_hold() {
     let frame = |i: u64| positions(&shapes[usize::from(i >= count)], i as f64, 100 + i)[0].clone();
     let folder = Folder::new();
     let stream = folder.put("stream", (0..2 * count).map(frame).collect::<String>());
-    let found = lines(&finray(&["live", CAMERA, "--contact-at", "auto@0", "--every-frame", "--input", &stream]).done());
+    let found = lines(&finray(&[&LIVE[..], &["--input", &stream]].concat()).done());
     let (free, pressed) = found.split_at(count as usize);
     let wrong = free.iter().filter(|line| line["state"] != "none").count();
     assert!((wrong as f64) < 0.01 * count as f64, "{wrong} of {count}");
@@ -173,10 +178,9 @@ fn first_frames_may_show_the_unloaded_finger() {
             line.to_string() + "\n"
         })
         .collect::<String>();
-    let live = ["live", CAMERA, "--contact-at", "auto@0", "--every-frame"];
-    let wrong = lines(&finray_reading(shifted.as_bytes(), &live).done());
+    let wrong = found_in(&shifted);
     assert!(states(&wrong)[..7].iter().all(|state| *state != "none"), "{:?}", states(&wrong));
-    let found = lines(&finray_reading(shifted.as_bytes(), &[&live[..], &["--rest-frames", "5"]].concat()).done());
+    let found = lines(&finray_reading(shifted.as_bytes(), &[&LIVE[..], &["--rest-frames", "5"]].concat()).done());
     assert_eq!(states(&found), ["none", "none", "none", "none", "none", "none", "none", "contact"]);
     assert!((force_n(&found[7]) - 1.0).abs() < 0.05, "{}", found[7]);
     // After the rest frames, each line shows the drift. The noise of the means causes 0.02 mm (1 / 5 + 1 / frames)^(1/2) in each coordinate.
@@ -194,7 +198,7 @@ fn first_frames_may_show_the_unloaded_finger() {
         marker["node"] = (26 - marker["node"].as_u64().expect("a node")).into();
     }
     let reversed = serde_json::json!({ "markers": markers }).to_string();
-    let reversed = finray_reading(reversed.as_bytes(), &[&live[..], &["--rest-frames", "1"]].concat());
+    let reversed = finray_reading(reversed.as_bytes(), &[&LIVE[..], &["--rest-frames", "1"]].concat());
     let (out, warnings) = reversed.warned();
     assert_says(lines(&out)[0]["refused"].as_str().expect("a reason"), &["from their places in the scene"]);
     assert_says(&warnings[0], &["ended 1 frame(s) before all 1 rest frames"]);
@@ -204,7 +208,7 @@ fn first_frames_may_show_the_unloaded_finger() {
     let free: String = (0..200).map(|i| positions(&shapes[0], 0.0, 500 + i)[0].clone()).collect();
     let path = folder.put("free", free);
     let more = ["--rest-frames", "1", "--noise-mm", "0.02", "--input", &path];
-    let found = lines(&finray(&[&live[..], &more].concat()).done());
+    let found = lines(&finray(&[&LIVE[..], &more].concat()).done());
     let wrong = states(&found).iter().filter(|state| **state != "none").count();
     assert!(wrong < 2, "{wrong} of 200");
 }
@@ -216,22 +220,19 @@ fn broken_frames_are_refused_alone() {
     let live = ["live", CAMERA, "--contact-at", "auto@-20", "--every-frame"];
     let one = pressed_frame();
     let broken = format!("{one}{{\"markers\":[{{\"node\":13}}]}}\nnonsense\n{one}");
-    let found =
-        lines(&finray_reading(broken.as_bytes(), &["live", CAMERA, "--contact-at", "auto@0", "--every-frame"]).done());
+    let found = found_in(&broken);
     assert_eq!(states(&found), ["contact", "refused", "refused", "contact"]);
     assert_says(found[1]["refused"].as_str().expect("a reason"), &["line 2", "x_mm"]);
     // Only the frame with the invalid row is refused.
     let [_, rows] = positions(&shape(&[pushed(70.0, 1.0)]), 0.0, 1);
     let table = format!("t_s,node,x_mm,y_mm,sigma_mm\n{rows}1.0,2,here,3.0,0.02\n1.0,3,20.0,3.0,0.02\n");
-    let found =
-        lines(&finray_reading(table.as_bytes(), &["live", CAMERA, "--contact-at", "auto@0", "--every-frame"]).done());
+    let found = found_in(&table);
     assert_eq!(states(&found), ["contact", "refused"]);
     assert_says(found[1]["refused"].as_str().expect("a reason"), &["line 27", "x_mm", "\"here\""]);
     // A line that is too long is refused alone, and `--format` decides the format.
     let long = format!("{one}{{\"markers\":[{}]}}\n{one}", " ".repeat(1 << 21));
-    let found = finray_reading(long.as_bytes(), &["live", CAMERA, "--contact-at", "auto@0", "--every-frame"]).done();
-    assert_eq!(states(&lines(&found)), ["contact", "refused", "contact"]);
-    let json = ["live", CAMERA, "--contact-at", "auto@0", "--every-frame", "--format", "jsonl"];
+    assert_eq!(states(&found_in(&long)), ["contact", "refused", "contact"]);
+    let json = [&LIVE[..], &["--format", "jsonl"]].concat();
     let found = lines(&finray_reading(format!("nonsense\n{one}").as_bytes(), &json).done());
     assert_eq!(states(&found), ["refused", "contact"]);
     // In a frame without the finger, the finger is lost; in the next frame it is found again.
@@ -348,17 +349,16 @@ fn outputs_are_files_of_their_own() {
 #[test]
 fn impossible_times_and_numbers_of_fingers_are_refused() {
     let [_, rows] = positions(&shape(&[pushed(70.0, 1.0)]), 0.5, 1);
-    let live = ["live", CAMERA, "--contact-at", "auto@0", "--every-frame"];
     for time in ["NaN", "inf", "-1", "abc", "", "1e30"] {
         let wrong: String =
             rows.lines().map(|row| format!("{time},{}\n", row.split_once(',').expect("cells").1)).collect();
         let table = format!("t_s,node,x_mm,y_mm,sigma_mm\n{wrong}{rows}");
-        let found = lines(&finray_reading(table.as_bytes(), &live).done());
+        let found = found_in(&table);
         assert_eq!(states(&found), ["refused", "contact"], "{time}");
         assert_says(found[0]["refused"].as_str().expect("a reason"), &["t_s: expected a time in s"]);
     }
     let crowd: String = (0..100).map(|i| format!("0.1,13,1.0,2.0,finger{i}\n")).collect();
     let crowd = format!("t_s,node,x_mm,y_mm,finger\n{crowd}");
-    let found = lines(&finray_reading(crowd.as_bytes(), &live).done());
+    let found = found_in(&crowd);
     assert_says(found[0]["refused"].as_str().expect("a reason"), &["expected at most 64 fingers"]);
 }

@@ -25,12 +25,8 @@ impl Images {
 
     /// The scene with all occurrences of some texts replaced.
     fn changed(&self, name: &str, changes: &[(&str, &str)]) -> String {
-        let mut text = std::fs::read_to_string(&self.scene).expect("the fixture");
-        for (from, to) in changes {
-            assert!(text.contains(from), "{from}");
-            text = text.replace(from, to);
-        }
-        self.folder.put(name, text)
+        let text = std::fs::read_to_string(&self.scene).expect("the fixture");
+        self.folder.put(name, replaced(&text, changes))
     }
 
     /// The table of `press.jpg`, located with a scene and, if `has_rest`, with the image of the unloaded finger.

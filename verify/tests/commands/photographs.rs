@@ -78,14 +78,8 @@ fn photographs_lead_to_a_finger_and_to_its_forces() {
     assert_says(&answer.err, &["note: base.sigma_mm, base.sigma_deg", "1 mm and 1 degree"]);
     let found = Csv::of(&answer.out);
     let names = [
-        "modulus_factor",
-        "front_bracket_mm",
-        "back_bracket_mm",
-        "base_deg_per_n",
-        "friction",
-        "noise_factor",
-        "model_error_mm",
-        "force_error_share",
+        "modulus_factor", "front_bracket_mm", "back_bracket_mm", "base_deg_per_n", "friction", "noise_factor",
+        "model_error_mm", "force_error_share",
     ];
     assert_eq!(found.texts("parameter"), names);
     let (values, sigmas) = (found.numbers("value"), found.texts("sigma"));

@@ -133,14 +133,7 @@ fn answers(finger: usize, forces_n: &[f64]) -> (Vec<Press>, [[Vec<Answer>; 2]; 4
                     _ => "auto@friction".to_owned(),
                 };
                 finray(&[
-                    "sense",
-                    scene,
-                    "--displacements",
-                    located,
-                    "--image-name",
-                    &press.name,
-                    "--contact-at",
-                    &contact,
+                    "sense", scene, "--displacements", located, "--image-name", &press.name, "--contact-at", &contact,
                 ])
             };
             unmeasured.par_iter().map(sensed).collect()

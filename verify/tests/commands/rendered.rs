@@ -4,7 +4,7 @@
 //! Every image has its own force, contact position and friction, and shows a finger whose base was mounted anew. A pad between object and plate
 //! distributes the force, and friction acts on the pad's surface, at a distance from the plate. Intervals include calibration errors, which all
 //! images of a finger share, so coverage is averaged over several fingers, each calibrated separately. `FINRAY_TEST_CASES=<number>` sets the number
-//! of sensed images, otherwise 16; `--nocapture` prints the tables.
+//! of sensed images, otherwise 8; `--nocapture` prints the tables.
 
 use crate::kit::*;
 use crate::photographs::force;
@@ -251,7 +251,7 @@ pub(super) fn render(folder: &Folder, scene: &str, press: &Press, rendering: Ren
 
 /// Number of sensed images.
 fn images() -> usize {
-    case_count(16, 200)
+    case_count(8, 200)
 }
 
 /// Images of one finger in a folder: `known` for the calibration of its scene, `unknown` for sensing.

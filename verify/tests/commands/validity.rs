@@ -45,15 +45,7 @@ fn sensed_forces_are_judged() {
     let shape = folder.put("shape.csv", shape);
     let sense = |scene: &str, estimator: &str| {
         finray(&[
-            "sense",
-            scene,
-            "--displacements",
-            &shape,
-            "--contact",
-            "19",
-            "--estimator",
-            estimator,
-            "--noise-mm",
+            "sense", scene, "--displacements", &shape, "--contact", "19", "--estimator", estimator, "--noise-mm",
             "0.067",
         ])
     };
@@ -70,16 +62,7 @@ fn sensed_forces_are_judged() {
     let paper = finray(&["solve", PAPER, "--load", &load]).done();
     let shape = folder.put("shape.csv", paper);
     finray(&[
-        "sense",
-        PAPER,
-        "--displacements",
-        &shape,
-        "--contact",
-        "19",
-        "--estimator",
-        "nonlinear",
-        "--noise-mm",
-        "0.067",
+        "sense", PAPER, "--displacements", &shape, "--contact", "19", "--estimator", "nonlinear", "--noise-mm", "0.067",
     ])
     .done();
 }
@@ -120,10 +103,6 @@ fn unstated_side_faces_are_warned_of_once() {
         let about = warnings.iter().filter(|line| line.contains("finger.side_faces is not stated")).count();
         assert_eq!((warnings.len(), about), (1, 1), "{warnings:?}");
     }
-    let rows = Csv::of(&finray(&["solve", &stated, "--load", &load]).done());
-    let moved = rows.texts("node").into_iter().zip(rows.texts("ux_mm")).zip(rows.texts("uy_mm"));
-    let load = load.replace(':', ",");
-    let rows: String = moved.map(|((node, ux), uy)| format!("a,{load},{node},{ux},{uy}\n")).collect();
-    let weights = folder.put("weights.csv", format!("case,load_node,fx_n,fy_n,node,ux_mm,uy_mm\n{rows}"));
+    let weights = folder.put("weights.csv", weighed(&stated, &[], &[(19, paper_force(0.5, 0.0))]));
     finray(&["calibrate", &unstated, "--measurements", &weights]).done();
 }

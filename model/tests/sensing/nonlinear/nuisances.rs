@@ -85,7 +85,7 @@ fn a_base_that_is_elsewhere_is_found() {
 /// Bases, leans and noise are drawn from their priors; errors are then as large as stated.
 #[test]
 fn stated_sigmas_hold_what_base_and_friction_leave_open() {
-    let cases = case_count(60, 300);
+    let cases = case_count(30, 300);
     let finger = bracketed();
     let mesh = Mesh::with_elements_per_member(&finger, ELEMENTS);
     let mut rng = ChaCha8Rng::seed_from_u64(19);

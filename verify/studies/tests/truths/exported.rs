@@ -60,11 +60,7 @@ const BEAMS_ALONE: [&str; 4] =
 /// Keys that describe no property of the finger: stated errors, limits and objects. Maps and sweeps hand only the finger and the errors of its model
 /// and stiffness to the sensor.
 const NO_PROPERTY: [&str; 6] = [
-    "model_error",
-    "youngs_modulus_sigma",
-    "depth_sigma_mm",
-    "thickness_sigma",
-    "modulus_per_thickness",
+    "model_error", "youngs_modulus_sigma", "depth_sigma_mm", "thickness_sigma", "modulus_per_thickness",
     "largest_strain",
 ];
 

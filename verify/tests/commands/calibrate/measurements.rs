@@ -1,8 +1,7 @@
 //! Measured shapes with large deflection, with hidden or wrong markers, and of the linear finger.
 
-use super::{COLUMNS, calibrate, measured};
+use super::{calibrate, measured};
 use crate::kit::*;
-use std::fmt::Write;
 
 /// Under the same weights, the linear finger bends more than the co-rotational finger. A calibration of the linear finger attributes this difference
 /// to stiffness.
@@ -10,20 +9,20 @@ use std::fmt::Write;
 fn weights_that_bend_far_lead_to_the_true_modulus() {
     let folder = Folder::new();
     let truth = folder.put("truth.toml", paper_with(&[("47.976", "43.1784")]));
-    let mut text = COLUMNS.to_owned();
-    for (load_node, force_n) in [(17, 1.0), (19, 2.0), (21, 3.0)] {
-        let [fx, fy] = paper_force(force_n, 0.0);
-        let load = format!("{load_node}:{fx},{fy}");
-        let shape = Csv::of(&finray(&["solve", &truth, "--mesh-nodes", "130", "--load", &load]).computed());
-        for (i, node) in shape.texts("node").into_iter().enumerate() {
-            // Deterministic noise of +0.05 mm or -0.05 mm.
-            let noise = |k: usize| 0.05 * (1.0 - 2.0 * ((7 * i + 3 * load_node + 5 * k) % 2) as f64);
-            let [ux, uy] = ["ux_mm", "uy_mm"].map(|column| shape.numbers(column)[i]);
-            let clamped = if matches!(node, "1" | "25") { 0.0 } else { 1.0 };
-            let [ux, uy] = [ux + clamped * noise(0), uy + clamped * noise(1)];
-            writeln!(text, "{load_node},{load_node},{fx},{fy},{node},{ux},{uy}").expect("memory");
+    let loads = [(17, 1.0), (19, 2.0), (21, 3.0)].map(|(node, force_n)| (node, paper_force(force_n, 0.0)));
+    let exact = weighed(&truth, &["--mesh-nodes", "130"], &loads);
+    // Deterministic noise of +0.05 mm or -0.05 mm.
+    let noisy = |(i, line): (usize, &str)| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        if i > 0 && !matches!(&*cells[4], "1" | "25") {
+            for (k, cell) in cells[5..].iter_mut().enumerate() {
+                let noise_mm = 0.05 * (1.0 - 2.0 * ((7 * i + 5 * k) % 2) as f64);
+                *cell = (cell.parse::<f64>().expect("a number") + noise_mm).to_string();
+            }
         }
-    }
+        cells.join(",") + "\n"
+    };
+    let text: String = exact.lines().enumerate().map(noisy).collect();
     let modulus = |answer: &str| {
         let answer = Csv::of(answer);
         assert_eq!(answer.texts("parameter"), ["youngs_modulus_mpa", "modulus_factor"]);
@@ -45,7 +44,8 @@ fn weights_that_bend_far_lead_to_the_true_modulus() {
         finray_reading(measured(&truth).as_bytes(), &["calibrate", PAPER, "--measurements", "-"]).warned();
     assert_says(&warnings.concat(), &["the linear finger is closer", "modulus_factor is 0.9000"]);
     // A wrongly assigned marker is named in a warning, and hardly changes the result.
-    let row = text.lines().find(|row| row.starts_with("21,21,") && row.split(',').nth(4) == Some("5")).expect("node 5");
+    let row =
+        text.lines().find(|row| row.starts_with("weight 2,21,") && row.split(',').nth(4) == Some("5")).expect("node 5");
     let (answer, warnings) = finray_reading(
         text.replace(row, &format!("{},3.0,-25.0", row.rsplitn(3, ',').last().expect("cells"))).as_bytes(),
         &["calibrate", PAPER, "--measurements", "-"],
@@ -71,6 +71,6 @@ fn empty_cells_are_a_hidden_marker() {
     assert_eq!(calibrate(PAPER, &empty).done(), calibrate(PAPER, &missing).done());
     let half: String = exact.lines().map(|line| emptied(line, "1.0,")).collect();
     assert_says(&calibrate(PAPER, &half).refused(), &["uy_mm: ", "for a hidden marker, leave both cells empty"]);
-    let none = format!("{COLUMNS}a,19,0,-1,7,,\na,19,0,-1,8,,\n");
+    let none = format!("{WEIGHTS}a,19,0,-1,7,,\na,19,0,-1,8,,\n");
     assert_says(&calibrate(PAPER, &none).refused(), &["hidden"]);
 }

@@ -106,7 +106,7 @@ fn files_of_ros_and_opencv_state_a_lens() {
 #[test]
 fn images_without_a_grid_give_no_lens() {
     let folder = Folder::new();
-    let (finger, _) = image_of(&folder, "finger.png", "80:2", &[]);
+    let finger = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/compressed/press.jpg").to_owned();
     let good = grid(&folder, "grid.png", 0.4);
     let black = folder.put("black.png", encoded(&DynamicImage::ImageRgb8(RgbImage::new(160, 140)), ImageFormat::Png));
     let out = folder.put("out.toml", "as before");

@@ -156,13 +156,19 @@ pub fn names_in(folder: &Path) -> Vec<String> {
     names
 }
 
+/// A text with all occurrences of some parts replaced.
+#[track_caller]
+pub fn replaced(text: &str, changes: &[(&str, &str)]) -> String {
+    changes.iter().fold(text.to_owned(), |text, (from, to)| {
+        assert!(text.contains(from), "the text has no {from}");
+        text.replace(from, to)
+    })
+}
+
 /// The paper's scene with all occurrences of some texts replaced.
 #[track_caller]
 pub fn paper_with(changes: &[(&str, &str)]) -> String {
-    changes.iter().fold(PAPER_SCENE.to_owned(), |scene, (from, to)| {
-        assert!(scene.contains(from), "the paper's scene has no {from}");
-        scene.replace(from, to)
-    })
+    replaced(PAPER_SCENE, changes)
 }
 
 /// Header and rows of a CSV text.
@@ -212,6 +218,20 @@ pub fn assert_close(ours: &[f64], reference: &[f64], tolerance: f64) {
 pub fn displacements(csv: &Csv) -> Vec<f64> {
     let (ux, uy) = (csv.numbers("ux_mm"), csv.numbers("uy_mm"));
     ux.into_iter().zip(uy).flat_map(|(x, y)| [x, y]).collect()
+}
+
+/// Columns of a table of measured shapes under known loads.
+pub const WEIGHTS: &str = "case,load_node,fx_n,fy_n,node,ux_mm,uy_mm\n";
+
+/// Displacements of all key nodes of a finger as a table for `calibrate`, one case for each load: node, and force in N.
+pub fn weighed(scene: &str, options: &[&str], loads: &[(usize, [f64; 2])]) -> String {
+    let case = |(case, (load_node, [fx, fy])): (usize, &(usize, [f64; 2]))| {
+        let load = format!("{load_node}:{fx},{fy}");
+        let shape = Csv::of(&finray(&[&["solve", scene, "--load", &load], options].concat()).computed());
+        let row = |row: &Vec<String>| format!("weight {case},{load_node},{fx},{fy},{},{},{}\n", row[0], row[3], row[4]);
+        shape.rows.iter().map(row).collect::<String>()
+    };
+    WEIGHTS.to_owned() + &loads.iter().enumerate().map(case).collect::<String>()
 }
 
 /// Components of a force in the frame of the paper's finger. The force is given by magnitude (N) and angle from the inward normal (degrees).

@@ -13,16 +13,8 @@ const HEADER: &str = "stream,frames,evaluated,latency_median_ms,latency_99_perce
 
 /// Sends images of the camera's full size to `live` at [`FRAMES_PER_S`]. Half of the latencies must be below the paper's latency.
 /// A full study records the latencies as a row of `fixtures/results/latency.csv`.
-fn check_latency(colour_space: &str, subsampling: [u32; 2]) {
-    let folder = Folder::new();
-    let images: Vec<_> = (0..4)
-        .map(|case| {
-            let (path, load) = (folder.path("image.png"), format!("80:2.{case},-20"));
-            finray(&["render", CAMERA, "--load-at", &load, "--grey-noise", "2", "--out", &path]).done();
-            image::open(&path).expect("an image").to_rgb8()
-        })
-        .collect();
-    let stream = yuv4mpeg2(&images, colour_space, subsampling, false);
+fn check_latency(images: &[RgbImage], colour_space: &str, subsampling: [u32; 2]) {
+    let stream = yuv4mpeg2(images, colour_space, subsampling, false);
     let (header, frames) = stream.split_at(stream.iter().position(|byte| *byte == b'\n').expect("a header") + 1);
     let frames: Vec<_> = frames.chunks(frames.len() / images.len()).collect();
 
@@ -62,6 +54,7 @@ fn check_latency(colour_space: &str, subsampling: [u32; 2]) {
 
 #[test]
 fn forces_follow_images_within_the_latency_of_the_paper() {
-    check_latency("444", [1, 1]);
-    check_latency("420", [2, 2]);
+    let images = images(&Folder::new(), &[2.0, 2.1, 2.2, 2.3]);
+    check_latency(&images, "444", [1, 1]);
+    check_latency(&images, "420", [2, 2]);
 }

@@ -1,11 +1,9 @@
 //! Streams of positions as other programs write them: times, quotes, separators, hidden markers and further columns.
 
-use super::{CAMERA, force_n, lines, positions, pushed, shape, states};
+use super::{force_n, found_in, positions, pushed, shape, states};
 use crate::kit::*;
 use finray_files::positions::{PositionFrame, PositionReader};
 use finray_model::NodeId;
-
-const LIVE: [&str; 5] = ["live", CAMERA, "--contact-at", "auto@0", "--every-frame"];
 
 /// The frames of a stream.
 fn frames(text: &str, is_json: bool) -> Vec<PositionFrame> {
@@ -59,7 +57,7 @@ fn tables_of_other_programs_give_the_same_force() {
     let header = "t_s,node,x_mm,y_mm,sigma_mm\n";
     let plain = format!("{header}{rows}");
     let force = |text: &str| {
-        let found = lines(&finray_reading(text.as_bytes(), &LIVE).done());
+        let found = found_in(text);
         assert_eq!((states(&found), &found[0]["time_s"]), (vec!["contact"], &0.5.into()), "{text}");
         (force_n(&found[0]), found[0]["markers"].as_u64())
     };

@@ -134,21 +134,8 @@ fn words(figure: &str) -> Vec<&str> {
 fn every_drawing_says_what_it_shows() {
     // Units, and words that stand in axis labels of counts and ratios. Every axis label contains at least one of the texts in `units`.
     let units = [
-        " mm",
-        ", N",
-        ", %",
-        " deg",
-        " \u{b5}s",
-        "nodes",
-        "node",
-        "bodies",
-        "segments",
-        "cases",
-        "modulus",
-        "factor",
-        "parameters",
-        "reference",
-        "largest displacement",
+        " mm", ", N", ", %", " deg", " \u{b5}s", "nodes", "node", "bodies", "segments", "cases", "modulus", "factor",
+        "parameters", "reference", "largest displacement",
     ];
     for report in [&*PAPERS, &*SPRING_STEELS] {
         let page = report.pages();
@@ -191,18 +178,8 @@ fn the_first_page_begins_with_its_verdict() {
     let page = PAPERS.pages();
     let at = |part: &str| page.find(part).unwrap_or_else(|| panic!("no {part}"));
     for id in [
-        "maps",
-        "contact-scenes",
-        "estimators",
-        "noise",
-        "speed-error",
-        "networks",
-        "checks",
-        "claims",
-        "lattice",
-        "hard-cases",
-        "table-one",
-        "twin",
+        "maps", "contact-scenes", "estimators", "noise", "speed-error", "networks", "checks", "claims", "lattice",
+        "hard-cases", "table-one", "twin",
     ] {
         let section = page[at(&format!("<h2 id=\"{id}\""))..].split("</section>").next().unwrap_or_default();
         let blocks = section.split("class=\"says\"").nth(1).and_then(|says| says.split("</div>").next());

@@ -12,22 +12,8 @@ const HEADER: &str = "truth,estimator,noise_mm,s_mm,angle_deg,force_n,samples,an
 
 /// A quick sweep with several values of each quantity.
 const SWEEP: [&str; 16] = [
-    "sweep",
-    PAPER,
-    "--truth",
-    "linear,corotational",
-    "--estimator",
-    "least-squares,ridge",
-    "--noise-mm",
-    "0.067,0",
-    "--force-n",
-    "3,0.5",
-    "--seeds",
-    "5",
-    "--places",
-    "12",
-    "--step-deg",
-    "40",
+    "sweep", PAPER, "--truth", "linear,corotational", "--estimator", "least-squares,ridge", "--noise-mm", "0.067,0",
+    "--force-n", "3,0.5", "--seeds", "5", "--places", "12", "--step-deg", "40",
 ];
 /// Output of [`SWEEP`].
 static SWEPT: LazyLock<String> = LazyLock::new(|| finray(&SWEEP).done());
@@ -37,20 +23,8 @@ const BLOCKS: usize = 2 * 12 * 5;
 const ROWS_IN_BLOCK: usize = 2 * 2 * 2;
 /// A quick map.
 const MAP: [&str; 14] = [
-    "map",
-    PAPER,
-    "--estimator",
-    "least-squares",
-    "--truth",
-    "linear",
-    "--noise-mm",
-    "0.067",
-    "--force-n",
-    "1,2",
-    "--seeds",
-    "5",
-    "--step-deg",
-    "40",
+    "map", PAPER, "--estimator", "least-squares", "--truth", "linear", "--noise-mm", "0.067", "--force-n", "1,2",
+    "--seeds", "5", "--step-deg", "40",
 ];
 
 fn with<'a>(command: &[&'a str], further: &[&'a str]) -> Vec<&'a str> {

@@ -54,16 +54,7 @@ fn a_killed_process_leaves_whole_blocks_to_go_on_with() {
     let folder = Folder::new();
     let out = folder.path("out.csv");
     let slow = [
-        "sweep",
-        PAPER,
-        "--estimator",
-        "least-squares",
-        "--noise-mm",
-        "0.067",
-        "--force-n",
-        "0.5,1,2",
-        "--seeds",
-        "50",
+        "sweep", PAPER, "--estimator", "least-squares", "--noise-mm", "0.067", "--force-n", "0.5,1,2", "--seeds", "50",
     ];
     let whole = finray(&slow).done();
     let mut run = command(&with(&slow, &["--out", &out])).spawn().expect("finray starts");

@@ -190,12 +190,8 @@ fn measured(view: &GreyView, shape: &RimShape, about: &Pixel, buffers: &mut Buff
     let radius_mm = disc.map_or(radius_mm, |disc| disc.outline.radius_mm);
     let missed = 1.0 - circle.share;
     let inner = inner_edge(view, shape, outer);
-    Rim { centre, pixel, radius_mm, sd_mm, rays_sd_mm: sd_mm, missed, outer, outer_sd_mm, disc, inner }.combined(
-        view,
-        shape,
-        outer_sd_mm,
-        1.0,
-    )
+    Rim { centre, pixel, radius_mm, sd_mm, rays_sd_mm: sd_mm, missed, outer, outer_sd_mm, disc, inner }
+        .combined(view, shape, outer_sd_mm, 1.0)
 }
 
 /// Returns the circle (mm, in the finger frame at the scene's camera pose) through the edges that rays from near `centre` find. Also returns the

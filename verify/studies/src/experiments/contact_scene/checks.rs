@@ -63,21 +63,15 @@ impl SceneStudy {
         let beyond_cone_n = over(&|step| worst(step.pressed.touches.iter().map(|touch| self.beyond_cone_n(touch))));
         let balance = |what: &str| self.on(Kind::Internal, what, "force balance");
         let mut checks = vec![
-            balance("sum of contact forces against the force on the clamps").vanishes(
-                "largest difference / force",
-                at_clamps,
-                BALANCE_TOLERANCE,
-            ),
+            balance("sum of contact forces against the force on the clamps")
+                .vanishes("largest difference / force", at_clamps, BALANCE_TOLERANCE),
             balance("moment of contact forces against that on the clamps").vanishes(
                 "largest difference / (force x length of the front plate)",
                 moment,
                 BALANCE_TOLERANCE,
             ),
-            self.on(Kind::Internal, "no overlap and no gap at a contact", "geometry").vanishes(
-                "largest overlap or gap, mm",
-                overlap_mm,
-                OVERLAP_TOLERANCE_MM,
-            ),
+            self.on(Kind::Internal, "no overlap and no gap at a contact", "geometry")
+                .vanishes("largest overlap or gap, mm", overlap_mm, OVERLAP_TOLERANCE_MM),
             self.on(Kind::Internal, "forces within the cone of friction", "Coulomb").vanishes(
                 "largest |tangential| - friction x normal, N",
                 beyond_cone_n,
@@ -112,17 +106,13 @@ impl SceneStudy {
         // With friction, the state of rest is not unique: it depends on the last micrometres of the path, in which lattice and beams differ.
         if self.friction == 0.0 {
             checks.push(
-                engine("shape against that in which rapier's lattice, beginning near it, comes to rest").vanishes(
-                    DISPLACEMENT,
-                    shape,
-                    ENGINE_TOLERANCE,
-                ),
+                engine("shape against that in which rapier's lattice, beginning near it, comes to rest")
+                    .vanishes(DISPLACEMENT, shape, ENGINE_TOLERANCE),
             );
-            checks.push(engine("sum of contact forces against that of rapier").vanishes(
-                "largest difference / force",
-                force,
-                ENGINE_FORCE_TOLERANCE,
-            ));
+            checks.push(
+                engine("sum of contact forces against that of rapier")
+                    .vanishes("largest difference / force", force, ENGINE_FORCE_TOLERANCE),
+            );
         }
         checks
     }

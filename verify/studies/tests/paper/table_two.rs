@@ -194,7 +194,8 @@ pub fn rows(cases: usize) -> Vec<Row> {
 
 /// In linear sensing of two neighbouring forces, linearisation causes large errors of each force but not of their sum; noise does not. The nonlinear
 /// estimator reaches the bound. The figures agree with an independent study of this protocol up to sampling error, and with the record.
-pub fn table_two_blames_linearisation() {
+#[test]
+fn table_two_blames_linearisation() {
     let sets: Vec<&[usize]> = vec![&[21], &[19], &[17], &[19, 20], &[16, 17], &[18, 20], &[16, 20]];
     assert_eq!(contact_sets(), sets, "the contact nodes of the paper's section V-C");
     let rows = rows(case_count(CASES, ENOUGH_CASES));

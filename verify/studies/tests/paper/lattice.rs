@@ -167,7 +167,8 @@ fn of_fineness(fineness: usize, loads: &Loads, beams: &Shapes) -> Vec<FinenessRo
 }
 
 /// Finer lattices are nearer to beams, with at least second order.
-pub fn finer_lattices_are_nearer_to_beams() {
+#[test]
+fn finer_lattices_are_nearer_to_beams() {
     let loads = Loads::all(&[-60.0, 0.0, 60.0], &FORCES_N);
     let beams = of_beams(&loads, Kinematics::Corotational);
     let finenesses = if is_full_study() { FINENESSES } else { 2..=3 };
@@ -203,7 +204,8 @@ struct AxialRow {
 
 /// The axial springs of a beam segment give the smallest error. Other axial springs give larger errors, also for small rotations, and without axial
 /// springs there is no equilibrium.
-pub fn axial_springs_must_be_those_of_a_beam() {
+#[test]
+fn axial_springs_must_be_those_of_a_beam() {
     // A stiffness 100 times as large changes displacements by 1e-3, relative.
     let beam = AxialSprings::OF_A_BEAM;
     let all = [
@@ -242,7 +244,8 @@ struct SettlingRow {
 
 /// With more solver sweeps per step, the lattice settles nearer to its equilibrium; only the error of the criterion for rest remains. In single
 /// precision, the error is larger. The solver converges most slowly for a load near the tip.
-pub fn few_sweeps_and_single_precision_rest_elsewhere() {
+#[test]
+fn few_sweeps_and_single_precision_rest_elsewhere() {
     let (lattice, loads) = (lattice(FINENESS), Loads::of(&[14], &[-50.0, 10.0], &[5.0]));
     let equilibria = of_lattice(&lattice, &loads).expect("equilibria");
     let settings = [
@@ -298,7 +301,8 @@ fn vanishes(kind: Kind, problem: String, source: &str, quantity: &str, ours: f64
 }
 
 /// Checks of lattice against beams, linear theory and settled shapes, of repeatability, and of sensing on the lattice.
-pub fn the_lattice_is_that_of_beams() {
+#[test]
+fn the_lattice_is_that_of_beams() {
     let lattice = lattice(FINENESS);
     let angles_deg: Vec<f64> = (-4..=4).map(|n| 15.0 * f64::from(n)).collect();
     let full = Loads::all(&angles_deg, &FORCES_N);

@@ -139,7 +139,8 @@ fn fit(set: &ZoneSet) -> (Finger, Vec<Fitted>) {
 }
 
 /// The shipped twin is the fit's finger, to the four digits of its scene. Other sets of zones fit Table I as well.
-pub fn the_twin_is_what_the_fit_finds() {
+#[test]
+fn the_twin_is_what_the_fit_finds() {
     let (all, twin) = (sets(), finger_of(TWIN_SCENE));
     let (finger, mut rows) = fit(&all[0]);
     let (ours, shipped) = (finger.description(), twin.description());
@@ -268,7 +269,8 @@ pub fn sensed_with_known_zones() -> Vec<ScatterRow> {
 
 /// The twin's errors have the shading of the paper's table: dark at node 14, grey at nodes 16 and 24, clear at nodes 18 to 22. They hardly depend on
 /// the load. Known zones make forces exact up to noise.
-pub fn the_twin_is_shaded_as_table_one() {
+#[test]
+fn the_twin_is_shaded_as_table_one() {
     let (twin, before) = (finger_of(TWIN_SCENE), uniform().swap_remove(0));
     let (after, _) = on_twin(&twin);
     assert!((after.modulus_factor - 1.0).abs() < 1e-3, "{}", after.modulus_factor);
@@ -332,7 +334,8 @@ pub fn the_twin_is_shaded_as_table_one() {
     assert_recorded("twin.csv", |_| true, (14..=24).enumerate().map(row).collect(), agree);
 }
 
-pub fn other_fingers_have_no_twin() {
+#[test]
+fn other_fingers_have_no_twin() {
     let other = paper().with_modulus_factor(1.1).expect("a finger");
     assert_eq!(twin_of(&other), Err(TwinError::NotThePapersFinger));
 }

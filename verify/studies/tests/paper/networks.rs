@@ -95,7 +95,8 @@ pub fn figures(recipe: &str) -> Vec<Figure> {
 }
 
 /// Justifies the value of [`SAME_FACTOR`]: for two contacts, the errors of all four seeds are within this factor of their mean.
-pub fn seeds_scatter_by_no_more_than_the_factor() {
+#[test]
+fn seeds_scatter_by_no_more_than_the_factor() {
     assert!(
         !reproduces(0.298, 0.198) && reproduces(0.298, 0.200) && reproduces(0.298, 0.446) && !reproduces(0.298, 0.448)
     );

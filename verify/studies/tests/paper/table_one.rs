@@ -93,7 +93,8 @@ struct Row {
     modulus_factor: f64,
 }
 
-pub fn table_one_is_recorded() {
+#[test]
+fn table_one_is_recorded() {
     let tables = uniform();
     let mut rows = Vec::new();
     for table in &tables {
@@ -133,7 +134,8 @@ pub fn table_one_is_recorded() {
 
 /// On a plane continuum with rods, the paper's protocol finds a wrong modulus. Its errors of the sensed force stay below half of the paper's error
 /// wherever the paper's error is large, and are negative at node 14.
-pub fn the_continuum_does_not_explain_the_papers_errors_at_tip_and_base() {
+#[test]
+fn the_continuum_does_not_explain_the_papers_errors_at_tip_and_base() {
     let truth = ExportedTruth::of(TruthId::Continuum, &calculix::PROGRAM, &calculix::PAPER).expect("an export");
     let tables = [-20.0, 0.0, 20.0].map(|angle_deg| table_one(&paper(), &truth, angle_deg, &[0.5, 1.0, 3.0]));
     let [least, most] = ends(tables.iter().map(|table| table.modulus_factor));

@@ -115,7 +115,8 @@ fn largest(figures: &[f64]) -> f64 {
 }
 
 /// Claims whose figures take at most some seconds, then those of a whole study of the paper's finger in a full run.
-pub fn claims_are_recorded() {
+#[test]
+fn claims_are_recorded() {
     let file = results_file("claims.csv");
     let rows: Result<Vec<Claim>, _> = csv::Reader::from_path(&file).expect("the claims").into_deserialize().collect();
     let mut ledger = Ledger(rows.expect("claims"));

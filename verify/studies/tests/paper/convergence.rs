@@ -104,7 +104,8 @@ fn without_measured_tolerance(check: Check) -> CheckRow {
 }
 
 /// Finer meshes err less, and the errors under 3 N on three meshes are within their tolerances.
-pub fn finer_meshes_err_less() {
+#[test]
+fn finer_meshes_err_less() {
     let agree = |a: &Row, b: &Row| (a.mesh_nodes, a.force_n) == (b.mesh_nodes, b.force_n) && same(a.error, b.error);
     let [others @ .., largest_n] = ReportForces::PAPER.of_maps_n();
     let of = rows(&[largest_n]);

@@ -277,7 +277,8 @@ fn worlds() -> [World; 2] {
 }
 
 /// A full study records every cell and region; another run compares some cells of the strongest practice.
-pub fn causes_are_recorded() {
+#[test]
+fn causes_are_recorded() {
     let near =
         |a: Option<f64>, b: Option<f64>| a.zip(b).map_or(a == b, |(a, b)| (a - b).abs() <= SAME * b.abs().max(SAME));
     let same = |a: &CellRow, b: &CellRow| {
@@ -339,7 +340,8 @@ pub fn causes_are_recorded() {
 }
 
 /// Zones are the cause of errors where they are, linearisation where all else is known, and what is left without every cause is noise at its bound.
-pub fn causes_are_where_they_are() {
+#[test]
+fn causes_are_where_they_are() {
     let [uniform, twin] = worlds();
     let share = |world: &World, practice: usize, contact, force_n, cause: Cause| {
         let causes = present(world.truth, PRACTICES[practice]);

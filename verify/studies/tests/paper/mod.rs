@@ -1,6 +1,6 @@
 //! Studies that concern only the paper's finger: its Tables I and II, one fit of Table I, its claims, causes of errors, meshes, and the finger as a
-//! lattice. `FINRAY_TEST_CASES=full cargo run --release -p finray-studies --example paper -- NAME...` records their results in `fixtures/results`,
-//! and the report shows these files. Without the variable, and as a test, the studies compare figures that take seconds with the record.
+//! lattice. `FINRAY_TEST_CASES=full cargo test --release -p finray-studies --test studies -- --test-threads=1 paper::` records their results in
+//! `fixtures/results`, and the report shows these files. Without the variable, the studies compare figures that take seconds with the record.
 
 mod causes;
 mod claims;
@@ -15,49 +15,6 @@ mod twin;
 use finray_studies::check::{Check, Kind};
 use finray_tests::assert_recorded;
 use serde::{Deserialize, Serialize};
-
-/// Declares the studies, each as a test and as a part of the program.
-macro_rules! studies {
-    ($($module:ident::$study:ident),+ $(,)?) => {
-        const STUDIES: &[(&str, fn())] = &[$((concat!(stringify!($module), "::", stringify!($study)), $module::$study)),+];
-
-        #[cfg(test)]
-        mod tests {
-            $(#[test]
-            fn $study() {
-                super::$module::$study();
-            })+
-        }
-    };
-}
-
-studies! {
-    causes::causes_are_recorded,
-    causes::causes_are_where_they_are,
-    claims::claims_are_recorded,
-    convergence::finer_meshes_err_less,
-    lattice::finer_lattices_are_nearer_to_beams,
-    lattice::axial_springs_must_be_those_of_a_beam,
-    lattice::few_sweeps_and_single_precision_rest_elsewhere,
-    lattice::the_lattice_is_that_of_beams,
-    networks::seeds_scatter_by_no_more_than_the_factor,
-    table_one::table_one_is_recorded,
-    table_one::the_continuum_does_not_explain_the_papers_errors_at_tip_and_base,
-    table_two::table_two_blames_linearisation,
-    twin::the_twin_is_what_the_fit_finds,
-    twin::the_twin_is_shaded_as_table_one,
-    twin::other_fingers_have_no_twin,
-}
-
-/// Runs the studies whose names contain one of the arguments; all of them without arguments.
-fn main() {
-    let asked: Vec<String> = std::env::args().skip(1).collect();
-    for (name, study) in STUDIES.iter().filter(|(name, _)| asked.is_empty() || asked.iter().any(|of| name.contains(of)))
-    {
-        println!("{name}");
-        study();
-    }
-}
 
 /// Forces of the paper's weights of 50 to 300 g, N (sec. V-A and V-B).
 const WEIGHTS_N: [f64; 6] = [0.4903325, 0.980665, 1.4709975, 1.96133, 2.4516625, 2.941995];
