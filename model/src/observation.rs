@@ -298,7 +298,8 @@ impl Reading {
         let stated_base = seen.base.and_then(|base| base.uncertainty).filter(|_| self.base_is_sought);
         let own_sds = stated_base.is_some();
         let mut rows = Vec::with_capacity(seen.markers.len());
-        for (index, marker) in seen.markers.iter().enumerate() {
+        let is_used = |marker: &ObservedMarker| !scene.missing_markers.contains(&marker.node);
+        for (index, marker) in seen.markers.iter().enumerate().filter(|(_, marker)| is_used(marker)) {
             let row = self.displacement(finger, marker).and_then(|displacement| {
                 let displacement =
                     if is_of_pose { placed(finger, &pose, marker.node, displacement) } else { displacement };

@@ -150,3 +150,21 @@ fn offsets_that_a_wrong_pose_finds_turn_with_the_plates() {
         assert!(missed < 0.1_f64.powi(2) * all, "{:.3} of {:.3}", missed.sqrt(), all.sqrt());
     }
 }
+
+/// A marker that is missing in the image of the unloaded finger may be anywhere near its node. A calibration from a photograph in which it was missing,
+/// too, stated errors of micrometres, and the frames that showed it contradicted every force.
+#[test]
+fn a_marker_without_offset_counts_nowhere() {
+    let complete = set_up(&scene(), &Vector6::zeros());
+    let scene = Scene { missing_markers: vec![NodeId(5)], ..complete.clone() };
+    let force = scene.finger.direction(0.0) * 2.0;
+    let seen = located(&scene, &Vector6::zeros(), Load::at_position(70.0, force), &mut random_stream(6703, 0));
+    let markers = |scene: &Scene| {
+        let sensed = seen.for_sensing(scene, true, None).expect("markers").measurement;
+        let calibrated = seen.for_calibration(scene).expect("markers").0.measurement;
+        [sensed, calibrated].map(|measurement| measurement.markers().iter().map(|it| it.node).collect::<Vec<_>>())
+    };
+    for (without, with) in markers(&scene).into_iter().zip(markers(&complete)) {
+        assert_eq!(without, with.into_iter().filter(|node| *node != NodeId(5)).collect::<Vec<_>>());
+    }
+}
