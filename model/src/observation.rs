@@ -298,7 +298,8 @@ impl Reading {
         let stated_base = seen.base.and_then(|base| base.uncertainty).filter(|_| self.base_is_sought);
         let own_sds = stated_base.is_some();
         let mut rows = Vec::with_capacity(seen.markers.len());
-        for (index, marker) in seen.markers.iter().enumerate() {
+        let is_used = |marker: &ObservedMarker| !scene.missing_markers.contains(&marker.node);
+        for (index, marker) in seen.markers.iter().enumerate().filter(|(_, marker)| is_used(marker)) {
             let row = self.displacement(finger, marker).and_then(|displacement| {
                 let displacement =
                     if is_of_pose { placed(finger, &pose, marker.node, displacement) } else { displacement };
@@ -418,6 +419,18 @@ pub fn nodes_of_markers(finger: &Finger, offsets: &[Vector], located: &[(NodeId,
     if offsets.is_empty() {
         return located.iter().map(|(_, at)| (*at, 0.0)).collect();
     }
+    let turns = plate_turns(finger, offsets, located);
+    let angles: Vec<f64> = turns.iter().map(UnitComplex::angle).collect();
+    let turn_sd_rad = CHORD_ERROR * root_mean_square(&angles);
+    let node = |((node, at), turn): (&(NodeId, Vector), &UnitComplex<f64>)| {
+        let offset = marker_offset(offsets, *node);
+        (at - turn * offset, turn_sd_rad * offset.norm())
+    };
+    located.iter().zip(&turns).map(node).collect()
+}
+
+/// Rotation of the plate at each located marker: that of the chord between the neighbouring markers.
+fn plate_turns(finger: &Finger, offsets: &[Vector], located: &[(NodeId, Vector)]) -> Vec<UnitComplex<f64>> {
     let plates = [Plate::Front, Plate::Back].map(|plate| finger.plate_nodes(plate));
     let rest = |node: NodeId| finger.marker_position(node) + marker_offset(offsets, node);
     let turn = |(node, _): &(NodeId, Vector)| {
@@ -428,14 +441,7 @@ pub fn nodes_of_markers(finger: &Finger, offsets: &[Vector], located: &[(NodeId,
         let [first, last] = [found[index.saturating_sub(1)], found[(index + 1).min(found.len() - 1)]];
         UnitComplex::rotation_between(&(rest(last.0) - rest(first.0)), &(last.1 - first.1))
     };
-    let turns: Vec<UnitComplex<f64>> = located.iter().map(turn).collect();
-    let angles: Vec<f64> = turns.iter().map(UnitComplex::angle).collect();
-    let turn_sd_rad = CHORD_ERROR * root_mean_square(&angles);
-    let node = |((node, at), turn): (&(NodeId, Vector), &UnitComplex<f64>)| {
-        let offset = marker_offset(offsets, *node);
-        (at - turn * offset, turn_sd_rad * offset.norm())
-    };
-    located.iter().zip(&turns).map(node).collect()
+    located.iter().map(turn).collect()
 }
 
 /// Whether the finger has a key node of this number.

@@ -17,7 +17,6 @@ pub use object::{ObjectDescription, ObjectMotion, Outline, Until};
 pub use touched::{ObjectFrame, ObjectPlace, TouchedDescription};
 pub use warning::SceneWarning;
 
-use crate::Vector;
 use crate::finger::{
     Fillets, Finger, FingerDescription, Joints, MarkerPoints, ModelError, Part, Plate, RibDescription, RibPositions,
     RigidEnds, SideFaces, StiffnessError, Strip, ThicknessError, Zone,
@@ -30,6 +29,7 @@ use crate::keys::{
 use crate::measurement::MarkerErrors;
 use crate::sensing::{AssemblyErrors, UnloadedError};
 use crate::validity::{SHEAR_CORRECTION, StrainLimits};
+use crate::{NodeId, Vector};
 use nalgebra::Vector6;
 use reader::{Document, TableReader};
 
@@ -61,6 +61,8 @@ pub struct Scene {
     /// Position of each key node's marker relative to the node, on the unloaded finger, mm, finger frame. Empty if markers are centred on their nodes.
     /// Images alone depend on these offsets: locators convert positions of markers to positions of nodes.
     pub marker_offsets: Vec<Vector>,
+    /// Nodes whose markers have unknown offsets, because the image from which the others are does not show them. No measurement contains them.
+    pub missing_markers: Vec<NodeId>,
     /// Reference marks on the base and the base's uncertainty, for a base that moves between images; `None` for a fixed base.
     pub base: Option<Base>,
     /// Possible deviations of the unloaded finger from its description; `None` if the scene states none.
@@ -103,6 +105,7 @@ impl Scene {
             pose_errors: Vec::new(),
             markers: None,
             marker_offsets: Vec::new(),
+            missing_markers: Vec::new(),
             base: None,
             assembly: None,
             contact: ContactDescription::default(),
@@ -192,6 +195,7 @@ impl Scene {
             pose_errors,
             markers: markers.discs,
             marker_offsets: markers.offsets,
+            missing_markers: markers.missing,
             base,
             assembly,
             contact,

@@ -18,7 +18,8 @@
 //!    with own standard deviations m_i have m = their root mean square, and the weight w_i = m / m_i; else w_i = 1.
 //!    The noise of compressed images is itself an estimate from k degrees of freedom (`together::located`); errors that are known raise k
 //!    ([`Measurement::noise_degrees_of_freedom`]). An error that all markers of such an image share adds to the uncertainty of the base
-//!    (`observation::shared_error`). Errors of the camera's pose become errors that all markers share (`observation::pose_errors`).
+//!    (`observation::shared_error`). Errors of the camera's pose, and of the offsets that it leads to, become errors that
+//!    all markers share (`observation::pose_errors`).
 //! 3. `beam_theory`: b = 0.34 `model_error` (largest displacement); m becomes hypot(m, b), and w_i follows. `model_error` is the scene's, see
 //!    [`Scene::model_error`](crate::scene::Scene). The result is the `marker_noise_mm` of the estimator, which scales priors and decides which minima explain the markers.
 //! 4. [`ResidualTest`](crate::sensing::ResidualTest): r = sqrt(Q / n), with the sum of squares Q of weighted residuals, priors and conditions of

@@ -261,6 +261,9 @@ tables! {
     offsets_mm: Pairs("[x, y] in mm, one for each key node in ascending order", Some(("offsets", LARGEST_MARKER_MM))), Optional,
         "Position of each marker of the unloaded finger relative to its node, along x and y of the finger frame. Without this key, markers are centred \
          on their nodes. `finray setup` writes this key.";
+    missing_nodes: NumberList(Quantity("node numbers", ""), Whole(1.0, 1000.0)), Or(Vec::new()),
+        "Nodes whose markers are missing in the image from which offsets_mm are. Their distances from their nodes are unknown, so that images that show \
+         them do not count them. `finray setup` writes this key.";
 }
 
 tables! {

@@ -114,6 +114,7 @@ pub(super) struct MarkersRead {
     pub on: MarkerPoints,
     pub errors: MarkerErrors,
     pub offsets: Vec<Vector>,
+    pub missing: Vec<NodeId>,
     pub discs: Option<Markers>,
 }
 
@@ -133,12 +134,14 @@ pub(super) fn read_markers(table: &TableReader) -> Result<MarkersRead, SceneErro
         MARKERS.noise_factor_of_mm.name,
         MARKERS.model_error_mm.name,
         MARKERS.offsets_mm.name,
+        MARKERS.missing_nodes.name,
     ];
     let of_look: Vec<_> =
         MARKERS.entries().iter().map(|entry| entry.name).filter(|name| !lookless.contains(name)).collect();
     let is_lookless = table.first_of(&lookless).is_some() && table.first_of(&of_look).is_none();
     let discs = if is_lookless { None } else { Some(read_discs(table)?) };
-    Ok(MarkersRead { on, errors, offsets, discs })
+    let missing = table.get(&MARKERS.missing_nodes)?.into_iter().map(|node| NodeId(node as usize)).collect();
+    Ok(MarkersRead { on, errors, offsets, missing, discs })
 }
 
 fn read_discs(table: &TableReader) -> Result<Markers, SceneError> {

@@ -1,10 +1,10 @@
 //! Errors of the camera's pose in the displacements of located markers, and in the intervals of forces.
 
 use finray_model::camera::{Camera, Pose};
-use finray_model::observation::{Observation, ObservedMarker};
+use finray_model::observation::{Observation, ObservedMarker, nodes_of_markers};
 use finray_model::sensing::{ContactQuestion, Direction};
 use finray_model::sensor::{Sensor, SensorContacts, SensorOptions, TWO_SIDED_95};
-use finray_model::{Kinematics, Load, Mesh, Scene, Vector, statics};
+use finray_model::{Kinematics, Load, Mesh, NodeId, Scene, Vector, statics};
 use finray_tests::{at_position, case_count, random_stream, share_error};
 use nalgebra::Vector6;
 use rand::RngExt;
@@ -29,25 +29,45 @@ fn camera(scene: &Scene, motion: &Vector6<f64>) -> Camera {
     Camera { lens: camera.lens, pose: pose.moved(motion) }
 }
 
-/// Markers under a load, as a camera whose pose differs by `motion` sees them, located with the scene's pose. Positions of the unloaded markers are those
-/// that this pose finds in an image of the unloaded finger.
-fn located(scene: &Scene, motion: &Vector6<f64>, load: Load, chance: &mut ChaCha8Rng) -> Observation {
-    let mesh = Mesh::with_elements_per_member(&scene.finger, 8);
-    let shape = statics::solve(&mesh, &[load], Kinematics::Corotational).expect("an equilibrium");
-    let (stated, real) = (camera(scene, &Vector6::zeros()), camera(scene, motion));
-    let marker = |node| {
-        let at_rest = scene.finger.marker_position(node);
-        let pixel = |at: Vector| real.project(&at.push(0.0)).expect("in view");
-        let found = |at| stated.on_plane(&pixel(at), 0.0).expect("on the plane");
-        let there = at_rest + shape.motion(node).marker_displacement(&scene.finger);
-        let noise =
-            Vector::from_fn(|_, _| NOISE_MM * <StandardNormal as Distribution<f64>>::sample(&StandardNormal, chance));
-        let displacement = found(there) - found(at_rest) + noise;
-        let (sd_mm, position) = (Some(NOISE_MM), Some(at_rest + displacement));
-        let displacement = Some(displacement);
-        ObservedMarker { node, pixel: Some(pixel(there)), position, displacement, sd_mm, own_sd_mm: sd_mm }
+/// Centres of markers on the nodes, mm, as a camera whose pose differs by `motion` sees them and the scene's pose locates them.
+fn found(scene: &Scene, motion: &Vector6<f64>, at: Vector) -> Vector {
+    let pixel = camera(scene, motion).project(&at.push(0.0)).expect("in view");
+    camera(scene, &Vector6::zeros()).on_plane(&pixel, 0.0).expect("on the plane")
+}
+
+/// The scene with the offsets of the markers that its pose finds in an image of the unloaded finger, which a camera of another pose has taken.
+fn set_up(scene: &Scene, motion: &Vector6<f64>) -> Scene {
+    let offset = |node| {
+        let node = NodeId(node);
+        found(scene, motion, scene.finger.marker_position(node)) - scene.finger.marker_position(node)
     };
-    Observation { markers: scene.finger.marked_nodes().map(marker).collect(), ..Observation::default() }
+    let marker_offsets = (1..=scene.finger.key_node_count()).map(offset).collect();
+    Scene { marker_offsets, ..scene.clone() }
+}
+
+/// Markers under a load in an image of a camera whose pose differs by `motion`, located with the scene's pose and offsets.
+fn located(scene: &Scene, motion: &Vector6<f64>, load: Load, chance: &mut ChaCha8Rng) -> Observation {
+    let finger = &scene.finger;
+    let mesh = Mesh::with_elements_per_member(finger, 8);
+    let shape = statics::solve(&mesh, &[load], Kinematics::Corotational).expect("an equilibrium");
+    let real = |node| finger.marker_position(node) + shape.motion(node).marker_displacement(finger);
+    let mut noise = |_, _| NOISE_MM * <StandardNormal as Distribution<f64>>::sample(&StandardNormal, chance);
+    let seen = finger.marked_nodes().map(|node| (node, found(scene, motion, real(node)) + Vector::from_fn(&mut noise)));
+    let seen: Vec<_> = seen.collect();
+    let marker = |(&(node, _), (at, _)): (&(NodeId, Vector), (Vector, f64))| {
+        let displacement = Some(at - finger.marker_position(node));
+        let pixel = camera(scene, motion).project(&real(node).push(0.0)).ok();
+        ObservedMarker {
+            node,
+            pixel,
+            position: Some(at),
+            displacement,
+            sd_mm: Some(NOISE_MM),
+            own_sd_mm: Some(NOISE_MM),
+        }
+    };
+    let markers = seen.iter().zip(nodes_of_markers(finger, &scene.marker_offsets, &seen)).map(marker).collect();
+    Observation { markers, ..Observation::default() }
 }
 
 /// A camera that looks straight at the finger from a distance larger by dz than assumed sees displacements that are smaller by dz over the distance.
@@ -55,6 +75,7 @@ fn located(scene: &Scene, motion: &Vector6<f64>, load: Load, chance: &mut ChaCha
 fn a_wrong_distance_scales_displacements() {
     let scene = scene();
     let load = Load::at_position(80.0, scene.finger.direction(0.0) * 2.0);
+    // Markers that are centred on their nodes.
     let seen = located(&scene, &Vector6::zeros(), load, &mut random_stream(6700, 0));
     let found = seen.for_sensing(&scene, true, None).expect("markers");
     let [_, _, depth] = found.measurement.shared_errors() else { panic!("{:?}", found.measurement.shared_errors()) };
@@ -86,8 +107,9 @@ fn intervals_hold_for_a_pose_that_was_found_in_an_image() {
             .sum();
         let force_n: f64 = chance.random_range(1.0..3.0);
         let contact = at_position(chance.random_range(40.0..110.0), chance.random_range(-25.0..25.0));
-        let seen = located(&scene, &motion, contact.load(&scene.finger, force_n), chance);
+        let seen = located(&set_up(&scene, &motion), &motion, contact.load(&scene.finger, force_n), chance);
         for (scene, squares) in [&scene, &exact].into_iter().zip(&mut squares) {
+            let scene = &set_up(scene, &motion);
             let contacts = SensorContacts::Asked(vec![ContactQuestion::new(None, Direction::Auto)]);
             let sensor = Sensor::new(scene.clone(), contacts, SensorOptions::default()).expect("a contact");
             let sensed = sensor.sense(&seen).expect("a force").forces[0];
@@ -101,4 +123,48 @@ fn intervals_hold_for_a_pose_that_was_found_in_an_image() {
     let share = held as f64 / cases as f64;
     assert!((share - 0.95).abs() < 0.01 + 2.5 * share_error(0.95, cases), "{held} of {cases}");
     assert!(2.0 * with < without, "{with} {without}");
+}
+
+/// With another pose, an image of the unloaded finger shows the markers beside their nodes, and the bent finger turns these offsets. Without them, the
+/// errors of the pose did not explain what a wrong pose does to the markers.
+#[test]
+fn offsets_that_a_wrong_pose_finds_turn_with_the_plates() {
+    let bare = scene();
+    let load = Load::at_position(80.0, bare.finger.direction(0.0) * 3.0);
+    let found = |motion: &Vector6<f64>| located(&set_up(&bare, motion), motion, load, &mut random_stream(6702, 0));
+    let exact = found(&Vector6::zeros());
+    for (k, error) in bare.pose_errors.iter().enumerate() {
+        // The stated pose locates what the camera of another pose sees, so that the error has the other sign.
+        let erroneous = found(&-error);
+        let missed_mm = |scene: &Scene| {
+            let sensed = exact.for_sensing(scene, true, None).expect("markers");
+            let pattern_mm = &sensed.measurement.shared_errors()[k].pattern_mm;
+            let missed = |(erroneous, exact): (&ObservedMarker, &ObservedMarker)| {
+                let by = erroneous.displacement.expect("located") - exact.displacement.expect("located");
+                (by - pattern_mm[exact.node.0 - 1]).norm_squared()
+            };
+            erroneous.markers.iter().zip(&exact.markers).map(missed).sum::<f64>().sqrt()
+        };
+        let [with_mm, without_mm] = [set_up(&bare, &Vector6::zeros()), bare.clone()].map(|scene| missed_mm(&scene));
+        println!("error {k}: {with_mm:.4} mm of the markers' motion are left, {without_mm:.4} mm without offsets");
+        assert!(4.0 * with_mm < without_mm, "{with_mm} {without_mm}");
+    }
+}
+
+/// A marker that is missing in the image of the unloaded finger may be anywhere near its node. A calibration from a photograph in which it was missing,
+/// too, stated errors of micrometres, and the frames that showed it contradicted every force.
+#[test]
+fn a_marker_without_offset_counts_nowhere() {
+    let complete = set_up(&scene(), &Vector6::zeros());
+    let scene = Scene { missing_markers: vec![NodeId(5)], ..complete.clone() };
+    let force = scene.finger.direction(0.0) * 2.0;
+    let seen = located(&scene, &Vector6::zeros(), Load::at_position(70.0, force), &mut random_stream(6703, 0));
+    let markers = |scene: &Scene| {
+        let sensed = seen.for_sensing(scene, true, None).expect("markers").measurement;
+        let calibrated = seen.for_calibration(scene).expect("markers").0.measurement;
+        [sensed, calibrated].map(|measurement| measurement.markers().iter().map(|it| it.node).collect::<Vec<_>>())
+    };
+    for (without, with) in markers(&scene).into_iter().zip(markers(&complete)) {
+        assert_eq!(without, with.into_iter().filter(|node| *node != NodeId(5)).collect::<Vec<_>>());
+    }
 }

@@ -172,11 +172,15 @@ fn scene_values(scene: &Scene, survey: &Survey, text: &str) -> Vec<(String, Stri
         let offsets: Vec<String> = (1..=scene.finger.key_node_count()).map(|node| offset(NodeId(node))).collect();
         let comment = format!("setup: +-{noise_mm:.4} mm, centres of the dots from their nodes");
         values.push((MARKERS.offsets_mm.path(), format!("[{}]", offsets.join(", ")), comment));
-        // A calibrated scene states its own error. Dots that are missing in this image may be as far from their nodes as the others.
-        let error_mm = if survey.missing.is_empty() { noise_mm } else { deviation_mm };
+        let missing: Vec<usize> = survey.missing.iter().map(|missing| missing.node.0).collect();
+        if !missing.is_empty() || !scene.missing_markers.is_empty() {
+            let comment = "setup: their distances from their nodes are unknown".to_owned();
+            values.push((MARKERS.missing_nodes.path(), format!("{missing:?}"), comment));
+        }
+        // A calibrated scene states its own error.
         if is_own || scene.marker_errors.calibration_error_mm == 0.0 {
             let comment = "setup: noise of the image from which offsets_mm are".to_owned();
-            values.push((MARKERS.model_error_mm.path(), format!("{:?}", (1e4 * error_mm).ceil() / 1e4), comment));
+            values.push((MARKERS.model_error_mm.path(), format!("{:?}", (1e4 * noise_mm).ceil() / 1e4), comment));
         }
     }
     values
