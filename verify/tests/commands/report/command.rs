@@ -92,29 +92,20 @@ fn a_report_that_cannot_be_made_leaves_nothing() {
 
 /// A finger 50 times softer than the paper's finger was once mapped for forces of up to 3 N, which it does not carry.
 #[test]
-fn a_soft_finger_is_reported_under_the_force_that_is_asked() {
-    let folder = Folder::new();
-    let soft = paper_with(&[("count = 11", "count = 2"), ("47.976", "0.96")]) + "[camera]\nnoise_mm = 0.0\n";
-    let soft = folder.put("soft.toml", soft);
-    let out = folder.path("report");
-    let said = finray(&["report", &soft, "--quick", "--force-n", "0.012", "--out", &out]).done();
-    assert_says(&said, &["for 0.002, 0.004, 0.008, 0.012 N"]);
-    let summary: Value = serde_json::from_str(&folder.read("report/summary.json")).expect("JSON");
-    assert_says(
-        array(&summary, "verdict")[0].as_str().expect("words"),
-        &["for forces of 0.002, 0.004, 0.008, 0.012 N in"],
-    );
-    let asked = [serde_json::json!([0.012]), serde_json::json!([0.002, 0.004, 0.008, 0.012])];
+fn a_finger_is_reported_under_the_force_that_is_asked() {
+    assert_says(&SPRING_STEELS.said, &["for 0.4, 0.8, 1.6, 2.4 N"]);
+    let summary = SPRING_STEELS.summary();
+    assert_says(array(&summary, "verdict")[0].as_str().expect("words"), &["for forces of 0.4, 0.8, 1.6, 2.4 N in"]);
+    let asked = [serde_json::json!([2.4]), serde_json::json!([0.4, 0.8, 1.6, 2.4])];
     for map in array(&summary, "maps") {
         assert!(asked.contains(&map["forces_n"]), "{map}");
     }
-    assert!(array(&summary, "explanations").iter().all(|entry| entry["force_n"] == 0.012));
+    assert!(array(&summary, "explanations").iter().all(|entry| entry["force_n"] == 2.4));
     // No page mentions 3 N, the force of the paper's finger.
-    let pages = names_in(Path::new(&out)).into_iter().filter(|name| name.ends_with(".html"));
-    let pages: String = pages.map(|name| folder.read(&format!("report/{name}"))).collect();
-    assert!(pages.contains("At rest and under 0.012 N") && !pages.contains(" 3 N"));
+    let pages = SPRING_STEELS.pages();
+    assert!(pages.contains("At rest and under 2.4 N") && !pages.contains(" 3 N"));
     for bad in ["0", "-1", "inf", "nan", "much"] {
-        let message = finray(&["report", &soft, "--quick", &format!("--force-n={bad}"), "--out", &out]).refused();
+        let message = finray(&["report", SPRING_STEEL, "--quick", &format!("--force-n={bad}")]).refused();
         assert_says(&message, &["--force-n", bad]);
     }
 }

@@ -15,7 +15,9 @@ pub struct Report {
 
 /// The report for the paper's finger.
 pub static PAPERS: LazyLock<Report> = LazyLock::new(|| Report::of("paper", &[], Some(OPENER)));
-pub static SPRING_STEELS: LazyLock<Report> = LazyLock::new(|| Report::of("spring-steel", &[SPRING_STEEL], None));
+/// The report for the spring-steel finger, under other forces than the paper's.
+pub static SPRING_STEELS: LazyLock<Report> =
+    LazyLock::new(|| Report::of("spring-steel", &[SPRING_STEEL, "--force-n", "2.4"], None));
 
 /// A script that replaces the browser. It records the page, runs for a while as a browser does, and records its end unless a later run has started.
 pub const OPENER: &str = r#"#!/bin/sh
