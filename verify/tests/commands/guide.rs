@@ -262,7 +262,7 @@ fn the_topics_are_listed() {
     }
     assert_says(&list, &["scene  "]);
     let refusal = finray(&["guide", "scenes"]).refused();
-    assert_says(&refusal, &["expected one of your-finger, sense, ", ", scene, found \"scenes\""]);
+    assert_says(&refusal, &["expected one of printed-finger, your-finger, sense, ", ", scene, found \"scenes\""]);
 }
 
 #[test]
