@@ -7,7 +7,7 @@
 
 use super::SETTLED_ANGLE_DEG;
 use super::correction::correct;
-use super::derivatives::{linearise, linearise_with_loads};
+use super::derivatives::linearise;
 use super::linearised::Seen;
 use super::problem::{ForceProblem, State};
 use super::search_history::SearchHistory;
@@ -18,11 +18,6 @@ use crate::sensing::SensingError;
 
 /// The search ends after this number of steps. From a good starting point, the search needs three steps.
 const MAX_STEPS: usize = 60;
-/// After this number of steps, derivatives include the effect of the shape on loads that follow it. Without this effect, a normal and weakly known
-/// unknowns such as thicknesses correct each other by little in each step.
-const SLOW: usize = 12;
-/// Largest turn of directions that follow the plate, degrees, in the last of more than [`SLOW`] steps: it changes a force by less than 2e-4 of the force.
-const SLOW_ANGLE_DEG: f64 = 0.01;
 /// Steps have converged when they change every unknown by less than this share of its scale. Steps have also converged when every combination of
 /// unknowns differs from its optimum by less than a hundredth of its standard deviation.
 const CONVERGENCE: Convergence = Convergence { relative_decrease: 1e-2 * 1e-2, step: 1e-7 };
@@ -47,12 +42,8 @@ struct Search<'s, 'm> {
     state: State,
     /// Largest motion of the markers in a step, mm.
     reach: TrustRegion,
-    /// Number of steps so far.
-    steps: usize,
-    /// Whether the last step left directions that follow the plate unchanged. After [`SLOW`] steps, derivatives predict how they turn, so that
-    /// they may turn a little (`is_almost_settled`).
+    /// Whether the last step left directions that follow the plate unchanged.
     is_settled: bool,
-    is_almost_settled: bool,
     /// Largest relative change of an unknown in the last step. The minimum may be near if the last step's largest relative change of an unknown does
     /// not exceed `near`.
     last_change: f64,
@@ -90,9 +81,7 @@ pub(super) fn search(
         history,
         state,
         reach: TrustRegion::of_scale(moved_mm),
-        steps: 0,
         is_settled: false,
-        is_almost_settled: false,
         last_change: f64::INFINITY,
         near: MAY_BE_NEAR,
         is_straight: true,
@@ -102,8 +91,9 @@ pub(super) fn search(
 
 impl Search<'_, '_> {
     fn run(mut self) -> Result<Option<Found>, SensingError> {
-        while self.steps < MAX_STEPS && !self.reach.is_exhausted() {
-            self.steps += 1;
+        let mut steps = 0;
+        while steps < MAX_STEPS && !self.reach.is_exhausted() {
+            steps += 1;
             let misfit_mm2 = self.misfit_mm2();
             let whole = self.state.solve(self.seen.measurement, 0.0)?;
             let end = match self.end_at(misfit_mm2, whole) {
@@ -113,20 +103,19 @@ impl Search<'_, '_> {
             match end {
                 None => {}
                 Some(End::Met) => return Ok(None),
-                Some(End::Minimum(further)) => return Ok(Some(self.found(further))),
+                Some(End::Minimum(further)) => return Ok(Some(self.found(steps + further))),
             }
         }
         if self.reach.is_exhausted() || self.last_change <= SMALL_ENOUGH {
-            return Ok(Some(self.found(0)));
+            return Ok(Some(self.found(steps)));
         }
         let forces = self.state.linearised.step.iter().take(self.problem.questions.len());
         let change_n = forces.fold(0.0, |m: f64, x| m.max(x.abs()));
-        Err(SensingError::NotConverged { iterations: self.steps, change_n })
+        Err(SensingError::NotConverged { iterations: steps, change_n })
     }
 
-    /// The minimum at the current state. `further` steps followed those of the search.
-    fn found(self, further: usize) -> Found {
-        Found { state: self.state, steps: self.steps + further, near: self.is_straight }
+    fn found(self, steps: usize) -> Found {
+        Found { state: self.state, steps, near: self.is_straight }
     }
 
     fn misfit_mm2(&self) -> f64 {
@@ -142,8 +131,7 @@ impl Search<'_, '_> {
         }
         let of_residual_mm2 = misfit_mm2 / self.seen.measurement.coordinate_count() as f64;
         let variance_mm2 = f64::max(self.seen.marker_noise_mm.unwrap_or(0.0).powi(2), of_residual_mm2);
-        let is_there =
-            (self.is_settled || self.is_almost_settled) && CONVERGENCE.is_small_decrease(next.decrease, variance_mm2);
+        let is_there = self.is_settled && CONVERGENCE.is_small_decrease(next.decrease, variance_mm2);
         if is_there || self.last_change <= self.near {
             let corrected = self.corrected();
             if corrected.is_some() {
@@ -169,9 +157,7 @@ impl Search<'_, '_> {
         let prediction = self.within_reach(whole)?;
         let change = self.problem.relative_change(&self.state);
         let mut next = self.state.clone();
-        let turn_deg = self.problem.advance(&mut next)?;
-        self.is_settled = turn_deg <= SETTLED_ANGLE_DEG;
-        self.is_almost_settled = self.steps > SLOW && turn_deg <= SLOW_ANGLE_DEG;
+        self.is_settled = self.problem.advance(&mut next)? <= SETTLED_ANGLE_DEG;
         let (followed, best) = follow_step(self.problem, &self.state, &mut next, self.seen.measurement, misfit_mm2);
         if let Ok(after_mm2) = followed {
             let slack = if self.is_settled { SETTLED_SLACK } else { TURNING_SLACK };
@@ -185,7 +171,7 @@ impl Search<'_, '_> {
         {
             self.arrive_at(state)?;
             self.reach.take_part(prediction, share);
-            (self.is_settled, self.is_almost_settled, self.last_change) = (false, false, f64::INFINITY);
+            (self.is_settled, self.last_change) = (false, f64::INFINITY);
             return Ok(self.history.meets(&self.state).then_some(End::Met));
         }
         self.reach.refuse(prediction, followed.err());
@@ -224,10 +210,7 @@ impl Search<'_, '_> {
 
     fn arrive_at(&mut self, state: State) -> Result<(), SensingError> {
         self.state = state;
-        match self.steps > SLOW {
-            true => linearise_with_loads(self.problem, &mut self.state)?,
-            false => linearise(self.problem, &mut self.state)?,
-        }
+        linearise(self.problem, &mut self.state)?;
         self.state.weigh(self.seen);
         Ok(())
     }
